@@ -141,8 +141,7 @@ pub fn tested() -> Case {
     case.recording = Recording::default().with(|recording| {
         recording.states = 3;
         recording.observations_per_state = 2;
-        recording.bin_width = 2.0;
-        recording.largest_force = 4.0;
+        recording.parameters = [("bin_width".to_string(), 2.0), ("largest_force".to_string(), 4.0)].into();
     });
     case
 }

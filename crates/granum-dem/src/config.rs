@@ -1,5 +1,7 @@
 //! Everything that defines a simulation, in SI units. Every [`Default`] is the sample of Antony, Zhou and Wang (2006).
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 pub use crate::contact::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
@@ -205,7 +207,7 @@ pub enum Spacing {
     Every(f64),
 }
 
-/// The times of observation by the sensors, and the bins of the force distribution.
+/// The times of observation by the sensors, and their parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Recording {
@@ -221,46 +223,13 @@ pub struct Recording {
     /// Number of observations averaged for one state, spread evenly over one interval around it.
     #[serde(alias = "looks")]
     pub observations_per_state: usize,
-    /// Width of a bin of `f = N/<N>`.
-    pub bin_width: f64,
-    /// Largest f with its own bin; larger forces are counted separately.
-    pub largest_force: f64,
     /// Names of sensors that are recorded beside those that always are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,
-    /// The critical state line, for the state parameter.
-    #[serde(default, skip_serializing_if = "CriticalState::is_absent")]
-    pub critical_state: CriticalState,
-}
-
-/// A critical state line `e_c = e_0 - lambda (p / 100 kPa)^xi` (Li and Wang 1998), if it is given.
-///
-/// ```
-/// use granum_dem::config::CriticalState;
-///
-/// let line = CriticalState { void_ratio: Some(0.9), ..CriticalState::default() };
-/// assert_eq!(line.line(), Some([0.9, 0.0, 0.7]));
-/// assert_eq!(CriticalState::default().line(), None);
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CriticalState {
-    /// Critical void ratio e_0 at zero mean stress.
-    pub void_ratio: Option<f64>,
-    /// Decrease lambda of the critical void ratio at 100 kPa; 0 if it is not given.
-    pub slope: Option<f64>,
-    /// Exponent xi of the mean stress; 0.7 if it is not given.
-    pub exponent: Option<f64>,
-}
-
-impl CriticalState {
-    /// `[e_0, lambda, xi]`; `None` without a void ratio.
-    pub fn line(&self) -> Option<[f64; 3]> {
-        Some([self.void_ratio?, self.slope.unwrap_or(0.0), self.exponent.unwrap_or(0.7)])
-    }
-
-    fn is_absent(&self) -> bool {
-        *self == CriticalState::default()
-    }
+    /// Values given to parameters of sensors, in SI units, by key; the others have their defaults. The sensors declare their
+    /// parameters.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Default for Recording {
@@ -270,10 +239,8 @@ impl Default for Recording {
             spacing: Spacing::Equal,
             snapshots: Vec::new(),
             observations_per_state: 20,
-            bin_width: 0.25,
-            largest_force: 6.0,
             sensors: Vec::new(),
-            critical_state: CriticalState::default(),
+            parameters: BTreeMap::new(),
         }
     }
 }

@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use granum_core::assembly::{Assembly, Contact, Grain, Vector};
-use granum_dem::config::{CriticalState, Recording};
+use granum_dem::config::Recording;
 use granum_sensors::{Recorder, SensorError, Sensors};
 
 fn main() -> Result<(), SensorError> {
@@ -31,13 +31,12 @@ fn main() -> Result<(), SensorError> {
 
 /// Seconds an observation, the least of five goes.
 fn time(assembly: &Assembly, sensors: &Sensors, name: Option<&str>) -> Result<f64, SensorError> {
-    let critical_state = CriticalState { void_ratio: Some(0.7), ..CriticalState::default() };
     let observations = 40;
     let recording = Recording::default().with(|recording| {
         recording.states = observations;
         recording.observations_per_state = 1;
         recording.sensors = name.into_iter().map(String::from).collect();
-        recording.critical_state = critical_state;
+        recording.parameters = [("critical_void_ratio".to_string(), 0.7)].into();
     });
     let mut least = f64::INFINITY;
     for _ in 0..5 {

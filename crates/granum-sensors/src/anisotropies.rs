@@ -20,14 +20,14 @@ use granum_dem::invariants::deviator;
 use crate::fabric::fabric;
 use crate::ratio::mean;
 use crate::tensor::{add_dyad, scaled, signed_size, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Anisotropies;
 
 impl Sensor for Anisotropies {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "anisotropies",
             "anisotropies of contacts and forces, and the stress ratio that follows from them",
         )

@@ -6,14 +6,14 @@
 
 use granum_core::Part;
 
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Attraction;
 
 impl Sensor for Attraction {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "attraction",
             "energy of additional adhesion, and number of separated pairs that it attracts",
         )

@@ -12,7 +12,7 @@ use granum_core::geometry::{apply, determinant, invert};
 use crate::force_chains::Chains;
 use crate::numerics::acos_degrees;
 use crate::ratio::{mean, ratio};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// Smallest decrease of the angle of a segment that counts as buckling, degrees.
 const BEND: f64 = 2.0;
@@ -23,8 +23,8 @@ const INTERVAL: f64 = 0.01;
 pub struct ChainBuckling;
 
 impl Sensor for ChainBuckling {
-    fn description(&self) -> Description {
-        Description::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)")
             .columns([
                 SensorColumn::new(
                     "buckling_fraction",

@@ -11,14 +11,14 @@ use granum_core::assembly::{Assembly, Contact, Vector};
 use granum_core::geometry::apply;
 
 use crate::ratio::{mean, ratio};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct ContactMotion;
 
 impl Sensor for ContactMotion {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "contact_motion",
             "rolling against sliding at the contacts, from the motion of the grains",
         )

@@ -14,14 +14,14 @@ use granum_core::Part;
 use granum_core::assembly::Contact;
 
 use crate::ratio::mean;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct CoordinationNumbers;
 
 impl Sensor for CoordinationNumbers {
-    fn description(&self) -> Description {
-        Description::new("coordination", "mean number of contacts per grain, by several definitions")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("coordination", "mean number of contacts per grain, by several definitions")
             .columns([
                 SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
                 SensorColumn::new(

@@ -7,7 +7,7 @@
 use granum_core::Part;
 
 use crate::ratio::mean;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// Number of classes.
 pub const CLASSES: usize = 5;
@@ -16,8 +16,8 @@ pub const CLASSES: usize = 5;
 pub struct CoordinationBySize;
 
 impl Sensor for CoordinationBySize {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "coordination_by_size",
             "mean number of contacts of the grains of each fifth by size",
         )

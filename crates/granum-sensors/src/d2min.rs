@@ -17,7 +17,7 @@ use granum_core::{Assembly, Part};
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
 use crate::tensor::add_dyad;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// Largest distance of a neighbour, in largest diameters.
 const REACH: f64 = 1.5;
@@ -26,8 +26,8 @@ const REACH: f64 = 1.5;
 pub struct D2Min;
 
 impl Sensor for D2Min {
-    fn description(&self) -> Description {
-        Description::new("d2min", "local rearrangement that is no strain, between two observations")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("d2min", "local rearrangement that is no strain, between two observations")
             .columns([
                 SensorColumn::new(
                     "d2min",

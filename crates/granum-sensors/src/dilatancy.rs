@@ -12,14 +12,14 @@ use granum_core::assembly::Matrix;
 use crate::numerics::asin_degrees;
 use crate::ratio::ratio;
 use crate::tensor::{eigenvalues, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Dilatancy;
 
 impl Sensor for Dilatancy {
-    fn description(&self) -> Description {
-        Description::new("dilatancy", "dilatancy angle of the strain between two observations")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations")
             .columns([SensorColumn::new(
                 "dilatancy_angle",
                 "deg",

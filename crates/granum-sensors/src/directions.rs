@@ -10,7 +10,7 @@ use granum_core::assembly::{Contact, Matrix};
 
 use crate::ratio::ratio;
 use crate::tensor::{add_dyad, principal, scaled, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Directions;
@@ -44,14 +44,14 @@ macro_rules! columns {
 }
 
 impl Sensor for Directions {
-    fn description(&self) -> Description {
+    fn description(&self) -> SensorDescription {
         let forces: &'static [Part] = &[Part::NormalForces];
         let columns = [
             columns!("contact_fabric", "<n n>", &[]),
             columns!("force_fabric", "<N n n> / <N>", forces),
             columns!("branch_fabric", "<l l> / <l . l>", &[]),
         ];
-        Description::new(
+        SensorDescription::new(
             "directions",
             "principal values and directions of contacts, normal forces and branches",
         )

@@ -7,15 +7,15 @@
 //! resist rolling, the right-hand side also includes `rolling_work` of [`crate::rolling`], and if an adhesion law acts, the change of
 //! energy and the loss of [`crate::attraction`].
 
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct Energy;
 
 impl Sensor for Energy {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "energy",
             "stored energies and the energy balance of work and losses since the start of the phase",
         )

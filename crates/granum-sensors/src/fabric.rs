@@ -10,14 +10,14 @@ use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
 
 use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Fabric;
 
 impl Sensor for Fabric {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "fabric",
             "Satake's fabric tensor and its deviator, also for strong and weak contacts separately",
         )

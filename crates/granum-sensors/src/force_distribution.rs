@@ -9,16 +9,19 @@
 
 use crate::numerics::{ln, mills_ratio};
 use crate::ratio::mean;
-use crate::{Bins, Description, Histogram, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{
+    Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, SensorParameter, Values,
+};
 use granum_core::Part;
+use granum_core::quantity::Dimension;
 use granum_dem::config::Recording;
 
 /// The sensor.
 pub struct ForceDistribution;
 
 impl Sensor for ForceDistribution {
-    fn description(&self) -> Description {
-        Description::new("force_distribution", "moments and tail of the distribution of f = N/<N>")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("force_distribution", "moments and tail of the distribution of f = N/<N>")
             .columns([
                 SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
                 SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),
@@ -35,11 +38,13 @@ impl Sensor for ForceDistribution {
                     "log-likelihood per contact with f > 1, exponential minus half-Gaussian",
                 ),
             ])
+            .parameters([BIN_WIDTH, LARGEST_FORCE])
             .needing(&[Part::Contacts, Part::NormalForces])
     }
 
     fn histograms(&self, recording: &Recording) -> Vec<Bins> {
-        vec![bins(recording.bin_width, recording.largest_force)]
+        let [width, largest] = bins_of(recording);
+        vec![bins(width, largest)]
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
@@ -71,6 +76,24 @@ impl Sensor for ForceDistribution {
             count(observation, histogram);
         }
     }
+}
+
+/// Width of a bin of f, also of the overlaps.
+pub const BIN_WIDTH: SensorParameter =
+    SensorParameter::new("bin_width", Dimension::NUMBER, 0.25, [0.001, 10.0], "Width of a bin of f = N/<N>.");
+
+/// Largest f with a bin of its own, also of the overlaps.
+pub const LARGEST_FORCE: SensorParameter = SensorParameter::new(
+    "largest_force",
+    Dimension::NUMBER,
+    6.0,
+    [0.1, 1000.0],
+    "Largest f with a bin of its own; larger forces are counted separately.",
+);
+
+/// The values of [`BIN_WIDTH`] and [`LARGEST_FORCE`].
+pub fn bins_of(recording: &Recording) -> [f64; 2] {
+    [BIN_WIDTH, LARGEST_FORCE].map(|parameter| parameter.value(recording).unwrap_or_default())
 }
 
 /// The bins of f from [`SMALLEST_FORCE`] on.
@@ -174,8 +197,8 @@ mod tests {
     /// The histogram of an assembly.
     fn counted(assembly: &granum_core::assembly::Assembly, bin_width: f64, largest_force: f64) -> Histogram {
         let recording = Recording::default().with(|recording| {
-            recording.bin_width = bin_width;
-            recording.largest_force = largest_force;
+            recording.parameters =
+                [(BIN_WIDTH.key.into(), bin_width), (LARGEST_FORCE.key.into(), largest_force)].into();
         });
         let mut histogram = ForceDistribution.histograms(&recording)[0].empty();
         count(&Observation::new(assembly), &mut histogram);

@@ -8,14 +8,14 @@ use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Vector};
 
 use crate::ratio::{mean, ratio};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct GranularTemperature;
 
 impl Sensor for GranularTemperature {
-    fn description(&self) -> Description {
-        Description::new("granular_temperature", "mean square of the fluctuating velocities and spins")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("granular_temperature", "mean square of the fluctuating velocities and spins")
             .columns([
                 SensorColumn::new("granular_temperature", "m2/s2", "T = <(v' - <v'>)^2> / 3"),
                 SensorColumn::new("rotational_temperature", "m2/s2", "<(R omega)^2> / 3")

@@ -5,15 +5,15 @@
 //! scaling, since it is computed from the masses), p the measured mean stress. 0 where p is not positive.
 
 use crate::solid_fraction::grain_volume;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct InertialNumber;
 
 impl Sensor for InertialNumber {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "inertial_number",
             "ratio of inertial forces to confinement; quasi-static below about 1e-3",
         )

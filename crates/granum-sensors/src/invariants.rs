@@ -7,14 +7,14 @@ use granum_dem::invariants::{
 };
 
 use crate::ratio::ratio;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor. It is recorded in tests that are given as stages: the series of the paper's test keeps its columns.
 pub struct Invariants;
 
 impl Sensor for Invariants {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "invariants",
             "arc length of the strain path, shear strains, and invariants of stress and strain",
         )

@@ -23,6 +23,7 @@ pub mod contact_motion;
 pub mod coordination;
 pub mod coordination_by_size;
 pub mod d2min;
+mod declared;
 pub mod dilatancy;
 pub mod directions;
 pub mod energy;
@@ -43,6 +44,7 @@ mod numerics;
 mod observation;
 pub mod overlap;
 pub mod overlap_distribution;
+mod parameter;
 pub mod plasticity;
 pub mod radial_distribution;
 mod ratio;
@@ -67,11 +69,14 @@ pub mod void_ratio;
 #[cfg(test)]
 mod lattice;
 
+pub use declared::{DeclaredParameter, OWN_KEYS, added_sensors_with_parameters};
 pub use histogram::{Bins, Histogram};
 pub use observation::Observation;
+pub use parameter::{ParameterDefault, SensorParameter};
 pub use record::{Histograms, Record, RecordError};
 pub use recorder::{MissedObservations, Recorder, SavedRecorder};
 pub use registry::{
-    LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, measure_row,
+    LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, declared_parameters,
+    measure_row,
 };
-pub use sensor::{Averaging, Description, Memory, Sensor, SensorColumn, Values};
+pub use sensor::{Averaging, Memory, Sensor, SensorColumn, SensorDescription, Values};

@@ -16,7 +16,7 @@ use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// Distance up to which neighbours are searched first, over the largest radius.
 const FIRST_REACH: f64 = 4.0;
@@ -25,8 +25,8 @@ const FIRST_REACH: f64 = 4.0;
 pub struct LocalSolidFraction;
 
 impl Sensor for LocalSolidFraction {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "local_solid_fraction",
             "solid fraction of each grain's cell in the radical Voronoi tessellation",
         )

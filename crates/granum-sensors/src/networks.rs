@@ -13,14 +13,14 @@ use granum_dem::invariants::deviator;
 use crate::fabric::fabric;
 use crate::ratio::{mean, ratio};
 use crate::tensor::{contract, scaled, signed_size, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Networks;
 
 impl Sensor for Networks {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "networks",
             "stress and fabric of the strong and the weak contacts, without reference to an axis",
         )

@@ -12,14 +12,14 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
 use crate::ratio::{mean, ratio};
-use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct NonaffineDisplacement;
 
 impl Sensor for NonaffineDisplacement {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "nonaffine_displacement",
             "motion of the grains relative to the uniform strain of the cell",
         )

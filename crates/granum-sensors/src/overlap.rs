@@ -1,15 +1,15 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a reasonable model while it is small (below about 1e-2).
 
 use crate::ratio::ratio;
-use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct Overlap;
 
 impl Sensor for Overlap {
-    fn description(&self) -> Description {
-        Description::new("overlap", "overlap of the grains in contact")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("overlap", "overlap of the grains in contact")
             .columns([SensorColumn::new(
                 "largest_overlap",
                 "1",

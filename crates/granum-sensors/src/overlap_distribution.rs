@@ -8,26 +8,31 @@ use granum_core::Part;
 use granum_core::assembly::Contact;
 use granum_dem::config::Recording;
 
+use crate::force_distribution::{BIN_WIDTH, LARGEST_FORCE, bins_of};
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct OverlapDistribution;
 
 impl Sensor for OverlapDistribution {
-    fn description(&self) -> Description {
-        Description::new("overlap_distribution", "distribution of the overlaps of contacts in compression")
-            .columns([SensorColumn::new(
-                "mean_overlap",
-                "1",
-                "mean alpha / (R_i + R_j) of the contacts with alpha > 0",
-            )])
-            .needing(&[Part::Radii, Part::Contacts, Part::Overlaps])
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
+            "overlap_distribution",
+            "distribution of the overlaps of contacts in compression",
+        )
+        .columns([SensorColumn::new(
+            "mean_overlap",
+            "1",
+            "mean alpha / (R_i + R_j) of the contacts with alpha > 0",
+        )])
+        .parameters([BIN_WIDTH, LARGEST_FORCE])
+        .needing(&[Part::Radii, Part::Contacts, Part::Overlaps])
     }
 
     fn histograms(&self, recording: &Recording) -> Vec<Bins> {
-        let bins = Bins::new("overlaps", "overlap", "1").width(recording.bin_width);
-        vec![bins.range(0.0, recording.largest_force)]
+        let [width, largest] = bins_of(recording);
+        vec![Bins::new("overlaps", "overlap", "1").width(width).range(0.0, largest)]
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

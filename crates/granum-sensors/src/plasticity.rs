@@ -6,14 +6,14 @@
 
 use granum_core::Part;
 
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Plasticity;
 
 impl Sensor for Plasticity {
-    fn description(&self) -> Description {
-        Description::new("plasticity", "energy lost by plastic deformation of contacts")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("plasticity", "energy lost by plastic deformation of contacts")
             .columns([
                 SensorColumn::new("plastic_loss", "J", "lost by plastic deformation of contacts").optional()
             ])

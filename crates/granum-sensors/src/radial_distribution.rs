@@ -12,7 +12,7 @@ use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Description, Histogram, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// Width of a bin, and the largest distance, in mean diameters.
 const WIDTH: f64 = 0.05;
@@ -22,8 +22,8 @@ const FARTHEST: f64 = 5.0;
 pub struct RadialDistribution;
 
 impl Sensor for RadialDistribution {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "radial_distribution",
             "distances of pairs of centres, for the radial distribution function",
         )

@@ -331,7 +331,7 @@ mod tests {
         let recording = Recording::default().with(|recording| {
             recording.states = 3;
             recording.observations_per_state = 2;
-            recording.bin_width = 0.1;
+            recording.parameters = [("bin_width".to_string(), 0.1)].into();
             recording.sensors = sensors;
         });
         let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3).unwrap();

@@ -4,15 +4,15 @@
 //! `rolling_work = change of elastic rolling energy + rolling_loss`; the loss in dashpots against rolling is part of
 //! `damping_loss`.
 
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct Rolling;
 
 impl Sensor for Rolling {
-    fn description(&self) -> Description {
-        Description::new("rolling", "energy of rolling and twisting, where contacts resist them")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them")
             .columns([
                 SensorColumn::new(
                     "elastic_rolling_energy",

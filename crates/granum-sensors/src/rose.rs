@@ -5,7 +5,7 @@
 //! `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
 use crate::ratio::{mean, ratio};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// Number of bins.
@@ -29,8 +29,8 @@ pub const EDGE_COSINES: [f64; BINS + 1] = [
 pub struct RoseOfContacts;
 
 impl Sensor for RoseOfContacts {
-    fn description(&self) -> Description {
-        Description::new("rose", "contact normals and forces by their angle to the axis of compression")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("rose", "contact normals and forces by their angle to the axis of compression")
             .columns([
                 SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
                 SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),

@@ -7,14 +7,14 @@
 use granum_core::Part;
 use granum_core::assembly::Matrix;
 
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct SecondOrderWork;
 
 impl Sensor for SecondOrderWork {
-    fn description(&self) -> Description {
-        Description::new("second_order_work", "second-order work between two observations")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("second_order_work", "second-order work between two observations")
             .columns([SensorColumn::new(
                 "second_order_work",
                 "Pa",

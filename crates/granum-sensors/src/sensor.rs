@@ -5,6 +5,7 @@ use granum_dem::config::Recording;
 
 use crate::Observation;
 use crate::histogram::{Bins, Histogram};
+use crate::parameter::SensorParameter;
 
 /// How the observations around a recorded state are reduced to one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,38 +62,52 @@ impl SensorColumn {
 /// The description of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Description {
+pub struct SensorDescription {
     /// Its name, with which a case requests it.
     pub name: &'static str,
     /// What it measures, in one line.
     pub help: &'static str,
     /// Its columns.
     pub columns: Vec<SensorColumn>,
+    /// Its parameters, which a case gives as keys of `[recording]`.
+    pub parameters: Vec<SensorParameter>,
     /// The parts of an assembly that it needs.
     pub needs: Vec<Part>,
     /// True if it compares an observation with the previous one, so that it cannot be evaluated on a single assembly.
     pub remembers: bool,
 }
 
-impl Description {
+impl SensorDescription {
     /// A sensor without columns, which needs nothing.
-    pub fn new(name: &'static str, help: &'static str) -> Description {
-        Description { name, help, columns: Vec::new(), needs: Vec::new(), remembers: false }
+    pub fn new(name: &'static str, help: &'static str) -> SensorDescription {
+        SensorDescription {
+            name,
+            help,
+            columns: Vec::new(),
+            parameters: Vec::new(),
+            needs: Vec::new(),
+            remembers: false,
+        }
     }
 
     /// The same sensor with these columns.
-    pub fn columns(self, columns: impl IntoIterator<Item = SensorColumn>) -> Description {
-        Description { columns: columns.into_iter().collect(), ..self }
+    pub fn columns(self, columns: impl IntoIterator<Item = SensorColumn>) -> SensorDescription {
+        SensorDescription { columns: columns.into_iter().collect(), ..self }
+    }
+
+    /// The same sensor with these parameters.
+    pub fn parameters(self, parameters: impl IntoIterator<Item = SensorParameter>) -> SensorDescription {
+        SensorDescription { parameters: parameters.into_iter().collect(), ..self }
     }
 
     /// The same sensor, which needs these parts of an assembly.
-    pub fn needing(self, parts: &[Part]) -> Description {
-        Description { needs: parts.to_vec(), ..self }
+    pub fn needing(self, parts: &[Part]) -> SensorDescription {
+        SensorDescription { needs: parts.to_vec(), ..self }
     }
 
     /// The same sensor, which compares an observation with the previous one.
-    pub fn remembering(self) -> Description {
-        Description { remembers: true, ..self }
+    pub fn remembering(self) -> SensorDescription {
+        SensorDescription { remembers: true, ..self }
     }
 }
 
@@ -107,24 +122,31 @@ pub type Memory = Vec<f64>;
 /// For any finite assembly every value must be a finite number: a mean over nothing is 0.
 ///
 /// ```
+/// use granum_core::quantity::Dimension;
 /// use granum_core::{Assembly, Part};
 /// use granum_dem::config::Recording;
-/// use granum_sensors::{Bins, Description, Observation, Memory, Sensor, SensorColumn, Sensors, Values};
+/// use granum_sensors::*;
 ///
-/// /// The radii of the grains: a scalar, a histogram, and a number that is remembered.
+/// /// Where the histogram ends; a case gives it as `recording.largest_radius`.
+/// const LARGEST: SensorParameter =
+///     SensorParameter::new("largest_radius", Dimension::LENGTH, 1e-3, [1e-9, 1.0], "Largest radius with a bin of its own");
+///
+/// /// The radii of the grains: a scalar, a histogram, a parameter, and a number that is remembered.
 /// struct Sizes;
 ///
 /// impl Sensor for Sizes {
-///     fn description(&self) -> Description {
-///         Description::new("sizes", "how large the grains are")
+///     fn description(&self) -> SensorDescription {
+///         SensorDescription::new("sizes", "how large the grains are")
 ///             .columns([
 ///                 SensorColumn::new("largest_radius", "m", "the largest radius"),
 ///                 SensorColumn::new("grain_gain", "1", "grains that came since the last observation"),
 ///             ])
+///             .parameters([LARGEST])
 ///             .needing(&[Part::Radii])
 ///     }
-///     fn histograms(&self, _: &Recording) -> Vec<Bins> {
-///         vec![Bins::new("radii", "radius", "m").width(1e-5).range(0.0, 1e-3)]
+///     fn histograms(&self, recording: &Recording) -> Vec<Bins> {
+///         let largest = LARGEST.value(recording).unwrap_or(1e-3);
+///         vec![Bins::new("radii", "radius", "m").width(1e-5).range(0.0, largest)]
 ///     }
 ///     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
 ///         let radii = || observation.assembly.grains.iter().map(|grain| grain.radius);
@@ -142,7 +164,7 @@ pub type Memory = Vec<f64>;
 /// ```
 pub trait Sensor: Send + Sync {
     /// Its name, its columns, and what it needs.
-    fn description(&self) -> Description;
+    fn description(&self) -> SensorDescription;
 
     /// The bins of its histograms, for a recording.
     fn histograms(&self, recording: &Recording) -> Vec<Bins> {
@@ -150,9 +172,9 @@ pub trait Sensor: Send + Sync {
         Vec::new()
     }
 
-    /// The parameter that the sensor needs and the recording does not have, with the key to set; `None` if nothing is missing. A
-    /// recording that names the sensor without this parameter is refused.
-    fn lacks(&self, recording: &Recording) -> Option<&'static str> {
+    /// The reason why the sensor cannot be used with the parameters of a recording, with the key to set; `None` if it can. A recording
+    /// that names the sensor is then refused. Parameters that are [needed](SensorParameter::needed) are checked beside that.
+    fn lacks(&self, recording: &Recording) -> Option<String> {
         let _ = recording;
         None
     }

@@ -2,15 +2,15 @@
 //!
 //! Relative error `p/p_target - 1`; 0 where the servo has no target for the mean stress.
 
-use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct Servo;
 
 impl Sensor for Servo {
-    fn description(&self) -> Description {
-        Description::new("servo", "relative error of the mean stress against the target of the servo")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("servo", "relative error of the mean stress against the target of the servo")
             .columns([
                 SensorColumn::new(
                     "servo_error_rms",

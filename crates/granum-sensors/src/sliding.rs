@@ -1,15 +1,15 @@
 //! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
 
 use crate::ratio::mean;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct Sliding;
 
 impl Sensor for Sliding {
-    fn description(&self) -> Description {
-        Description::new("sliding", "contacts whose tangential force is at the friction limit")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("sliding", "contacts whose tangential force is at the friction limit")
             .columns([
                 SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
                 SensorColumn::new(

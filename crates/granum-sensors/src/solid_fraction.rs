@@ -1,15 +1,15 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, with overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
 use crate::ratio::ratio;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct SolidFraction;
 
 impl Sensor for SolidFraction {
-    fn description(&self) -> Description {
-        Description::new("solid_fraction", "volume of the grains over the volume of the cell")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell")
             .columns([SensorColumn::new(
                 "solid_fraction",
                 "1",

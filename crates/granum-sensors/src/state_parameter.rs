@@ -5,26 +5,64 @@
 //! `recording.critical_void_ratio`, `critical_slope` and `critical_exponent` (Li and Wang 1998; xi is about 0.7 for sand).
 
 use granum_core::Part;
+use granum_core::quantity::Dimension;
 use granum_dem::config::Recording;
 use granum_simd::exp;
 
 use crate::numerics::ln;
 use crate::void_ratio::void_ratio;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, SensorParameter, Values};
 
 /// Reference stress of the critical state line, Pa.
 const REFERENCE: f64 = 1e5;
+
+/// Critical void ratio e_0.
+pub const VOID_RATIO: SensorParameter = SensorParameter::new(
+    "critical_void_ratio",
+    Dimension::NUMBER,
+    0.0,
+    [0.01, 10.0],
+    "Critical void ratio e_0 at zero mean stress: e_c = e_0 - critical_slope (p / 100 kPa)^critical_exponent",
+)
+.needed("the critical state line is not known");
+
+/// Slope lambda of the line; 0 where it is not given.
+pub const SLOPE: SensorParameter = SensorParameter::new(
+    "critical_slope",
+    Dimension::NUMBER,
+    0.0,
+    [0.0, 10.0],
+    "Decrease of the critical void ratio from zero mean stress to 100 kPa",
+)
+.optional("0");
+
+/// Exponent xi of the mean stress; 0.7 where it is not given.
+pub const EXPONENT: SensorParameter = SensorParameter::new(
+    "critical_exponent",
+    Dimension::NUMBER,
+    0.7,
+    [0.01, 10.0],
+    "Exponent of the mean stress in the critical state line",
+)
+.optional("0.7");
+
+/// The critical state line `[e_0, lambda, xi]` of a recording; `None` without a void ratio.
+pub fn line_of(recording: &Recording) -> Option<[f64; 3]> {
+    let slope = SLOPE.value(recording).unwrap_or(0.0);
+    Some([VOID_RATIO.value(recording)?, slope, EXPONENT.value(recording).unwrap_or(0.7)])
+}
 
 /// The sensor.
 pub struct StateParameter;
 
 impl Sensor for StateParameter {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "state_parameter",
             "void ratio less that of the critical state at the same mean stress",
         )
         .columns([SensorColumn::new("state_parameter", "1", "psi = e - e_c(p), negative in a dense sample")])
+        .parameters([VOID_RATIO, SLOPE, EXPONENT])
         .needing(&[
             Part::Cell,
             Part::Radii,
@@ -34,16 +72,9 @@ impl Sensor for StateParameter {
         ])
     }
 
-    fn lacks(&self, recording: &Recording) -> Option<&'static str> {
-        let absent = recording.critical_state.line().is_none();
-        absent.then_some(
-            "it needs the critical state line: set recording.critical_void_ratio, with critical_slope and critical_exponent",
-        )
-    }
-
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let psi = |line| void_ratio(observation) - critical_void_ratio(line, observation.stress.mean());
-        values.push(observation.recording.critical_state.line().map_or(0.0, psi));
+        values.push(line_of(observation.recording).map_or(0.0, psi));
     }
 }
 
@@ -66,10 +97,12 @@ mod tests {
     use super::*;
     use crate::lattice;
     use crate::{SensorError, Sensors};
-    use granum_dem::config::CriticalState;
 
-    fn line(void_ratio: f64, slope: f64) -> CriticalState {
-        CriticalState { void_ratio: Some(void_ratio), slope: Some(slope), exponent: Some(0.7) }
+    /// A recording with a critical state line.
+    fn with_line(void_ratio: f64, slope: f64) -> Recording {
+        Recording::default().with(|recording| {
+            recording.parameters = [(VOID_RATIO.key.into(), void_ratio), (SLOPE.key.into(), slope)].into();
+        })
     }
 
     /// The published line of Toyoura sand, 0.934 - 0.019 (p / 101 kPa)^0.7, has the form; here with the stress of reference.
@@ -85,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_dense_lattice_lies_below_and_a_loose_one_above_the_line() {
-        let recording = Recording::default().with(|recording| recording.critical_state = line(0.6, 0.01));
+        let recording = with_line(0.6, 0.01);
         let psi = |assembly: &granum_core::Assembly| {
             let mut row = Vec::new();
             let observation = Observation::new(assembly).with_recording(&recording);
@@ -110,13 +143,13 @@ mod tests {
         let error = sensors.of_test(&recording, false).unwrap_err();
         assert!(matches!(error, SensorError::Lacks { .. }));
         assert!(error.to_string().contains("set recording.critical_void_ratio"), "{error}");
-        recording.critical_state = line(0.8, 0.02);
+        recording.parameters = with_line(0.8, 0.02).parameters;
         assert!(sensors.of_test(&recording, false).is_ok());
         let measured = sensors.measure(&lattice::simple_cubic(3, 1e-4, 0.0, 0.0), granum_core::Parts::all());
         assert_eq!(measured.value("state_parameter"), None);
         let told: Vec<String> = measured.left_out.iter().map(|left_out| left_out.to_string()).collect();
         assert!(
-            told.iter().any(|line| line.starts_with("state_parameter: it needs the critical state line")),
+            told.iter().any(|line| line.starts_with("state_parameter: the critical state line is not known")),
             "{told:?}"
         );
     }

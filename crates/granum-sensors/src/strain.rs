@@ -8,14 +8,14 @@ use granum_core::Part;
 use granum_core::assembly::Assembly;
 
 use crate::tensor::{deviator, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct Strain;
 
 impl Sensor for Strain {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "strain",
             "strain of the cell since the start of the phase, compression positive, and the simulated time",
         )

@@ -15,14 +15,14 @@ use granum_core::assembly::{Matrix, Vector};
 use crate::ratio::ratio;
 pub use crate::stress_tensor::Stress;
 use crate::tensor::{deviator, trace};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct StressSensor;
 
 impl Sensor for StressSensor {
-    fn description(&self) -> Description {
-        Description::new(
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
             "stress",
             "stress tensor of the elastic contact forces and the parts of its deviator",
         )

@@ -6,21 +6,29 @@
 //! use maxima, some divide by the largest contact force, which gives a smaller value.
 
 use crate::ratio::{mean, ratio};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 
 /// The sensor.
 pub struct UnbalancedForce;
 
 impl Sensor for UnbalancedForce {
-    fn description(&self) -> Description {
-        Description::new("unbalanced_force", "mean resultant force on a grain over the mean contact force")
-            .columns([SensorColumn::new(
-                "unbalanced_force",
-                "1",
-                "mean |resultant force| over grains / mean |contact force| over contacts",
-            )])
-            .needing(&[Part::ResultantForces, Part::Contacts, Part::NormalForces, Part::TangentialForces])
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(
+            "unbalanced_force",
+            "mean resultant force on a grain over the mean contact force",
+        )
+        .columns([SensorColumn::new(
+            "unbalanced_force",
+            "1",
+            "mean |resultant force| over grains / mean |contact force| over contacts",
+        )])
+        .needing(&[
+            Part::ResultantForces,
+            Part::Contacts,
+            Part::NormalForces,
+            Part::TangentialForces,
+        ])
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

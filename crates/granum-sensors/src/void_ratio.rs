@@ -5,14 +5,14 @@ use granum_core::Part;
 
 use crate::ratio::ratio;
 use crate::solid_fraction::grain_volume;
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
 pub struct VoidRatio;
 
 impl Sensor for VoidRatio {
-    fn description(&self) -> Description {
-        Description::new("void_ratio", "volume of the voids over the volume of the grains")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("void_ratio", "volume of the voids over the volume of the grains")
             .columns([SensorColumn::new(
                 "void_ratio",
                 "1",

@@ -21,6 +21,7 @@ pub use granum_antony2006::{
     Form, Mapping, MappingNetworks, Study, StudyData, StudyDataOptions, StudyOptions,
 };
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
+pub use granum_core::quantity::Dimension;
 pub use granum_core::{Cell, Column, Part, Parts, Table};
 pub use granum_dem::config::{
     ContactModel, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
@@ -42,6 +43,6 @@ pub use granum_run::{
     Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Source, Task, TestResult,
 };
 pub use granum_sensors::{
-    Bins, Description, Histogram, Memory, Observation, Record, Sensor, SensorColumn, Sensors, Values,
-    column_index, measure_row,
+    Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,
+    Sensors, Values, column_index, measure_row,
 };

@@ -1,19 +1,30 @@
-//! A sensor with a column and a histogram: the root mean square of the fluctuating velocities, and the distribution of the speeds
-//! over it.
+//! A sensor with a column, a histogram and a parameter: the root mean square of the fluctuating velocities, and the distribution of
+//! the speeds over it up to `recording.largest_speed`.
 
 use granum::prelude::*;
 
 pub struct FluctuatingSpeeds;
 
+/// Case files know it from the moment when the sensor is added.
+const LARGEST_SPEED: SensorParameter = SensorParameter::new(
+    "largest_speed",
+    Dimension::NUMBER,
+    4.0,
+    [0.5, 100.0],
+    "Largest speed with a bin of its own",
+);
+
 impl Sensor for FluctuatingSpeeds {
-    fn description(&self) -> Description {
-        Description::new("fluctuating_speeds", "fluctuating motion of the grains")
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new("fluctuating_speeds", "fluctuating motion of the grains")
             .columns([SensorColumn::new("fluctuating_speed", "m/s", "root mean square of v'")])
+            .parameters([LARGEST_SPEED])
             .needing(&[Part::Velocities])
     }
 
-    fn histograms(&self, _: &Recording) -> Vec<Bins> {
-        vec![Bins::new("speeds", "speed", "1").width(0.1).range(0.0, 4.0)]
+    fn histograms(&self, recording: &Recording) -> Vec<Bins> {
+        let largest = LARGEST_SPEED.value(recording).unwrap_or(4.0);
+        vec![Bins::new("speeds", "speed", "1").width(0.1).range(0.0, largest)]
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

@@ -24,6 +24,7 @@ unbalanced_force = 0.01
 [recording]
 observations_per_state = 4
 sensors = ["fluctuating_speeds"]
+largest_speed = 3
 [[stage]]
 path = "biaxial-at-constant-mean"
 axial_strain = 0.02
@@ -32,7 +33,7 @@ states = 8
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // From here on case files know the law and the path by their names, and their parameters by their keys.
+    // From here on case files know the law, the path and the sensor by their names, and their parameters by their keys.
     granum::law::register_rolling(RollingKind::new(&rolling_spring::RollingSpring))?;
     granum::path::register(&biaxial::BIAXIAL)?;
     let laboratory = Laboratory::here()
@@ -52,6 +53,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for k in 0..strain.len() {
         println!("{:.4}  {:.3}  {:.2e}", strain[k], ratio[k], speed[k]);
     }
+    let bins = test.record.histograms("speeds").first().map_or(0, Histogram::bins);
+    assert_eq!(bins, 30, "the case gives the parameter of the sensor");
     let speeds = test.record.histograms("speeds").iter().map(Histogram::total).sum::<u64>();
     let rolled = test.simulation.assembly().energy.rolling;
     println!("{speeds} speeds were counted; {rolled:.2e} J were lost by rolling");

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use granum_core::quantity::format_number;
+
 use super::definition::Case;
 use super::field::Field;
 use super::fields::FIELDS;
@@ -48,6 +50,8 @@ impl Case {
     /// ```
     pub fn values(&self) -> CaseValues {
         let mut values: CaseValues = FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
+        let undeclared = self.undeclared_parameters();
+        values.extend(undeclared.map(|(key, value)| (format!("recording.{key}"), format_number(value))));
         values.extend(self.material_values());
         if self.has_stages() {
             values.insert(STAGE.into(), self.stages_toml().trim().replace('\n', "; "));

@@ -10,9 +10,12 @@ use super::stage::is_unused_with_stages;
 /// Sections that determine the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
 
+/// Parameters of sensors that are in every digest, since they were keys of the first cases.
+const ALWAYS: [&str; 2] = ["recording.bin_width", "recording.largest_force"];
+
 /// Keys that were added after the first digests had been published: they are omitted where they are not in use, so that a
 /// case without them keeps its digest.
-const LATER: [&str; 23] = [
+const LATER: [&str; 20] = [
     "grains.distribution",
     "grains.smallest",
     "grains.largest",
@@ -29,9 +32,6 @@ const LATER: [&str; 23] = [
     "recording.strains",
     "recording.snapshots",
     "recording.sensors",
-    "recording.critical_void_ratio",
-    "recording.critical_slope",
-    "recording.critical_exponent",
     "contact.rolling",
     "contact.adhesion",
     "contact.rupture_coefficient",
@@ -79,6 +79,13 @@ impl Case {
                 Some(_) => false,
             };
             let later = LATER.contains(&field.path().as_str());
+            if field.is_of_sensor() && !ALWAYS.contains(&field.path().as_str()) {
+                let given = self.recording.parameters.get(field.key);
+                if let Some(value) = given.filter(|_| field.is_of_granum_sensor()) {
+                    text.push_str(&format!("{}={:016x}\n", field.path(), value.to_bits()));
+                }
+                continue;
+            }
             if unused && (field.is_of_law() || field.is_of_sizes() || later) {
                 continue;
             }
@@ -99,6 +106,12 @@ impl Case {
                 }
             };
             text.push_str(&format!("{}={value}\n", name(field)));
+        }
+        if wanted("recording") {
+            // These have a place of their own, so that the digest is the same in a program that does not know the sensor.
+            for (key, value) in self.parameters_of_other_sensors() {
+                text.push_str(&format!("recording.{key}={:016x}\n", value.to_bits()));
+            }
         }
         if wanted("grains.material") {
             text.push_str(&self.materials_for_digest());

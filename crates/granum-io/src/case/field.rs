@@ -7,6 +7,7 @@ use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::contact::{Parameter, Unit, check, registry};
 use granum_dem::sizes;
+use granum_sensors::{DeclaredParameter, ParameterDefault, SensorParameter};
 
 /// A value of a field in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +82,13 @@ pub(super) enum Kind {
     Law(&'static Parameter),
     /// A parameter of size distributions, in use where the chosen one has it.
     Size(&'static sizes::Parameter),
+    /// A parameter of sensors, with the word for "not given" and its meaning where it can be left out, and whether the sensors are
+    /// granum's.
+    Sensor {
+        parameter: SensorParameter,
+        absent: Option<[&'static str; 2]>,
+        of_granum: bool,
+    },
     /// A sieve curve.
     Curve {
         /// The word for no curve, with its meaning.
@@ -122,6 +130,41 @@ impl Field {
         let help = format!("{}; with {}.", parameter.meaning.trim_end_matches('.'), names.join(" or "));
         let example = format_number(parameter.default);
         Field { section: "grains", key: parameter.key, help, example, kind: Kind::Size(parameter) }
+    }
+
+    /// The field of a parameter that sensors declare.
+    pub(super) fn of_sensor(declared: &DeclaredParameter) -> Field {
+        let parameter = declared.parameter;
+        let absent = match parameter.default {
+            ParameterDefault::Absent(meaning) | ParameterDefault::Needed(meaning) => Some(["none", meaning]),
+            _ => None,
+        };
+        let example = match parameter.default_value() {
+            Some(value) => in_si(value, &parameter),
+            None => "none".into(),
+        };
+        let meaning = parameter.meaning.trim_end_matches('.');
+        let help = match declared.always {
+            true => format!("{meaning}."),
+            false => format!("{meaning}; of the sensor {}.", any_of_words(&declared.sensors)),
+        };
+        Field {
+            section: "recording",
+            key: parameter.key,
+            help,
+            example,
+            kind: Kind::Sensor { parameter, absent, of_granum: declared.of_granum },
+        }
+    }
+
+    /// True if the field is a parameter of sensors that come with granum.
+    pub(super) fn is_of_granum_sensor(&self) -> bool {
+        matches!(self.kind, Kind::Sensor { of_granum: true, .. })
+    }
+
+    /// True if the field is a parameter of sensors.
+    pub(super) fn is_of_sensor(&self) -> bool {
+        matches!(self.kind, Kind::Sensor { .. })
     }
 
     /// True if the field is a parameter of size distributions.
@@ -178,6 +221,7 @@ impl Field {
                 let known = used.iter().find(|known| known.key == parameter.key)?;
                 Some(Value::Number(Some(case.grains.sizes.value(known))))
             }
+            Kind::Sensor { parameter, .. } => Some(Value::Number(parameter.value(&case.recording))),
             Kind::Curve { get, .. } => Some(Value::Curve(get(case))),
         }
     }
@@ -194,7 +238,7 @@ impl Field {
 
     /// True if the value of the field is a number that may have a fractional part.
     pub(super) fn is_real(&self) -> bool {
-        matches!(self.kind, Kind::Number { .. } | Kind::Law(_) | Kind::Size(_))
+        matches!(self.kind, Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) | Kind::Sensor { .. })
     }
 
     /// True if the value of the field is one of several names.
@@ -219,6 +263,13 @@ impl Field {
             (Kind::Size(parameter), Value::Number(Some(value))) => {
                 case.grains.sizes.values.insert(parameter.key.to_string(), value);
             }
+            (Kind::Sensor { parameter, .. }, Value::Number(value)) => {
+                // As with laws, the default counts as not given.
+                match value.filter(|value| parameter.default_value() != Some(*value)) {
+                    Some(value) => case.recording.parameters.insert(parameter.key.to_string(), value),
+                    None => case.recording.parameters.remove(parameter.key),
+                };
+            }
             (Kind::Law(parameter), Value::Number(Some(value))) => {
                 // The default counts as not given, so that a case with every key written out is the same case.
                 if value == parameter.default {
@@ -238,11 +289,11 @@ impl Field {
     /// A sentence that continues "key = value": what is wrong and what would be right.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         match &self.kind {
-            Kind::Number { dimension, absent, .. } => {
+            Kind::Number { absent, .. } | Kind::Sensor { absent, .. } => {
                 if absent.is_some_and(|[word, _]| word == text.trim()) {
                     return Ok(Value::Number(None));
                 }
-                let value = parse_quantity(text, *dimension).map_err(|why| match absent {
+                let value = parse_quantity(text, self.dimension()).map_err(|why| match absent {
                     Some([word, meaning]) => format!("{why}, or {word:?} ({meaning})"),
                     None => why,
                 })?;
@@ -381,6 +432,7 @@ impl Field {
             }
             Kind::Law(parameter) => parameter.bounds,
             Kind::Size(parameter) => parameter.bounds,
+            Kind::Sensor { parameter, .. } => parameter.bounds,
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -396,6 +448,10 @@ impl Field {
             }
             Kind::Size(parameter) => {
                 let [low, high] = parameter.bounds.map(format_number);
+                format!("from {low} to {high}")
+            }
+            Kind::Sensor { parameter, .. } => {
+                let [low, high] = parameter.bounds.map(|bound| in_si(bound, parameter));
                 format!("from {low} to {high}")
             }
             Kind::Curve { .. } => sieve::bounds_text(),
@@ -415,7 +471,7 @@ impl Field {
     /// The keyword or the names that the field accepts apart from numbers, each with its meaning.
     pub(super) fn words(&self) -> &[[&'static str; 2]] {
         match &self.kind {
-            Kind::Number { absent, .. } => absent.as_slice(),
+            Kind::Number { absent, .. } | Kind::Sensor { absent, .. } => absent.as_slice(),
             Kind::Choice { options, .. } => options,
             Kind::List { absent, .. } | Kind::Names { absent, .. } | Kind::Curve { absent, .. } => {
                 std::slice::from_ref(absent)
@@ -449,9 +505,18 @@ impl Field {
     /// The SI unit of the field; empty where there is none.
     pub fn si_unit(&self) -> String {
         match &self.kind {
-            Kind::Number { dimension, .. } | Kind::List { dimension, .. } => dimension.si_unit(),
+            Kind::Number { .. } | Kind::List { .. } | Kind::Sensor { .. } => self.dimension().si_unit(),
             Kind::Law(parameter) => parameter.unit.symbol.to_string(),
             _ => String::new(),
+        }
+    }
+
+    /// The dimension of a number, a list of numbers or a parameter of sensors.
+    fn dimension(&self) -> Dimension {
+        match &self.kind {
+            Kind::Number { dimension, .. } | Kind::List { dimension, .. } => *dimension,
+            Kind::Sensor { parameter, .. } => parameter.dimension,
+            _ => Dimension::NUMBER,
         }
     }
 
@@ -459,8 +524,10 @@ impl Field {
     #[cfg(test)]
     pub(super) fn draw(&self, place: f64) -> Value {
         match &self.kind {
-            Kind::Number { absent: Some(_), .. } if place < 0.2 => Value::Number(None),
-            Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) => {
+            Kind::Number { absent: Some(_), .. } | Kind::Sensor { absent: Some(_), .. } if place < 0.2 => {
+                Value::Number(None)
+            }
+            Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) | Kind::Sensor { .. } => {
                 let [low, high] = self.number_bounds();
                 Value::Number(Some((low + place * (high - low)).clamp(low, high)))
             }
@@ -486,6 +553,16 @@ impl Field {
 /// A number with the SI unit of a parameter.
 fn with_unit(value: f64, parameter: &Parameter) -> String {
     format!("{} {}", format_number(value), parameter.unit.symbol).trim_end().to_string()
+}
+
+/// A number with the SI unit of a parameter of sensors.
+fn in_si(value: f64, parameter: &SensorParameter) -> String {
+    format!("{} {}", format_number(value), parameter.dimension.si_unit()).trim_end().to_string()
+}
+
+/// "a, b or c".
+fn any_of_words(words: &[&str]) -> String {
+    any_of(&words.iter().map(|word| (*word).to_string()).collect::<Vec<_>>())
 }
 
 /// A stiffness has the dimension of an energy per area; the message names the kind of the parameter instead.

@@ -19,6 +19,9 @@ pub fn field(path: &str) -> Option<&'static Field> {
 /// computed from the old names and do not change.
 pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
 
+/// Key of the sensors that a case names.
+const SENSORS: &str = "recording.sensors";
+
 /// Help and meaning of every section, in the order of the file.
 pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["grains", "The grains: how many and how large."],
@@ -92,16 +95,16 @@ fn entry(section: &'static str, key: &'static str, help: &'static str, example: 
 }
 
 /// All keys of the case file, in the order of the file: those of the case, with the parameters of all contact laws that are
-/// registered inserted after `contact.damping`.
+/// registered inserted after `contact.damping`, and with those that sensors declare in the section `[recording]`.
 pub static FIELDS: Fields = Fields(RwLock::new(None));
 
-/// A list of fields that grows when a contact law is registered.
+/// A list of fields that grows when a contact law is registered or a sensor with a parameter is added.
 pub struct Fields(RwLock<Option<Known>>);
 
-/// The fields while so many laws of the caller's own are registered.
+/// The fields while so many laws and sensors of the caller's own are registered.
 #[derive(Clone, Copy)]
 struct Known {
-    registered: usize,
+    registered: [usize; 2],
     fields: &'static [Field],
 }
 
@@ -112,23 +115,31 @@ impl Fields {
     }
 
     fn known(&self) -> &'static [Field] {
-        let registered = registry::registered();
+        let registered = [registry::registered(), granum_sensors::added_sensors_with_parameters()];
         let known = *self.0.read().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = known.filter(|known| known.registered == registered) {
             return known.fields;
         }
-        // References to fields live as long as the program; laws are registered a few times at most.
-        let fields: &'static [Field] = Vec::leak(with_parameters_of_laws(fields()));
+        // References to fields live as long as the program; laws and sensors are registered a few times at most.
+        let fields: &'static [Field] = Vec::leak(with_declared_parameters(fields()));
         *self.0.write().unwrap_or_else(PoisonError::into_inner) = Some(Known { registered, fields });
         fields
     }
 }
 
-fn with_parameters_of_laws(mut fields: Vec<Field>) -> Vec<Field> {
+/// The fields with the parameters that size distributions, contact laws and sensors declare. Those of sensors that are recorded where
+/// a case names them follow `recording.sensors`; those of the usual ones are the last of the section.
+fn with_declared_parameters(mut fields: Vec<Field>) -> Vec<Field> {
     let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
     fields.splice(after..after, sizes::parameters().into_iter().map(Field::of_sizes));
     let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
     fields.splice(after..after, registry::parameters().into_iter().map(Field::of_law));
+    let (usual, named): (Vec<_>, Vec<_>) =
+        granum_sensors::declared_parameters().into_iter().partition(|declared| declared.always);
+    let after = fields.iter().position(|field| field.path() == SENSORS).map_or(0, |at| at + 1);
+    fields.splice(after..after, named.iter().map(Field::of_sensor));
+    let after = fields.iter().rposition(|field| field.section == "recording").map_or(0, |at| at + 1);
+    fields.splice(after..after, usual.iter().map(Field::of_sensor));
     fields
 }
 
@@ -338,18 +349,8 @@ fn fields() -> Vec<Field> { vec![
         get: |case| case.recording.sensors.clone(),
         set: |case, names| case.recording.sensors = names,
     }),
-    entry("recording", "critical_void_ratio", "Critical void ratio e_0 at zero mean stress, for the sensor state_parameter: e_c = e_0 - critical_slope (p / 100 kPa)^critical_exponent.", "none",
-        optional!(NUMBER, "0.01"..="10", "none": "the critical state line is not known", recording.critical_state.void_ratio)),
-    entry("recording", "critical_slope", "Decrease of the critical void ratio from zero mean stress to 100 kPa.", "none",
-        optional!(NUMBER, "0"..="10", "none": "0", recording.critical_state.slope)),
-    entry("recording", "critical_exponent", "Exponent of the mean stress in the critical state line.", "none",
-        optional!(NUMBER, "0.01"..="10", "none": "0.7", recording.critical_state.exponent)),
     entry("recording", "observations_per_state", "Observations averaged for one recorded state, spread evenly over one interval of strain around it.", "20",
         count!(1..=100_000, recording.observations_per_state)),
-    entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",
-        number!(NUMBER, "0.001"..="10", recording.bin_width)),
-    entry("recording", "largest_force", "Largest f with a bin of its own; larger forces are counted separately.", "6",
-        number!(NUMBER, "0.1"..="1000", recording.largest_force)),
 
     entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact; shortened where contact.damping is above 0.1.", "0.2",
         number!(NUMBER, "0.0001"..="1", numerics.time_step_factor)),

@@ -22,6 +22,7 @@ mod reader;
 mod reading;
 mod rules;
 mod schema;
+mod sensor_parameters;
 mod sieve;
 mod stage;
 mod stage_read;

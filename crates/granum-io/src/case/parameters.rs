@@ -82,6 +82,9 @@ impl Case {
                 ));
             }
         }
+        for (key, value) in self.undeclared_parameters() {
+            all.push(CaseParameter::new(format!("recording.{key}"), "", ParameterValue::Number(value)));
+        }
         for (key, field, value) in self.material_fields() {
             let (unit, value) = match field {
                 Some(field) => (field.si_unit(), of_field(&value, &field.toml(&value))),

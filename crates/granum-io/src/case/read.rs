@@ -1,6 +1,6 @@
 //! Reading a case file: all mistakes are reported at once, each with its position and what would be right.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::Path;
@@ -18,6 +18,7 @@ use super::fields::{FIELDS, RENAMED, SECTIONS, field};
 use super::reader::{Reader, scalar};
 use super::reading::Reading;
 use super::rules::RULES;
+use super::sensor_parameters;
 use super::sieve;
 use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
 use super::suggestion;
@@ -47,7 +48,10 @@ impl Case {
         let text = crate::text::read_small(path, LARGEST_FILE)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let recorded = path.file_name() == Some(OsStr::new(CASE)) && folder.join(RECORD).is_file();
-        let reading = Reading { bare_numbers: reading.bare_numbers || recorded, ..reading };
+        let reading = match recorded {
+            true => Reading { outside: reading.outside, ..Reading::recorded() },
+            false => reading,
+        };
         Case::parse_in(&text, &path.shown(), folder, reading)
     }
 
@@ -88,6 +92,7 @@ impl Case {
             preparation_stages: Vec::new(),
             materials: Vec::new(),
             pairs: Vec::new(),
+            undeclared_parameters: BTreeMap::new(),
         };
         reader.table(document.get_ref(), "");
         reader.check_rate();
@@ -104,6 +109,7 @@ impl Case {
                 field.apply(&mut case, value.clone());
             }
         }
+        case.recording.parameters.append(&mut reader.undeclared_parameters);
         let (materials, pairs) = (std::mem::take(&mut reader.materials), std::mem::take(&mut reader.pairs));
         if !(materials.is_empty() && pairs.is_empty()) {
             case.grains.mixture = reader.mixture(&case, materials, pairs);
@@ -182,6 +188,8 @@ impl Reader<'_> {
                 self.pairs = self.pairs(value);
             } else if let Some(field) = field(&path) {
                 self.field(field, key.span(), value);
+            } else if let Some(number) = self.undeclared(section, value.get_ref()) {
+                self.undeclared_parameters.insert(key.get_ref().to_string(), number);
             } else if let Some(new) = new_name(&path) {
                 let name = new.rsplit('.').next().unwrap_or(new);
                 self.error(key.span(), format!("{path} is now called {new}")).help =
@@ -192,6 +200,12 @@ impl Reader<'_> {
                 self.error(key.span(), format!("unknown {what} {path}")).help = Some(help);
             }
         }
+    }
+
+    /// The value of a parameter of a sensor that this program does not know, where such are taken.
+    fn undeclared(&self, section: &str, value: &DeValue<'_>) -> Option<f64> {
+        let taken = self.reading.undeclared_parameters && section == "recording";
+        taken.then(|| sensor_parameters::undeclared(value)).flatten()
     }
 
     fn field(&mut self, field: &'static Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {

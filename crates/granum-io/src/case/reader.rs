@@ -1,6 +1,6 @@
 //! What has been read of a case file so far, with its mistakes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub(super) struct Reader<'a> {
     pub(super) preparation_stages: Vec<CaseStage>,
     pub(super) materials: Vec<MaterialTable>,
     pub(super) pairs: Vec<PairTable>,
+    /// Parameters of sensors that this program does not know, by key.
+    pub(super) undeclared_parameters: BTreeMap<String, f64>,
 }
 
 impl Reader<'_> {

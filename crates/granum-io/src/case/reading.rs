@@ -1,6 +1,6 @@
 //! How a case file is read.
 
-/// What is taken from a case file without question. By default neither of the two is.
+/// What is taken from a case file without question. By default nothing of it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Reading {
@@ -9,12 +9,15 @@ pub struct Reading {
     pub bare_numbers: bool,
     /// True if the case may name files (histories, sieve curves, paths of the IncrementalDriver) outside its own folder.
     pub outside: bool,
+    /// True if numbers in `[recording]` that no known sensor declares are taken as parameters of the sensors of another program, whose
+    /// runs can thus be read.
+    pub undeclared_parameters: bool,
 }
 
 impl Reading {
-    /// The file that a program wrote as the record of a run: its numbers are in SI units.
+    /// The file that a program wrote as the record of a run: its numbers are in SI units, and it may have sensors of its own.
     pub fn recorded() -> Reading {
-        Reading { bare_numbers: true, ..Reading::default() }
+        Reading { bare_numbers: true, undeclared_parameters: true, ..Reading::default() }
     }
 
     /// The same; the case may name files outside its own folder if `outside` is true.

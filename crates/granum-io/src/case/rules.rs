@@ -3,6 +3,7 @@
 use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
 use granum_dem::contact::{PairProperties, check};
 use granum_dem::simulation::{LARGEST_REACH, Properties};
+use granum_sensors::force_distribution::bins_of;
 
 use super::definition::Case;
 use super::stresses;
@@ -122,7 +123,7 @@ pub(super) const RULES: &[Rule] = &[
     Rule {
         fields: &["recording.bin_width", "recording.largest_force"],
         broken: |case| {
-            let (width, largest) = (case.recording.bin_width, case.recording.largest_force);
+            let [width, largest] = bins_of(&case.recording);
             (width > largest).then(|| {
                 format!("recording.bin_width = {width} must not be above recording.largest_force = {largest}")
             })
@@ -131,7 +132,8 @@ pub(super) const RULES: &[Rule] = &[
     Rule {
         fields: &["recording.bin_width", "recording.largest_force"],
         broken: |case| {
-            let bins = (case.recording.largest_force / case.recording.bin_width).ceil();
+            let [width, largest] = bins_of(&case.recording);
+            let bins = (largest / width).ceil();
             (bins > 10_000.0).then(|| {
                 format!("recording.largest_force / recording.bin_width gives {bins} bins; at most 10000 are possible")
             })

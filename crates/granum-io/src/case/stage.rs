@@ -162,15 +162,10 @@ impl Case {
         };
         let mut case = self.clone();
         case.shear = Default::default();
-        let Recording { observations_per_state, bin_width, largest_force, critical_state, .. } =
-            self.recording;
-        let sensors = self.recording.sensors.clone();
+        let own = self.recording.clone();
         case.recording = Recording::default().with(|recording| {
-            recording.observations_per_state = observations_per_state;
-            recording.bin_width = bin_width;
-            recording.largest_force = largest_force;
-            recording.critical_state = critical_state;
-            recording.sensors = sensors;
+            recording.observations_per_state = own.observations_per_state;
+            (recording.sensors, recording.parameters) = (own.sensors, own.parameters);
         });
         case.stages =
             vec![CaseStage::Path { name: name.to_string(), parameters: Given::new(), resets: true }];

@@ -8,6 +8,7 @@ use super::read::LARGEST_FILE;
 use super::reading::Reading;
 use super::stage::is_unused_with_stages;
 use crate::error::{Error, Result};
+use granum_core::quantity::format_number;
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: all inputs that determine a result.
@@ -96,6 +97,11 @@ impl Case {
                     (unit, false) => format!("  # {unit}"),
                 };
                 text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
+            }
+            if *section == "recording" {
+                for (key, value) in self.undeclared_parameters() {
+                    text.push_str(&format!("{key} = {}\n", format_number(value)));
+                }
             }
         }
         text.push_str(&self.materials_toml());

@@ -1,13 +1,18 @@
 //! When states are observed.
 
+use std::collections::BTreeMap;
+
 use granum_core::Assembly;
 use granum_dem::config::{Recording, Spacing};
 use granum_dem::loading::{self, MacroState, Measure};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::force_distribution::{BIN_WIDTH, LARGEST_FORCE};
 
 /// The positions of the states of a test or stage, the number of observations of each, and the next observation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Schedule {
+    #[serde(deserialize_with = "recording_of_any_version")]
     pub(super) recording: Recording,
     /// The measure by which states are spaced, and the origin that is subtracted from it.
     measure: Measure,
@@ -16,6 +21,29 @@ pub(super) struct Schedule {
     end: Option<f64>,
     /// The next state, and the next observation within its window.
     next: (usize, usize),
+}
+
+/// A recording; in checkpoints of earlier versions some parameters of sensors had places of their own.
+fn recording_of_any_version<'d, D: Deserializer<'d>>(from: D) -> Result<Recording, D::Error> {
+    #[derive(Deserialize)]
+    struct Stored {
+        #[serde(flatten)]
+        recording: Recording,
+        bin_width: Option<f64>,
+        largest_force: Option<f64>,
+        #[serde(default)]
+        critical_state: BTreeMap<String, Option<f64>>,
+    }
+    let mut stored = Stored::deserialize(from)?;
+    for (parameter, value) in [(BIN_WIDTH, stored.bin_width), (LARGEST_FORCE, stored.largest_force)] {
+        if let Some(value) = value.filter(|value| parameter.default_value() != Some(*value)) {
+            stored.recording.parameters.insert(parameter.key.into(), value);
+        }
+    }
+    for (key, value) in stored.critical_state {
+        stored.recording.parameters.extend(value.map(|value| (format!("critical_{key}"), value)));
+    }
+    Ok(stored.recording)
 }
 
 impl Schedule {

@@ -268,3 +268,20 @@ fn a_saved_recorder_of_a_sensor_that_is_not_known_is_refused() {
     let error = saved.with_sensors(&Sensors::standard()).unwrap_err().to_string();
     assert_eq!(error, "there is no sensor \"roses\"; did you mean rose?");
 }
+
+/// A checkpoint in which the parameters of sensors had places of their own is read as one of today.
+#[test]
+fn the_recorder_of_an_earlier_version_is_read() {
+    let recording = Recording::default().with(|recording| {
+        recording.parameters =
+            [("bin_width".to_string(), 0.1), ("critical_void_ratio".to_string(), 0.8)].into();
+    });
+    let now = recorder(&recording, 0.3);
+    let text = serde_json::to_string(&now).unwrap();
+    let parameters = "\"parameters\":{\"bin_width\":0.1,\"critical_void_ratio\":0.8}";
+    assert!(text.contains(parameters), "{text}");
+    let before = "\"bin_width\":0.1,\"largest_force\":6.0,\
+                  \"critical_state\":{\"void_ratio\":0.8,\"slope\":null,\"exponent\":null}";
+    let saved: SavedRecorder = serde_json::from_str(&text.replace(parameters, before)).unwrap();
+    assert_eq!(saved.with_sensors(&Sensors::standard()).unwrap(), now);
+}

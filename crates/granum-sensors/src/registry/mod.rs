@@ -7,9 +7,10 @@ use granum_core::names::suggestion;
 use granum_core::{Assembly, Part, Parts};
 use granum_dem::config::Recording;
 
+use crate::declared::{self, DeclaredParameter, OWN_KEYS};
 use crate::histogram::{Bins, Histogram};
 use crate::neighbours::{MOST_NEIGHBOURS, expected};
-use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use crate::{
     anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
     dilatancy, directions, energy, fabric, force_chains, force_distribution, friction_angle,
@@ -49,7 +50,7 @@ pub enum SensorError {
     NameTaken {
         /// The sensor.
         sensor: &'static str,
-        /// The kind of the name: `name`, `column` or `histogram`.
+        /// The kind of the name: `name`, `column`, `histogram` or `parameter`.
         what: &'static str,
         /// The name.
         name: &'static str,
@@ -60,7 +61,7 @@ pub enum SensorError {
         /// The sensor.
         sensor: &'static str,
         /// The parameter that it needs, and how to set it.
-        what: &'static str,
+        what: String,
     },
     /// It measures another number of values than it has columns.
     #[error(
@@ -79,18 +80,25 @@ pub enum SensorError {
 /// A sensor with its description.
 pub(crate) struct Known {
     pub(crate) sensor: Box<dyn Sensor>,
-    pub(crate) description: Description,
+    pub(crate) description: SensorDescription,
     recorded: Recorded,
 }
 
 impl Known {
+    /// The reason why it cannot be used with the parameters of a recording.
+    fn lacks(&self, recording: &Recording) -> Option<String> {
+        let needed = self.description.parameters.iter().find_map(|parameter| parameter.lack(recording));
+        needed.or_else(|| self.sensor.lacks(recording))
+    }
+
     /// The reason if the sensor would have to look at too many neighbours.
-    fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
+    fn costs_too_much(&self, assembly: &Assembly) -> Option<String> {
         let neighbours = expected(&assembly.cell, assembly.grains.len(), self.sensor.reach(assembly));
-        (neighbours > MOST_NEIGHBOURS).then_some(
+        (neighbours > MOST_NEIGHBOURS).then(|| {
             "the grains differ so much in size, or leave so much of the cell empty, that it would look at more than 50000 \
-             neighbours of each of them",
-        )
+             neighbours of each of them"
+                .into()
+        })
     }
 }
 
@@ -159,12 +167,14 @@ impl Sensors {
         STANDARD.clone()
     }
 
-    /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`.
+    /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`. From then on case files can
+    /// give the parameters that it declares, as keys of `[recording]`.
     ///
     /// # Errors
     /// [`SensorError`] if a name is taken, or it measures another number of values than it has columns.
     pub fn with(mut self, sensor: impl Sensor + 'static) -> Result<Sensors, SensorError> {
         self.check(&sensor)?;
+        declared::add(sensor.description());
         self.add(Recorded::WhereNamed, sensor);
         Ok(self)
     }
@@ -182,6 +192,16 @@ impl Sensors {
         if !is_word(description.name) || self.0.iter().any(|known| known.description.name == description.name)
         {
             return Err(taken("name", description.name));
+        }
+        let declared = declared_parameters();
+        for parameter in &description.parameters {
+            let is_other = |known: &DeclaredParameter| {
+                known.parameter.key == parameter.key && known.parameter != *parameter
+            };
+            let is_own = OWN_KEYS.contains(&parameter.key);
+            if !is_word(parameter.key) || is_own || declared.iter().any(is_other) {
+                return Err(taken("parameter", parameter.key));
+            }
         }
         let mut columns: Vec<&str> = self.columns().map(|column| column.name).collect();
         columns.extend(["stage", "state", "observations"]);
@@ -211,7 +231,7 @@ impl Sensors {
     }
 
     /// The descriptions of all sensors.
-    pub fn descriptions(&self) -> impl Iterator<Item = &Description> {
+    pub fn descriptions(&self) -> impl Iterator<Item = &SensorDescription> {
         self.0.iter().map(|known| &known.description)
     }
 
@@ -219,7 +239,7 @@ impl Sensors {
     ///
     /// # Errors
     /// [`SensorError::Unknown`] with the nearest name.
-    pub fn named(&self, name: &str) -> Result<&Description, SensorError> {
+    pub fn named(&self, name: &str) -> Result<&SensorDescription, SensorError> {
         Ok(&self.find(name)?.description)
     }
 
@@ -265,7 +285,7 @@ impl Sensors {
         for name in &recording.sensors {
             let known = self.find(name)?;
             let name = known.description.name;
-            if let Some(what) = known.sensor.lacks(recording) {
+            if let Some(what) = known.lacks(recording) {
                 return Err(SensorError::Lacks { sensor: name, what });
             }
             if !names.contains(&name) {
@@ -285,9 +305,9 @@ impl Sensors {
         let observation = Observation::new(assembly).with_recording(recording);
         let mut found = Measurement::default();
         for known in &self.0 {
-            let Description { name, columns, needs, remembers, .. } = &known.description;
+            let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
-            let lacks = known.sensor.lacks(recording).or_else(|| known.costs_too_much(assembly));
+            let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly));
             if *remembers || !missing.is_empty() || lacks.is_some() {
                 found.left_out.push(LeftOut {
                     sensor: name,
@@ -346,11 +366,11 @@ impl Sensors {
             .collect();
         let (mut found, mut left_out) = (MeasuredSeries::default(), Measurement::default());
         for known in &self.0 {
-            let Description { name, columns, needs, remembers, .. } = &known.description;
+            let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;
             let costly = || observations.iter().find_map(|one| known.costs_too_much(one.assembly));
-            let lacks = known.sensor.lacks(recording).or_else(costly);
+            let lacks = known.lacks(recording).or_else(costly);
             if alone || !missing.is_empty() || lacks.is_some() {
                 let columns = Vec::new();
                 left_out.left_out.push(LeftOut { sensor: name, columns, missing, remembers: alone, lacks });
@@ -452,7 +472,7 @@ pub struct LeftOut {
     /// True if the sensor compares an observation with the one before, which a single assembly does not have.
     pub remembers: bool,
     /// The parameter that it needs and the recording does not have, or why it would take too long.
-    pub lacks: Option<&'static str>,
+    pub lacks: Option<String>,
 }
 
 /// `fabric (strong_fraction): the data have no normal forces`.
@@ -465,12 +485,19 @@ impl std::fmt::Display for LeftOut {
         if self.remembers {
             return write!(f, ": it compares two observations of a test, and there is only one");
         }
-        if let (Some(what), true) = (self.lacks, self.missing.is_empty()) {
+        if let (Some(what), true) = (&self.lacks, self.missing.is_empty()) {
             return write!(f, ": {what}");
         }
         let names: Vec<&str> = self.missing.iter().map(|part| part.name()).collect();
         write!(f, ": the data have no {}", names.join(", no "))
     }
+}
+
+/// Every parameter that sensors have declared: those of granum's sensors in their order, then those of the sensors that programs have
+/// added with [`Sensors::with`].
+pub fn declared_parameters() -> Vec<DeclaredParameter> {
+    let standard = STANDARD.0.iter().map(|known| (&known.description, known.recorded == Recorded::Always));
+    declared::with_those_added(standard)
 }
 
 fn always() -> impl Iterator<Item = &'static Arc<Known>> {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::lattice;
+use crate::{SensorParameter, lattice};
 
 #[test]
 fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
@@ -130,8 +130,8 @@ fn what_the_data_lack_is_named() {
 
 struct Bad(&'static str, &'static str, usize);
 impl Sensor for Bad {
-    fn description(&self) -> Description {
-        Description::new(self.0, "bad").columns([SensorColumn::new(self.1, "1", "bad")])
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(self.0, "bad").columns([SensorColumn::new(self.1, "1", "bad")])
     }
     fn measure(&self, _: &Observation, _: &mut Memory, values: &mut Values) {
         values.extend(std::iter::repeat_n(0.0, self.2));
@@ -166,4 +166,47 @@ fn a_test_records_the_usual_sensors_and_those_that_are_named() {
     let staged = STANDARD.of_test(&named(&["invariants"]), true).unwrap();
     assert_eq!(staged.len(), usual.len() + 1, "in stages the invariants are recorded anyway");
     assert!(STANDARD.of_test(&named(&["nothing"]), false).is_err());
+}
+
+/// A sensor with a parameter.
+struct Counting(&'static str, SensorParameter);
+impl Sensor for Counting {
+    fn description(&self) -> SensorDescription {
+        SensorDescription::new(self.0, "counts").parameters([self.1])
+    }
+    fn measure(&self, _: &Observation, _: &mut Memory, _: &mut Values) {}
+}
+
+#[test]
+fn a_sensor_declares_its_parameters() {
+    use granum_core::quantity::Dimension;
+    let parameter = |key: &'static str, default: f64| {
+        SensorParameter::new(key, Dimension::LENGTH, default, [0.0, 1.0], "Distance up to which it counts")
+    };
+    let keys = |sensor: &str| -> Vec<&'static str> {
+        let all = declared_parameters().into_iter().filter(|known| known.sensors.contains(&sensor));
+        all.map(|known| known.parameter.key).collect()
+    };
+    assert_eq!(keys("state_parameter"), ["critical_void_ratio", "critical_slope", "critical_exponent"]);
+    // Two sensors share these.
+    assert_eq!(
+        (keys("force_distribution"), keys("overlap_distribution").len()),
+        (vec!["bin_width", "largest_force"], 2)
+    );
+    let error = |sensor: Counting| Sensors::standard().with(sensor).map(drop).unwrap_err().to_string();
+    assert!(error(Counting("counting", parameter("states", 0.1))).contains("has the parameter \"states\""));
+    assert!(
+        error(Counting("counting", parameter("bin_width", 0.1))).contains("has the parameter \"bin_width\"")
+    );
+    assert!(error(Counting("counting", parameter("a b", 0.1))).contains("not a plain word"));
+    assert!(keys("counting").is_empty(), "a sensor that is refused declares nothing");
+    let before = declared::added_sensors_with_parameters();
+    for _ in 0..2 {
+        Sensors::standard().with(Counting("counting", parameter("counting_reach", 0.1))).unwrap();
+    }
+    assert_eq!(
+        (keys("counting"), declared::added_sensors_with_parameters()),
+        (vec!["counting_reach"], before + 1)
+    );
+    assert!(error(Counting("other", parameter("counting_reach", 0.2))).contains("in use"));
 }

@@ -1,15 +1,17 @@
 //! `granum measure`: every sensor on one assembly or on a series of them, of granum or of another program.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_core::quantity::format_number;
 use granum_core::{Assembly, Column, Part, Parts, Table};
-use granum_dem::config::{ContactModel, CriticalState, Material, NormalKind, Recording, TangentialKind};
+use granum_dem::config::{ContactModel, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
-use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
+use granum_sensors::{MeasuredSeries, Measurement, ParameterDefault, SensorColumn, SensorParameter, Sensors};
 use serde_json::{Map, Value, json};
 
 use super::sources::SourceFlags;
@@ -65,8 +67,8 @@ impl Measure {
             return list(context, &sensors);
         }
         let observations = self.read(context)?;
-        let critical_state = self.critical_state(context)?;
-        let recording = Recording::default().with(|recording| recording.critical_state = critical_state);
+        let parameters = self.parameters(context)?;
+        let recording = Recording::default().with(|recording| recording.parameters = parameters);
         if let [(assembly, parts)] = &observations[..] {
             let measured = sensors.measure_with(assembly, *parts, &recording);
             let rows = measured.columns.iter().map(|(column, value)| (*column, vec![*value])).collect();
@@ -80,12 +82,12 @@ impl Measure {
         output::say(context, &series_json(&series), || series_text(&series, observations.len()))
     }
 
-    /// The critical state line of the run or of the case, if one is given.
-    fn critical_state(&self, context: &Context) -> Result<CriticalState, Failure> {
+    /// The parameters of sensors that the run or the case gives.
+    fn parameters(&self, context: &Context) -> Result<BTreeMap<String, f64>, Failure> {
         Ok(match (&self.case, self.data.first()) {
-            (Some(case), _) => Case::read_as(case, context.reading())?.recording.critical_state,
-            (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.critical_state,
-            _ => CriticalState::default(),
+            (Some(case), _) => Case::read_as(case, context.reading())?.recording.parameters,
+            (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.parameters,
+            _ => BTreeMap::new(),
         })
     }
 
@@ -247,17 +249,44 @@ fn list(context: &Context, sensors: &Sensors) -> Result<(), Failure> {
         let columns: Vec<Value> = (sensor.columns.iter())
             .map(|column| json!({ "name": column.name, "unit": column.unit, "description": column.description }))
             .collect();
+        let parameters: Vec<Value> = sensor.parameters.iter().map(parameter_json).collect();
         all.push(json!({
-            "name": sensor.name, "description": sensor.help, "recorded": recorded, "needs": needs, "columns": columns
+            "name": sensor.name, "description": sensor.help, "recorded": recorded, "needs": needs, "columns": columns,
+            "parameters": parameters,
         }));
         lines.push(format!("{}: {} (recorded {recorded})", sensor.name, sensor.help));
         if !needs.is_empty() {
             lines.push(format!("  needs {}", needs.join(", ")));
         }
+        lines.extend(sensor.parameters.iter().map(parameter_line));
         lines.extend(sensor.columns.iter().map(|column| {
             let unit = if column.unit == "1" { String::new() } else { format!(" ({})", column.unit) };
             format!("  {}{unit}: {}", column.name, column.description)
         }));
     }
     output::say(context, &json!({ "sensors": all }), || lines.join("\n"))
+}
+
+/// `recording.bin_width (from 0.001 to 10, default 0.25): Width of a bin of f = N/<N>.`
+fn parameter_line(parameter: &SensorParameter) -> String {
+    let unit = parameter.dimension.si_unit();
+    let number = |value: f64| format!("{} {unit}", format_number(value)).trim_end().to_string();
+    let [low, high] = parameter.bounds.map(number);
+    let default = match parameter.default {
+        ParameterDefault::Value(value) => format!("default {}", number(value)),
+        ParameterDefault::Absent(meaning) => format!("default: {meaning}"),
+        _ => "needed".into(),
+    };
+    let meaning = parameter.meaning.trim_end_matches('.');
+    format!("  parameter recording.{} (from {low} to {high}, {default}): {meaning}", parameter.key)
+}
+
+fn parameter_json(parameter: &SensorParameter) -> Value {
+    json!({
+        "key": format!("recording.{}", parameter.key),
+        "unit": parameter.dimension.si_unit(),
+        "default": parameter.default_value(),
+        "bounds": parameter.bounds,
+        "description": parameter.meaning,
+    })
 }
