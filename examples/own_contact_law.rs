@@ -6,7 +6,6 @@
 
 use std::f64::consts::PI;
 
-use granum::dem::contact::registry::register_normal;
 use granum::dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum::prelude::*;
 use granum::simd::Real;
@@ -66,15 +65,15 @@ impl NormalLaw for Foundation {
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // From here on, case files can refer to the law by its name.
-    register_normal(NormalKind::new(&Foundation))?;
-    let case = Case::parse(
+    // Case files that are read with this registry can refer to the law by its name.
+    let registry = Registry::standard().with_law(NormalKind::new(&Foundation))?;
+    let case = registry.parse_case(
         "grains.count = 150\ngrains.material.interface_energy = 0\ncontact.normal = \"elastic-foundation\"\n\
          contact.tangential = \"no-slip\"\npreparation.solid_fraction = \"none\"\npreparation.unbalanced_force = 0.01\n\
          shear.deviator_strain = 0.03\nshear.inertial_number = 0.005\nrecording.states = 6",
         "case",
     )?;
-    let test = Laboratory::here().test(&case)?;
+    let test = Laboratory::here().with_registry(registry).test(&case)?;
     let ratio = test.record.series.column("stress_ratio")?;
     println!("q/p: {ratio:.3?}");
     assert!(ratio.iter().any(|ratio| *ratio > 0.3));

@@ -9,9 +9,11 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::registry::Laws;
 use crate::images::IMAGES;
 use crate::pairs::{Marks, NORMAL_COLUMNS, Pairs};
 use crate::properties::Properties;
+use crate::saved_properties::SavedProperties;
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
@@ -60,7 +62,7 @@ pub enum CheckpointError {
 /// The content of a checkpoint.
 #[derive(Deserialize)]
 struct Body {
-    properties: Properties,
+    properties: SavedProperties,
     time_step_factor: f64,
     fixed_time_step: Option<f64>,
     expected_force: f64,
@@ -146,14 +148,20 @@ impl Simulation {
         Ok(bytes)
     }
 
-    /// Restores a simulation from its bytes, and the caller's text. The number of threads and the instruction set are the
-    /// defaults of this computer.
+    /// Restores a simulation with laws of granum from its bytes, and the caller's text. The number of threads and the
+    /// instruction set are the defaults of this computer.
     pub fn restore(bytes: &[u8]) -> Result<(Simulation, String), CheckpointError> {
+        Simulation::restore_among(bytes, &Laws::standard())
+    }
+
+    /// The same as [`Simulation::restore`], with laws that are among those of a program.
+    pub fn restore_among(bytes: &[u8], laws: &Laws) -> Result<(Simulation, String), CheckpointError> {
         let body: Body = postcard::from_bytes(checked_body(bytes)?)
             .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
         check_numbers(&body)?;
         check_state(&body.state)?;
-        let mut simulation = Simulation::from_parts(body.state, body.properties)?;
+        let properties = body.properties.among(laws).map_err(CheckpointError::Inconsistent)?;
+        let mut simulation = Simulation::from_parts(body.state, properties)?;
         let integrator = &mut simulation.integrator;
         integrator.time_step_factor = body.time_step_factor;
         integrator.fixed_time_step = body.fixed_time_step;

@@ -36,6 +36,7 @@ mod pair_table;
 mod pairs;
 mod properties;
 mod rows;
+mod saved_properties;
 mod search;
 mod simulation_error;
 mod slices;

@@ -1,6 +1,6 @@
 //! The properties of the grains of a simulation and of their contacts: one or several materials, and a contact law.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::config::{Grains, Mixture, Preparation};
 use crate::contact::check::check;
@@ -25,7 +25,7 @@ const ROLLING_FRICTION: &str = "rolling_friction";
 /// assert!(properties.mixture.is_empty());
 /// assert_eq!(properties.with_surface(0.1, 0.0).material.friction, 0.1);
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Properties {
     /// Properties of the solid and its surface, if there is one material.

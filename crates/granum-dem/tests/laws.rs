@@ -7,7 +7,7 @@ use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
 use granum_dem::config::{ContactModel, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
-use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
+use granum_dem::contact::registry::{Laws, RegisterError};
 use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
@@ -271,13 +271,12 @@ fn a_law_of_the_callers_own_runs_and_is_remembered() {
     let mut stiffer = of(own);
     stiffer.contact.parameters.set("modulus_factor", 2.0).unwrap();
     assert!(sample(stiffer, 0.3, Hardware::default()).state() != hertz.state());
-    // Its name is unknown in files until it is registered.
+    // Its name is unknown in files to a program that has not added it.
     let bytes = same.checkpoint("").unwrap();
     let error = Simulation::restore(&bytes).err().unwrap().to_string();
-    assert!(normal_named("other-modulus").is_none(), "{error}");
-    register_normal(own).unwrap();
-    register_normal(own).unwrap();
-    assert!(Simulation::restore(&bytes).unwrap().0.state() == same.state());
+    assert!(error.contains("there is no normal law \"other-modulus\"; there are: hertz, jkr"), "{error}");
+    let laws = Laws::standard().with(own).unwrap().with(own).unwrap();
+    assert!(Simulation::restore_among(&bytes, &laws).unwrap().0.state() == same.state());
 }
 
 #[test]
@@ -301,6 +300,6 @@ fn names_stand_for_one_law() {
     }
     let impostor = NormalKind::new(&Impostor);
     assert_ne!(impostor, NormalKind::HERTZ);
-    let taken = register_normal(impostor).unwrap_err();
+    let taken = Laws::standard().with(impostor).unwrap_err();
     assert_eq!(taken, RegisterError::NameTaken { what: "normal law", name: "hertz" });
 }

@@ -1,6 +1,4 @@
-//! The parameters that sensors have declared, from which case files are read.
-
-use std::sync::{PoisonError, RwLock};
+//! The parameters that sensors declare, from which case files are read.
 
 use crate::parameter::SensorParameter;
 use crate::sensor::SensorDescription;
@@ -23,23 +21,12 @@ pub struct DeclaredParameter {
     pub of_granum: bool,
 }
 
-/// The sensors with parameters that programs have added to those of granum.
-static ADDED: RwLock<Vec<SensorDescription>> = RwLock::new(Vec::new());
-
-/// Number of sensors with parameters that have been added to those of granum.
-pub fn added_sensors_with_parameters() -> usize {
-    ADDED.read().unwrap_or_else(PoisonError::into_inner).len()
-}
-
-/// The parameters of these sensors, each with true if it is recorded in every test, and of those that were added.
-pub(crate) fn with_those_added<'a>(
-    sensors: impl Iterator<Item = (&'a SensorDescription, bool)>,
+/// The parameters of these sensors, each with true if it is recorded in every test, and with true if it comes with granum.
+pub(crate) fn of<'a>(
+    sensors: impl Iterator<Item = (&'a SensorDescription, bool, bool)>,
 ) -> Vec<DeclaredParameter> {
-    let added = ADDED.read().unwrap_or_else(PoisonError::into_inner).clone();
     let mut found: Vec<DeclaredParameter> = Vec::new();
-    let own = sensors.map(|(description, always)| (description.clone(), always, true));
-    let others = added.into_iter().map(|description| (description, false, false));
-    for (description, always, of_granum) in own.chain(others) {
+    for (description, always, of_granum) in sensors {
         for parameter in &description.parameters {
             match found.iter_mut().find(|known| known.parameter.key == parameter.key) {
                 Some(known) => {
@@ -55,15 +42,4 @@ pub(crate) fn with_those_added<'a>(
         }
     }
     found
-}
-
-/// Notes the parameters of a sensor that a program has added.
-pub(crate) fn add(description: SensorDescription) {
-    let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
-    let is_same = |known: &SensorDescription| {
-        (known.name, &known.parameters) == (description.name, &description.parameters)
-    };
-    if !description.parameters.is_empty() && !added.iter().any(is_same) {
-        added.push(description);
-    }
 }

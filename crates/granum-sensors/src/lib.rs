@@ -69,14 +69,13 @@ pub mod void_ratio;
 #[cfg(test)]
 mod lattice;
 
-pub use declared::{DeclaredParameter, OWN_KEYS, added_sensors_with_parameters};
+pub use declared::{DeclaredParameter, OWN_KEYS};
 pub use histogram::{Bins, Histogram};
 pub use observation::Observation;
 pub use parameter::{ParameterDefault, SensorParameter};
 pub use record::{Histograms, Record, RecordError};
 pub use recorder::{MissedObservations, Recorder, SavedRecorder};
 pub use registry::{
-    LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, declared_parameters,
-    measure_row,
+    LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, measure_row,
 };
 pub use sensor::{Averaging, Memory, Sensor, SensorColumn, SensorDescription, Values};

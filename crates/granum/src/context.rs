@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_io::{Formats, Reading};
-use granum_run::Flow;
+use granum_run::{Flow, Registry};
 
 use crate::failure::{Failure, Interrupted};
 use crate::messages;
@@ -40,6 +40,13 @@ impl Context {
     /// How case files are read.
     pub fn reading(&self) -> Reading {
         Reading::default().with_outside(self.allow_outside)
+    }
+
+    /// What the program knows by name.
+    pub fn registry(&self) -> Registry {
+        let mut registry = Registry::standard();
+        registry.formats = self.formats();
+        registry
     }
 
     /// The formats by which data are read.

@@ -4,9 +4,7 @@ pub mod prelude;
 
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
-    pub use granum_dem::contact::registry::{
-        RegisterError, register_adhesion, register_normal, register_rolling, register_tangential,
-    };
+    pub use granum_dem::contact::registry::{Law, Laws, RegisterError};
     pub use granum_dem::contact::{
         AdhesionLaw, AdhesionLosses, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY,
         MAX_HISTORY, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, NormalLaw, NormalTraits,
@@ -21,8 +19,8 @@ pub mod gallery;
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{
-        Default, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, Preset, RegisterError, STATES, Values, deviator,
-        number, optional, register, stress, word,
+        Default, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, Paths, Preset, RegisterError, STATES, Values,
+        deviator, number, optional, stress, word,
     };
     pub use granum_dem::loading::{
         Constraint, Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Turns, Until,

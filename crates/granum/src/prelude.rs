@@ -40,7 +40,8 @@ pub use granum_learn::{
 };
 
 pub use granum_run::{
-    Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Source, Task, TestResult,
+    Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Registry, RegistryError, Source,
+    Task, TestResult,
 };
 pub use granum_sensors::{
     Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,

@@ -33,17 +33,19 @@ states = 8
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // From here on case files know the law, the path and the sensor by their names, and their parameters by their keys.
-    granum::law::register_rolling(RollingKind::new(&rolling_spring::RollingSpring))?;
-    granum::path::register(&biaxial::BIAXIAL)?;
-    let laboratory = Laboratory::here()
+    // Case files that are read with this registry know the law, the path and the sensor by their names, and their parameters by
+    // their keys.
+    let registry = Registry::standard()
+        .with_law(RollingKind::new(&rolling_spring::RollingSpring))?
+        .with_path(&biaxial::BIAXIAL)?
         .with_sensor(fluctuating_speeds::FluctuatingSpeeds)?
-        .with_formats(Formats::standard().with_packing(spheres::Spheres));
+        .with_packing_format(spheres::Spheres);
+    let case = registry.parse_case(CASE, "case")?;
+    let laboratory = Laboratory::here().with_registry(registry);
 
     let file = std::env::temp_dir().join(format!("granum-extend-{}.spheres", std::process::id()));
-    laboratory.formats.write_packing(&file, &spheres::loose_lattice(6))?;
-    let test =
-        laboratory.test_of(&Case::parse(CASE, "case")?, &Source::Packing(file.clone()), &mut NoObserver);
+    laboratory.registry.formats.write_packing(&file, &spheres::loose_lattice(6))?;
+    let test = laboratory.test_of(&case, &Source::Packing(file.clone()), &mut NoObserver);
     std::fs::remove_file(&file)?;
     let test = test?;
 

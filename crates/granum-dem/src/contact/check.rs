@@ -1,7 +1,7 @@
 //! Which laws can be used together, and which parameters they then have.
 
 use super::law::NormalTraits;
-use super::registry::{ADHESION, NORMAL, ROLLING, TANGENTIAL, normal_laws};
+use super::registry::{ADHESION, Laws, NORMAL, ROLLING, TANGENTIAL};
 use super::selection::ContactModel;
 pub use super::selection::parameters_of;
 
@@ -45,8 +45,8 @@ pub enum LawError {
 }
 
 /// The normal laws of which this holds, as a continuation of "it can be combined with".
-fn normal_laws_with(holds: impl Fn(&NormalTraits) -> bool) -> String {
-    let laws = normal_laws().into_iter().filter(|law| holds(&law.law().traits()));
+fn normal_laws_with(laws: &Laws, holds: impl Fn(&NormalTraits) -> bool) -> String {
+    let laws = laws.normal().iter().filter(|law| holds(&law.law().traits()));
     let names: Vec<String> = laws.map(|law| format!("{:?}", law.name())).collect();
     match names.is_empty() {
         true => "no normal law".into(),
@@ -76,36 +76,44 @@ pub fn sets() -> Vec<ContactModel> {
 /// Rejects laws that cannot be combined, and parameters that they do not have or that are out of bounds.
 ///
 /// # Errors
-/// The first violation that is found.
+/// The first violation that is found; what is suggested is one of granum's own laws.
 pub fn check(contact: &ContactModel) -> Result<(), LawError> {
+    check_among(contact, &Laws::standard())
+}
+
+/// The same as [`check`], where any of these laws can be suggested.
+///
+/// # Errors
+/// The first violation that is found.
+pub fn check_among(contact: &ContactModel, laws: &Laws) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
     let (tangential, adhesion) = (contact.tangential.law(), contact.adhesion.law());
     tangential.goes_with(&traits).map_err(|reason| LawError::Apart {
         slot: "tangential",
         law: contact.tangential.name(),
         reason,
-        normal_laws: normal_laws_with(|traits| tangential.goes_with(traits).is_ok()),
+        normal_laws: normal_laws_with(laws, |traits| tangential.goes_with(traits).is_ok()),
     })?;
     adhesion.goes_with(&traits).map_err(|reason| LawError::Apart {
         slot: "adhesion",
         law: contact.adhesion.name(),
         reason,
-        normal_laws: normal_laws_with(|traits| adhesion.goes_with(traits).is_ok()),
+        normal_laws: normal_laws_with(laws, |traits| adhesion.goes_with(traits).is_ok()),
     })?;
     let used = parameters_of(contact);
     for (key, value) in contact.parameters.iter() {
         let Some(parameter) = used.iter().find(|p| p.key == key) else {
-            let mut laws = format!(
+            let mut chosen = format!(
                 "contact.normal = {:?}, contact.tangential = {:?} and contact.rolling = {:?}",
                 contact.normal.name(),
                 contact.tangential.name(),
                 contact.rolling.name()
             );
             if contact.adhesion.law().acts() {
-                let others = laws.replace(" and ", ", ");
-                laws = format!("{others} and contact.adhesion = {:?}", contact.adhesion.name());
+                let others = chosen.replace(" and ", ", ");
+                chosen = format!("{others} and contact.adhesion = {:?}", contact.adhesion.name());
             }
-            return Err(LawError::Unused { key, laws });
+            return Err(LawError::Unused { key, laws: chosen });
         };
         let [low, high] = parameter.bounds;
         if !(value >= low && value <= high) {

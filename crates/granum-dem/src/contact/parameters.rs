@@ -7,7 +7,7 @@ use serde::ser::{Serialize, Serializer};
 
 use super::description::Parameter;
 use super::limits::MOST_PARAMETERS;
-use super::registry;
+use super::registry::Laws;
 
 /// Values given to parameters of contact laws, in SI units, by key; the others have their defaults.
 ///
@@ -98,17 +98,26 @@ impl Serialize for ParameterValues {
     }
 }
 
+impl ParameterValues {
+    /// Values by key, as a file has them; a law must have each of the keys.
+    pub(crate) fn named(values: &BTreeMap<String, f64>, laws: &Laws) -> Result<ParameterValues, String> {
+        let known = laws.parameters();
+        let mut named = ParameterValues::NONE;
+        for (key, value) in values {
+            let Some(parameter) = known.iter().find(|p| p.key == key) else {
+                return Err(format!("no contact law has a parameter {key:?}"));
+            };
+            named.set(parameter.key, *value).map_err(|error| error.to_string())?;
+        }
+        Ok(named)
+    }
+}
+
+/// By their keys: those of granum's own laws.
 impl<'d> Deserialize<'d> for ParameterValues {
     fn deserialize<D: Deserializer<'d>>(from: D) -> Result<ParameterValues, D::Error> {
-        let mut values = ParameterValues::NONE;
-        let known = registry::parameters();
-        for (key, value) in BTreeMap::<String, f64>::deserialize(from)? {
-            let Some(parameter) = known.iter().find(|p| p.key == key) else {
-                return Err(D::Error::custom(format!("no contact law has a parameter {key:?}")));
-            };
-            values.set(parameter.key, value).map_err(D::Error::custom)?;
-        }
-        Ok(values)
+        let values = BTreeMap::deserialize(from)?;
+        ParameterValues::named(&values, &Laws::standard()).map_err(D::Error::custom)
     }
 }
 

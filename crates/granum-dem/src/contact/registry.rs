@@ -1,7 +1,5 @@
-//! The laws that names in files refer to. To add one to granum, add its file and its line here.
-
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{PoisonError, RwLock};
+//! The laws that names in files refer to. To add one to granum, add its file and its line here; a program adds its own with
+//! [`Laws::with`].
 
 use serde::de::{Deserialize, Deserializer, Error};
 
@@ -59,125 +57,188 @@ pub enum RegisterError {
     TooMany,
 }
 
-/// Rejects parameters whose keys are taken, and more than [`MOST_PARAMETERS`] parameters.
-fn check_parameters(new: &Description) -> Result<(), RegisterError> {
-    let known = parameters();
-    let taken = |p: &&Parameter| known.iter().any(|k| k.key == p.key && **k != **p);
-    if let Some(parameter) = new.parameters.iter().find(taken) {
-        return Err(RegisterError::KeyTaken { key: parameter.key });
-    }
-    let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
-    if known.len() + fresh > MOST_PARAMETERS { Err(RegisterError::TooMany) } else { Ok(()) }
+/// A law of any kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// A normal law.
+    Normal(NormalKind),
+    /// A tangential law.
+    Tangential(TangentialKind),
+    /// A law of moments.
+    Rolling(RollingKind),
+    /// A law of adhesion.
+    Adhesion(AdhesionKind),
 }
 
-/// How many laws were registered.
-static REGISTERED: AtomicUsize = AtomicUsize::new(0);
+impl Law {
+    /// Its name, parameters and help.
+    pub fn description(&self) -> &'static Description {
+        match self {
+            Law::Normal(law) => law.law().description(),
+            Law::Tangential(law) => law.law().description(),
+            Law::Rolling(law) => law.law().description(),
+            Law::Adhesion(law) => law.law().description(),
+        }
+    }
 
-/// Number of laws that the caller has registered so far: a list made from the registries is up to date as long as this number does
-/// not change.
-pub fn registered() -> usize {
-    REGISTERED.load(Ordering::Acquire)
+    /// Its key in the section `[contact]` of a case file.
+    pub fn slot(&self) -> &'static str {
+        match self {
+            Law::Normal(_) => "normal",
+            Law::Tangential(_) => "tangential",
+            Law::Rolling(_) => "rolling",
+            Law::Adhesion(_) => "adhesion",
+        }
+    }
+}
+
+/// The contact laws of a program, by their names in files: those of granum, and those that the program adds.
+///
+/// ```
+/// use granum_dem::contact::registry::{Laws, RegisterError};
+/// use granum_dem::config::NormalKind;
+///
+/// let laws = Laws::standard();
+/// assert_eq!(laws.normal_named("hertz"), Some(NormalKind::HERTZ));
+/// // A law that is there already is no harm.
+/// assert_eq!(laws.clone().with(NormalKind::HERTZ), Ok(laws));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Laws {
+    normal: Vec<NormalKind>,
+    tangential: Vec<TangentialKind>,
+    rolling: Vec<RollingKind>,
+    adhesion: Vec<AdhesionKind>,
+}
+
+impl Default for Laws {
+    fn default() -> Laws {
+        Laws::standard()
+    }
+}
+
+impl Laws {
+    /// The laws of granum.
+    pub fn standard() -> Laws {
+        Laws {
+            normal: NORMAL.to_vec(),
+            tangential: TANGENTIAL.to_vec(),
+            rolling: ROLLING.to_vec(),
+            adhesion: ADHESION.to_vec(),
+        }
+    }
+
+    /// Adds a law for use in case files and checkpoints. To use it in a simulation this is not needed.
+    ///
+    /// # Errors
+    /// If the name or the key of a parameter is taken, or there is no room for the parameters.
+    pub fn with(mut self, law: impl Into<Law>) -> Result<Laws, RegisterError> {
+        let law = law.into();
+        let (what, name) = (what(&law), law.description().name);
+        match self
+            .all()
+            .into_iter()
+            .find(|known| known.slot() == law.slot() && known.description().name == name)
+        {
+            Some(known) if known == law => return Ok(self),
+            Some(_) => return Err(RegisterError::NameTaken { what, name }),
+            None => self.check_parameters(law.description())?,
+        }
+        match law {
+            Law::Normal(law) => self.normal.push(law),
+            Law::Tangential(law) => self.tangential.push(law),
+            Law::Rolling(law) => self.rolling.push(law),
+            Law::Adhesion(law) => self.adhesion.push(law),
+        }
+        Ok(self)
+    }
+
+    /// All laws: normal laws, tangential laws, laws of moments, laws of adhesion.
+    pub fn all(&self) -> Vec<Law> {
+        let normal = self.normal.iter().copied().map(Law::Normal);
+        let tangential = self.tangential.iter().copied().map(Law::Tangential);
+        let rolling = self.rolling.iter().copied().map(Law::Rolling);
+        let adhesion = self.adhesion.iter().copied().map(Law::Adhesion);
+        normal.chain(tangential).chain(rolling).chain(adhesion).collect()
+    }
+
+    /// The parameters of all laws, each key once.
+    pub fn parameters(&self) -> Vec<&'static Parameter> {
+        let mut all: Vec<&'static Parameter> = Vec::new();
+        for parameter in self.all().iter().flat_map(|law| law.description().parameters) {
+            if all.iter().all(|known| known.key != parameter.key) {
+                all.push(parameter);
+            }
+        }
+        all
+    }
+
+    /// The laws that have a parameter, as a condition: "with rolling = \"elastic-plastic\"".
+    pub fn laws_with(&self, parameter: &Parameter) -> String {
+        let has = |law: &Law| law.description().parameters.iter().any(|known| known.key == parameter.key);
+        let named = |law: Law| format!("{} = {:?}", law.slot(), law.description().name);
+        let names: Vec<String> = self.all().into_iter().filter(has).map(named).collect();
+        format!("with {}", names.join(" or "))
+    }
+
+    /// Rejects parameters whose keys are taken, and more than [`MOST_PARAMETERS`] parameters.
+    fn check_parameters(&self, new: &Description) -> Result<(), RegisterError> {
+        let known = self.parameters();
+        let taken = |p: &&Parameter| known.iter().any(|k| k.key == p.key && **k != **p);
+        if let Some(parameter) = new.parameters.iter().find(taken) {
+            return Err(RegisterError::KeyTaken { key: parameter.key });
+        }
+        let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
+        if known.len() + fresh > MOST_PARAMETERS { Err(RegisterError::TooMany) } else { Ok(()) }
+    }
 }
 
 macro_rules! list {
-    ($list:ident, $kind:ident, $what:literal, $own:ident, $all:ident, $register:ident, $named:ident) => {
-        static $own: RwLock<Vec<$kind>> = RwLock::new(Vec::new());
-
-        #[doc = concat!("Every ", $what, " with a name: granum's own, then those of [`", stringify!($register), "`].")]
-        pub fn $all() -> Vec<$kind> {
-            let own = $own.read().unwrap_or_else(PoisonError::into_inner);
-            $list.iter().chain(own.iter()).copied().collect()
-        }
-
-        #[doc = concat!("Registers a ", $what, " of the caller for use in case files and checkpoints. To use it in a")]
-        /// simulation this is not needed.
-        ///
-        /// # Errors
-        /// If the name or the key of a parameter is taken, or there is no room for the parameters.
-        pub fn $register(law: $kind) -> Result<(), RegisterError> {
-            match $named(law.name()) {
-                Some(known) if known == law => return Ok(()),
-                Some(_) => return Err(RegisterError::NameTaken { what: $what, name: law.name() }),
-                None => check_parameters(law.law().description())?,
+    ($list:ident, $variant:ident, $kind:ident, $what:literal, $field:ident, $named:ident) => {
+        impl From<$kind> for Law {
+            fn from(law: $kind) -> Law {
+                Law::$variant(law)
             }
-            $own.write().unwrap_or_else(PoisonError::into_inner).push(law);
-            REGISTERED.fetch_add(1, Ordering::Release);
-            Ok(())
         }
 
-        #[doc = concat!("The ", $what, " with this name.")]
-        pub fn $named(name: &str) -> Option<$kind> {
-            $all().into_iter().find(|law| law.name() == name)
+        impl Laws {
+            #[doc = concat!("Every ", $what, ", granum's own first.")]
+            pub fn $field(&self) -> &[$kind] {
+                &self.$field
+            }
+
+            #[doc = concat!("The ", $what, " with this name.")]
+            pub fn $named(&self, name: &str) -> Option<$kind> {
+                self.$field.iter().copied().find(|law| law.name() == name)
+            }
         }
 
+        /// By its name: one of granum's own laws.
         impl<'d> Deserialize<'d> for $kind {
             fn deserialize<D: Deserializer<'d>>(from: D) -> Result<$kind, D::Error> {
                 let name = String::deserialize(from)?;
-                $named(&name).ok_or_else(|| {
-                    let known: Vec<_> = $all().iter().map($kind::name).collect();
-                    D::Error::custom(format!(
-                        concat!("there is no ", $what, " {:?}; there are: {}"),
-                        name,
-                        known.join(", ")
-                    ))
-                })
+                let found = $list.iter().copied().find(|law| law.name() == name);
+                found.ok_or_else(|| D::Error::custom(unknown($what, &name, $list.iter().map($kind::name))))
             }
         }
     };
 }
-list!(NORMAL, NormalKind, "normal law", OWN_NORMAL, normal_laws, register_normal, normal_named);
-list!(
-    TANGENTIAL,
-    TangentialKind,
-    "tangential law",
-    OWN_TANGENTIAL,
-    tangential_laws,
-    register_tangential,
-    tangential_named
-);
-list!(ROLLING, RollingKind, "law of moments", OWN_ROLLING, rolling_laws, register_rolling, rolling_named);
-list!(
-    ADHESION,
-    AdhesionKind,
-    "law of adhesion",
-    OWN_ADHESION,
-    adhesion_laws,
-    register_adhesion,
-    adhesion_named
-);
+list!(NORMAL, Normal, NormalKind, "normal law", normal, normal_named);
+list!(TANGENTIAL, Tangential, TangentialKind, "tangential law", tangential, tangential_named);
+list!(ROLLING, Rolling, RollingKind, "law of moments", rolling, rolling_named);
+list!(ADHESION, Adhesion, AdhesionKind, "law of adhesion", adhesion, adhesion_named);
 
-/// The descriptions of all laws that a name can refer to.
-fn descriptions() -> Vec<&'static Description> {
-    let normal = normal_laws().into_iter().map(|law| law.law().description());
-    let tangential = tangential_laws().into_iter().map(|law| law.law().description());
-    let rolling = rolling_laws().into_iter().map(|law| law.law().description());
-    let adhesion = adhesion_laws().into_iter().map(|law| law.law().description());
-    normal.chain(tangential).chain(rolling).chain(adhesion).collect()
-}
-
-/// The parameters of all laws that names can refer to, each key once.
-pub fn parameters() -> Vec<&'static Parameter> {
-    let mut all: Vec<&'static Parameter> = Vec::new();
-    for parameter in descriptions().into_iter().flat_map(|d| d.parameters) {
-        if all.iter().all(|known| known.key != parameter.key) {
-            all.push(parameter);
-        }
+/// The kind of a law in messages.
+fn what(law: &Law) -> &'static str {
+    match law {
+        Law::Normal(_) => "normal law",
+        Law::Tangential(_) => "tangential law",
+        Law::Rolling(_) => "law of moments",
+        Law::Adhesion(_) => "law of adhesion",
     }
-    all
 }
 
-/// The laws that have a parameter, as a condition: "with rolling = \"elastic-plastic\"".
-pub fn laws_with(parameter: &Parameter) -> String {
-    let has = |d: &Description| d.parameters.iter().any(|known| known.key == parameter.key);
-    let mut names = Vec::new();
-    let mut list = |slot: &str, d: &Description| {
-        if has(d) {
-            names.push(format!("{slot} = {:?}", d.name));
-        }
-    };
-    normal_laws().iter().for_each(|law| list("normal", law.law().description()));
-    tangential_laws().iter().for_each(|law| list("tangential", law.law().description()));
-    rolling_laws().iter().for_each(|law| list("rolling", law.law().description()));
-    adhesion_laws().iter().for_each(|law| list("adhesion", law.law().description()));
-    format!("with {}", names.join(" or "))
+/// The message about a name that is not among the known ones.
+pub(crate) fn unknown<'n>(what: &str, name: &str, known: impl Iterator<Item = &'n str>) -> String {
+    format!("there is no {what} {name:?}; there are: {}", known.collect::<Vec<_>>().join(", "))
 }

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
-use granum_dem::loading::preset::{self, Kind as ParameterKind, Parameter};
+use granum_dem::loading::preset::{Kind as ParameterKind, Parameter, Paths};
 use granum_dem::loading::{Measure, Quantity};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
@@ -253,15 +253,19 @@ struct Found {
 }
 
 /// Collects the stresses and strains of a case file.
-#[derive(Default)]
-struct Finder {
+struct Finder<'p> {
+    paths: &'p Paths,
     found: Vec<Found>,
     columns: usize,
     /// Histories in files: their names, and where they stand.
     files: Vec<(String, Range<usize>)>,
 }
 
-impl Finder {
+impl Finder<'_> {
+    fn new(paths: &Paths) -> Finder<'_> {
+        Finder { paths, found: Vec::new(), columns: 0, files: Vec::new() }
+    }
+
     fn number(&mut self, name: String, kind: Kind, value: &Node<'_>, column: Option<usize>) {
         if let Ok(text) = scalar(value) {
             self.found.push(Found { name, kind, text, span: value.span(), column });
@@ -312,7 +316,7 @@ impl Finder {
     }
 
     fn path(&mut self, table: &DeTable<'_>, name: &str, path: &str) {
-        let Some(preset) = preset::named(path) else { return };
+        let Some(preset) = self.paths.named(path) else { return };
         for parameter in preset.parameters() {
             if let Some(kind) = Kind::of_parameter(parameter) {
                 self.key(table, name, parameter.key, kind);
@@ -432,7 +436,7 @@ pub(super) fn check(
     case: &Case,
     file: impl Fn(&str) -> Option<std::path::PathBuf>,
 ) -> Result<Vec<Mistake>> {
-    let mut finder = Finder::default();
+    let mut finder = Finder::new(case.vocabulary.paths());
     finder.document(document);
     let mut known = Known::of_sample(case.preparation.mean_stress);
     let all = doubts(&mut finder, &mut known);
@@ -465,7 +469,7 @@ fn history_in_doubt(path: &Path, known: &mut Known) -> Result<()> {
 /// The text of a resolved case with units where its numbers would be in doubt.
 pub(super) fn with_units(text: String, case: &Case) -> String {
     let Ok(document) = DeTable::parse(&text) else { return text };
-    let mut finder = Finder::default();
+    let mut finder = Finder::new(case.vocabulary.paths());
     finder.document(document.get_ref());
     let all = doubts(&mut finder, &mut Known::of_sample(case.preparation.mean_stress));
     drop(document);
@@ -497,7 +501,7 @@ impl Case {
         let mut known = Known::of_sample(self.preparation.mean_stress);
         let text = before.resolved_toml();
         if let Ok(document) = DeTable::parse(&text) {
-            let mut finder = Finder::default();
+            let mut finder = Finder::new(self.vocabulary.paths());
             finder.document(document.get_ref());
             for found in finder.found.iter().filter(|found| found.kind == Kind::Stress) {
                 known.add(parse_quantity(&found.text, Dimension::STRESS).unwrap_or(0.0));

@@ -1,8 +1,9 @@
 //! One table `[[stage]]` of a case, and the stages that it expands to.
 
 use granum_dem::loading::Stage;
-use granum_dem::loading::preset::{self, Given};
-use serde::{Deserialize, Serialize};
+use granum_dem::loading::preset::{self, Given, Preset};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Most stages that a test or a preparation may come to, with its repetitions.
 pub(super) const MOST_STAGES: u64 = 10_000;
@@ -24,8 +25,9 @@ pub(super) const MOST_NESTED: usize = 32;
 pub enum CaseStage {
     /// A named path.
     Path {
-        /// Its name.
-        name: String,
+        /// The path; in files its name. What is read by `serde` is one of granum's own.
+        #[serde(rename = "name", serialize_with = "its_name", deserialize_with = "own_path")]
+        path: &'static Preset,
         /// Its parameters in SI units; the others have their defaults.
         parameters: Given,
         /// False if strain, time and energy continue to count from an earlier stage.
@@ -47,13 +49,21 @@ fn yes() -> bool {
     true
 }
 
+fn its_name<S: Serializer>(path: &Preset, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(path.name)
+}
+
+fn own_path<'d, D: Deserializer<'d>>(from: D) -> Result<&'static Preset, D::Error> {
+    let name = String::deserialize(from)?;
+    preset::named(&name).ok_or_else(|| D::Error::custom(format!("there is no path {name:?}")))
+}
+
 impl CaseStage {
     /// The stages that it expands to.
     pub fn stages(&self) -> Vec<Stage> {
         match self {
-            CaseStage::Path { name, parameters, resets } => {
-                let mut stages =
-                    preset::named(name).map_or_else(Vec::new, |preset| preset.expand(parameters));
+            CaseStage::Path { path, parameters, resets } => {
+                let mut stages = path.expand(parameters);
                 for stage in &mut stages {
                     stage.resets &= resets;
                 }

@@ -4,6 +4,7 @@ use granum_dem::config::{ContactModel, Grains, Numerics, Preparation, Recording,
 use serde::{Deserialize, Serialize};
 
 use super::case_stage::CaseStage;
+use super::vocabulary::Vocabulary;
 
 /// All the input that determines a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
 ///
@@ -15,7 +16,7 @@ use super::case_stage::CaseStage;
 /// assert!(error.to_string().starts_with("case.toml:2:1: unknown key contact.dampling"));
 /// assert!(error.to_string().contains("did you mean damping?"));
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Case {
     /// The grains.
     pub grains: Grains,
@@ -35,4 +36,32 @@ pub struct Case {
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
+    /// The laws and paths that the case can name. It has no part in the result.
+    #[serde(skip)]
+    pub vocabulary: Vocabulary,
+}
+
+/// Two cases are equal if they mean the same, whatever other words each of them knows.
+impl PartialEq for Case {
+    fn eq(&self, other: &Case) -> bool {
+        let Case {
+            grains,
+            contact,
+            preparation,
+            preparation_stages,
+            shear,
+            stages,
+            recording,
+            numerics,
+            vocabulary: _,
+        } = self;
+        *grains == other.grains
+            && *contact == other.contact
+            && *preparation == other.preparation
+            && *preparation_stages == other.preparation_stages
+            && *shear == other.shear
+            && *stages == other.stages
+            && *recording == other.recording
+            && *numerics == other.numerics
+    }
 }

@@ -7,7 +7,7 @@ use granum_core::quantity::format_number;
 
 use super::definition::Case;
 use super::field::Field;
-use super::fields::FIELDS;
+use super::fields::Fields;
 use super::stage::{PREPARATION_STAGE, STAGE};
 
 /// The key that gives another sample of the same material: runs that differ only in it are repetitions of one test.
@@ -49,9 +49,12 @@ impl Case {
     /// assert_eq!(found[0].to_string(), "grains.material.friction: 0.3 in run-1; 0.5 in run-2");
     /// ```
     pub fn values(&self) -> CaseValues {
-        let mut values: CaseValues = FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
+        let fields = self.fields();
+        let mut values: CaseValues = fields.iter().map(|field| (field.path(), shown(field, self))).collect();
         let undeclared = self.undeclared_parameters();
-        values.extend(undeclared.map(|(key, value)| (format!("recording.{key}"), format_number(value))));
+        values.extend(
+            undeclared.into_iter().map(|(key, value)| (format!("recording.{key}"), format_number(value))),
+        );
         values.extend(self.material_values());
         if self.has_stages() {
             values.insert(STAGE.into(), self.stages_toml().trim().replace('\n', "; "));
@@ -74,7 +77,7 @@ fn shown(field: &Field, case: &Case) -> String {
 /// All keys that differ between the named cases: those of the case file in its order, then any others. A key that is unknown
 /// to some of the cases (because they were written by another version) is compared between the others.
 pub fn differences(cases: &[(&str, &CaseValues)]) -> Vec<Difference> {
-    let mut keys: Vec<String> = FIELDS.iter().map(Field::path).collect();
+    let mut keys: Vec<String> = Fields::standard().iter().map(|field| field.path()).collect();
     for key in cases.iter().flat_map(|(_, values)| values.keys()) {
         if !keys.contains(key) {
             keys.push(key.clone());
@@ -101,7 +104,7 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_dem::contact::registry;
+    use granum_dem::contact::registry::Laws;
 
     fn between(one: &Case, two: &Case) -> Vec<Difference> {
         differences(&[("one", &one.values()), ("two", &two.values())])
@@ -109,7 +112,7 @@ mod tests {
 
     #[test]
     fn every_key_is_compared() {
-        for field in FIELDS.iter() {
+        for field in Fields::standard().iter() {
             let mut one = Case::default();
             if matches!(field.key, "strain_rate" | "density_scaling") {
                 one.set("shear.strain_rate", "1e-5 /s").unwrap();
@@ -123,11 +126,9 @@ mod tests {
                     ("adhesion", "capillary-bridge"),
                 ];
                 users.iter().for_each(|(slot, law)| one.set(&format!("contact.{slot}"), law).unwrap());
-                let normal =
-                    registry::normal_laws().iter().map(|law| ("normal", law.name())).collect::<Vec<_>>();
-                let rolling = registry::rolling_laws().iter().map(|law| ("rolling", law.name())).collect();
-                let adhesion = registry::adhesion_laws().iter().map(|law| ("adhesion", law.name())).collect();
-                for (slot, law) in [normal, rolling, adhesion].concat() {
+                let slots = ["normal", "rolling", "adhesion"];
+                for law in Laws::standard().all().iter().filter(|law| slots.contains(&law.slot())) {
+                    let (slot, law) = (law.slot(), law.description().name);
                     let mut other = one.clone();
                     other.set(&format!("contact.{slot}"), law).unwrap();
                     if field.value(&one).is_none() && field.value(&other).is_some() {

@@ -4,7 +4,7 @@ use granum_core::digest;
 
 use super::definition::Case;
 use super::field::{Field, Value};
-use super::fields::{FIELDS, RENAMED};
+use super::fields::RENAMED;
 use super::stage::is_unused_with_stages;
 
 /// Sections that determine the sample.
@@ -66,7 +66,8 @@ impl Case {
             text.push_str(&format!("packing={sha256}\n"));
         }
         let standard = Case::default();
-        for field in FIELDS.iter().filter(|field| wanted(field.section)) {
+        let fields = self.fields();
+        for field in fields.iter().filter(|field| wanted(field.section)) {
             // A case file with stages has no keys of the paper's test, so that their values must not count.
             let without_effect = self.has_stages() && is_unused_with_stages(&field.path());
             let value = field.value(if without_effect { &standard } else { self });

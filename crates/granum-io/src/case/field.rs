@@ -5,7 +5,8 @@ use std::path::Path;
 use super::definition::Case;
 use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
-use granum_dem::contact::{Parameter, Unit, check, registry};
+use granum_dem::contact::registry::Laws;
+use granum_dem::contact::{Parameter, Unit, check};
 use granum_dem::sizes;
 use granum_sensors::{DeclaredParameter, ParameterDefault, SensorParameter};
 
@@ -113,8 +114,8 @@ pub struct Field {
 
 impl Field {
     /// The field of a parameter of contact laws.
-    pub(super) fn of_law(parameter: &'static Parameter) -> Field {
-        let laws = registry::laws_with(parameter);
+    pub(super) fn of_law(parameter: &'static Parameter, laws: &Laws) -> Field {
+        let laws = laws.laws_with(parameter);
         let help = format!("{}; {laws}.", parameter.meaning.trim_end_matches('.'));
         let example = with_unit(parameter.default, parameter);
         Field { section: "contact", key: parameter.key, help, example, kind: Kind::Law(parameter) }

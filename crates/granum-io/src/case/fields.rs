@@ -1,18 +1,20 @@
 //! The list of all keys of the case file.
 
-use std::sync::{PoisonError, RwLock};
+use std::ops::Deref;
+use std::sync::{Arc, LazyLock};
 
 use granum_dem::config::{Preparation, Rate, Spacing};
-use granum_dem::contact::registry;
+use granum_dem::contact::registry::Laws;
 use granum_dem::sizes;
 
 use super::Case;
 use super::field::{Field, Kind};
+use super::vocabulary::Vocabulary;
 use granum_core::quantity::Dimension;
 
-/// The field with a path such as `grains.material.friction`.
-pub fn field(path: &str) -> Option<&'static Field> {
-    FIELDS.iter().find(|field| field.path() == path)
+/// The field with a path such as `grains.material.friction`, among those of a case file that knows granum's own laws and sensors.
+pub fn field(path: &str) -> Option<Arc<Field>> {
+    Fields::standard().named(path)
 }
 
 /// Keys that had another name: the old one and the new one. An old name is rejected with a hint to the new one; digests are
@@ -39,8 +41,8 @@ pub(super) const SECTIONS: &[[&str; 2]] = &[
 
 /// Name and help text of each law of a kind.
 macro_rules! options {
-    ($laws:ident) => {
-        registry::$laws().iter().map(|law| [law.name(), law.law().description().help]).collect()
+    ($laws:expr) => {
+        $laws.iter().map(|law| [law.name(), law.law().description().help]).collect()
     };
 }
 
@@ -95,56 +97,64 @@ fn entry(section: &'static str, key: &'static str, help: &'static str, example: 
 }
 
 /// All keys of the case file, in the order of the file: those of the case, with the parameters of all contact laws that are
-/// registered inserted after `contact.damping`, and with those that sensors declare in the section `[recording]`.
-pub static FIELDS: Fields = Fields(RwLock::new(None));
+/// known inserted after `contact.damping`, and with those that sensors declare in the section `[recording]`.
+#[derive(Clone)]
+pub struct Fields(Arc<[Arc<Field>]>);
 
-/// A list of fields that grows when a contact law is registered or a sensor with a parameter is added.
-pub struct Fields(RwLock<Option<Known>>);
-
-/// The fields while so many laws and sensors of the caller's own are registered.
-#[derive(Clone, Copy)]
-struct Known {
-    registered: [usize; 2],
-    fields: &'static [Field],
-}
+static STANDARD: LazyLock<Fields> = LazyLock::new(|| Fields::new(&Vocabulary::standard()));
 
 impl Fields {
-    /// The fields, in the order of the file.
-    pub fn iter(&self) -> std::slice::Iter<'static, Field> {
-        self.known().iter()
+    /// The keys with granum's own contact laws and sensors.
+    pub fn standard() -> Fields {
+        STANDARD.clone()
     }
 
-    fn known(&self) -> &'static [Field] {
-        let registered = [registry::registered(), granum_sensors::added_sensors_with_parameters()];
-        let known = *self.0.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = known.filter(|known| known.registered == registered) {
-            return known.fields;
-        }
-        // References to fields live as long as the program; laws and sensors are registered a few times at most.
-        let fields: &'static [Field] = Vec::leak(with_declared_parameters(fields()));
-        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Some(Known { registered, fields });
-        fields
+    /// The keys with the contact laws and sensors of a vocabulary.
+    pub fn of(vocabulary: &Vocabulary) -> Fields {
+        if vocabulary.is_standard() { Fields::standard() } else { Fields::new(vocabulary) }
+    }
+
+    /// The fields with the parameters that size distributions, contact laws and sensors declare. Those of sensors that are recorded
+    /// where a case names them follow `recording.sensors`; those of the usual ones are the last of the section.
+    fn new(vocabulary: &Vocabulary) -> Fields {
+        let laws = vocabulary.laws();
+        let mut fields = fields(laws);
+        let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
+        fields.splice(after..after, sizes::parameters().into_iter().map(Field::of_sizes));
+        let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
+        let parameters = laws.parameters();
+        fields.splice(after..after, parameters.into_iter().map(|parameter| Field::of_law(parameter, laws)));
+        let declared = vocabulary.sensors().declared_parameters();
+        let (usual, named): (Vec<_>, Vec<_>) = declared.into_iter().partition(|declared| declared.always);
+        let after = fields.iter().position(|field| field.path() == SENSORS).map_or(0, |at| at + 1);
+        fields.splice(after..after, named.iter().map(Field::of_sensor));
+        let after = fields.iter().rposition(|field| field.section == "recording").map_or(0, |at| at + 1);
+        fields.splice(after..after, usual.iter().map(Field::of_sensor));
+        Fields(fields.into_iter().map(Arc::new).collect())
+    }
+
+    /// The field with a path such as `grains.material.friction`.
+    pub fn named(&self, path: &str) -> Option<Arc<Field>> {
+        self.iter().find(|field| field.path() == path).cloned()
     }
 }
 
-/// The fields with the parameters that size distributions, contact laws and sensors declare. Those of sensors that are recorded where
-/// a case names them follow `recording.sensors`; those of the usual ones are the last of the section.
-fn with_declared_parameters(mut fields: Vec<Field>) -> Vec<Field> {
-    let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
-    fields.splice(after..after, sizes::parameters().into_iter().map(Field::of_sizes));
-    let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
-    fields.splice(after..after, registry::parameters().into_iter().map(Field::of_law));
-    let (usual, named): (Vec<_>, Vec<_>) =
-        granum_sensors::declared_parameters().into_iter().partition(|declared| declared.always);
-    let after = fields.iter().position(|field| field.path() == SENSORS).map_or(0, |at| at + 1);
-    fields.splice(after..after, named.iter().map(Field::of_sensor));
-    let after = fields.iter().rposition(|field| field.section == "recording").map_or(0, |at| at + 1);
-    fields.splice(after..after, usual.iter().map(Field::of_sensor));
-    fields
+impl Deref for Fields {
+    type Target = [Arc<Field>];
+    fn deref(&self) -> &[Arc<Field>] {
+        &self.0
+    }
+}
+
+impl Case {
+    /// The keys of a case file with the contact laws and sensors that this case knows.
+    pub fn fields(&self) -> Fields {
+        Fields::of(&self.vocabulary)
+    }
 }
 
 #[rustfmt::skip]
-fn fields() -> Vec<Field> { vec![
+fn fields(laws: &Laws) -> Vec<Field> { vec![
     entry("grains", "count", "Number of grains.", "5000",
         count!(50..=100_000_000, grains.count)),
     entry("grains", "diameter", "Mean diameter d.", "0.1 mm", Kind::Number {
@@ -186,24 +196,24 @@ fn fields() -> Vec<Field> { vec![
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", grains.material.interface_energy)),
 
     entry("contact", "normal", "Normal law.", "jkr", Kind::Choice {
-        options: options!(normal_laws),
+        options: options!(laws.normal()),
         get: |case| case.contact.normal.name(),
-        set: |case, name| if let Some(law) = registry::normal_named(name) { case.contact.normal = law },
+        set: |case, name| if let Some(law) = case.vocabulary.laws().normal_named(name) { case.contact.normal = law },
     }),
     entry("contact", "tangential", "Tangential law.", "mindlin-deresiewicz", Kind::Choice {
-        options: options!(tangential_laws),
+        options: options!(laws.tangential()),
         get: |case| case.contact.tangential.name(),
-        set: |case, name| if let Some(law) = registry::tangential_named(name) { case.contact.tangential = law },
+        set: |case, name| if let Some(law) = case.vocabulary.laws().tangential_named(name) { case.contact.tangential = law },
     }),
     entry("contact", "rolling", "Resistance to rolling and twisting.", "none", Kind::Choice {
-        options: options!(rolling_laws),
+        options: options!(laws.rolling()),
         get: |case| case.contact.rolling.name(),
-        set: |case, name| if let Some(law) = registry::rolling_named(name) { case.contact.rolling = law },
+        set: |case, name| if let Some(law) = case.vocabulary.laws().rolling_named(name) { case.contact.rolling = law },
     }),
     entry("contact", "adhesion", "Additional attraction of grains, which may act across a gap.", "none", Kind::Choice {
-        options: options!(adhesion_laws),
+        options: options!(laws.adhesion()),
         get: |case| case.contact.adhesion.name(),
-        set: |case, name| if let Some(law) = registry::adhesion_named(name) { case.contact.adhesion = law },
+        set: |case, name| if let Some(law) = case.vocabulary.laws().adhesion_named(name) { case.contact.adhesion = law },
     }),
     entry("contact", "damping", "Fraction zeta of critical damping in the contact dashpots.", "0.1",
         number!(NUMBER, "0"..="1", contact.damping)),

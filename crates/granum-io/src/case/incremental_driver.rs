@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use granum_dem::loading::preset::{Given, Value};
+use granum_dem::loading::preset::{Given, PROBES, Value};
 use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Speed, Stage, Target, Until};
 
 use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
@@ -379,7 +379,7 @@ impl<'a> Steps<'a> {
             ("inertial_number".to_string(), speed),
             (key.to_string(), Value::Number(size)),
         ]);
-        Ok(vec![CaseStage::Path { name: "probes".into(), parameters, resets: true }])
+        Ok(vec![CaseStage::Path { path: PROBES, parameters, resets: true }])
     }
 
     fn repetition(&mut self, at: usize) -> Result<Vec<CaseStage>> {

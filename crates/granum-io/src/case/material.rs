@@ -3,13 +3,15 @@
 //! A material has the keys of `[grains.material]` and the parameters of contact laws; a key that it leaves out has the value of
 //! `[grains.material]` or `[contact]`. Its values are read, bounded and written by the fields of those sections.
 
+use std::sync::Arc;
+
 use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule, ParameterValues};
-use granum_dem::contact::{check, registry};
+use granum_dem::contact::check;
 use granum_dem::simulation::Properties;
 
 use super::definition::Case;
 use super::field::{Field, Value};
-use super::fields::FIELDS;
+use super::fields::Fields;
 use super::suggestion::meant;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
@@ -32,13 +34,13 @@ pub(super) const BETWEEN: &str =
 pub(super) const SMALLEST_SHARE: f64 = 1e-6;
 
 /// The fields that a material may have.
-pub(super) fn fields() -> impl Iterator<Item = &'static Field> {
-    FIELDS.iter().filter(|field| field.section == MATERIAL || field.is_of_law())
+pub(super) fn fields(all: &Fields) -> impl Iterator<Item = Arc<Field>> + '_ {
+    all.iter().filter(|field| field.section == MATERIAL || field.is_of_law()).cloned()
 }
 
 /// The fields that a pair of materials may have.
-pub(super) fn pair_fields() -> impl Iterator<Item = &'static Field> {
-    fields().filter(|field| field.is_of_law() || OF_PAIR.contains(&field.key))
+pub(super) fn pair_fields(all: &Fields) -> impl Iterator<Item = Arc<Field>> + '_ {
+    fields(all).filter(|field| field.is_of_law() || OF_PAIR.contains(&field.key))
 }
 
 /// True for a name that a material can have.
@@ -98,7 +100,7 @@ pub(super) fn means_nothing(contact: &ContactModel, place: &str, field: &Field) 
         return None;
     }
     let mut parameters = ParameterValues::NONE;
-    let known = registry::parameters().into_iter().find(|parameter| parameter.key == field.key)?;
+    let known = field.law_parameter()?;
     parameters.set(known.key, known.default).ok()?;
     let error = check::check(&(*contact).with(|contact| contact.parameters = parameters)).err()?.to_string();
     Some(error.replace(&format!("contact.{}", field.key), &format!("{place}.{}", field.key)))
@@ -174,19 +176,19 @@ impl Case {
         for component in &self.grains.mixture.components {
             text.push_str(&format!("\n[[material]]\nname = \"{}\"\n", component.name));
             text.push_str(&format!("share = {}\n", format_number(component.share)));
-            for field in fields() {
-                let value = own_value(self, component, field);
-                let value = value.filter(|value| wanted((field, value), &[&component.name]));
-                text.extend(value.map(|value| line(field, &value)));
+            for field in fields(&self.fields()) {
+                let value = own_value(self, component, &field);
+                let value = value.filter(|value| wanted((&field, value), &[&component.name]));
+                text.extend(value.map(|value| line(&field, &value)));
             }
         }
         for rule in &self.grains.mixture.pairs {
             let [a, b] = &rule.between;
             text.push_str(&format!("\n[[pair]]\nbetween = [\"{a}\", \"{b}\"]\n"));
-            for field in pair_fields() {
-                let value = pair_value(self, rule, field);
-                let value = value.filter(|value| wanted((field, value), &[a, b]));
-                text.extend(value.map(|value| line(field, &value)));
+            for field in pair_fields(&self.fields()) {
+                let value = pair_value(self, rule, &field);
+                let value = value.filter(|value| wanted((&field, value), &[a, b]));
+                text.extend(value.map(|value| line(&field, &value)));
             }
         }
         text
@@ -194,7 +196,7 @@ impl Case {
 
     /// Keys and values of the materials and of their pairs, for comparisons: `material.glass.density`.
     pub(super) fn material_values(&self) -> Vec<(String, String)> {
-        let mut values = Vec::new();
+        let (mut values, all_fields) = (Vec::new(), self.fields());
         let shown = |field: &Field, value: &Value| {
             let (text, unit) = (field.toml(value), field.si_unit());
             if unit.is_empty() { text } else { format!("{text} {unit}") }
@@ -202,14 +204,20 @@ impl Case {
         for component in &self.grains.mixture.components {
             let key = |key: &str| format!("material.{}.{key}", component.name);
             values.push((key("share"), format_number(component.share)));
-            let own = fields().filter_map(|field| Some((field, own_value(self, component, field)?)));
-            values.extend(own.map(|(field, value)| (key(field.key), shown(field, &value))));
+            let own = fields(&all_fields).filter_map(|field| {
+                let value = own_value(self, component, &field)?;
+                Some((field, value))
+            });
+            values.extend(own.map(|(field, value)| (key(field.key), shown(&field, &value))));
         }
         for rule in &self.grains.mixture.pairs {
             let [a, b] = &rule.between;
-            let given = pair_fields().filter_map(|field| Some((field, pair_value(self, rule, field)?)));
+            let given = pair_fields(&all_fields).filter_map(|field| {
+                let value = pair_value(self, rule, &field)?;
+                Some((field, value))
+            });
             values.extend(
-                given.map(|(field, value)| (format!("pair.{a}.{b}.{}", field.key), shown(field, &value))),
+                given.map(|(field, value)| (format!("pair.{a}.{b}.{}", field.key), shown(&field, &value))),
             );
         }
         values
@@ -217,19 +225,25 @@ impl Case {
 
     /// The keys of the materials and of their pairs with all their values, also those that a material takes from `[grains.material]`
     /// and `[contact]`; without a field where the value is the share.
-    pub(super) fn material_fields(&self) -> Vec<(String, Option<&'static Field>, Value)> {
-        let mut all = Vec::new();
+    pub(super) fn material_fields(&self) -> Vec<(String, Option<Arc<Field>>, Value)> {
+        let (mut all, all_fields) = (Vec::new(), self.fields());
         for component in &self.grains.mixture.components {
             let key = |key: &str| format!("material.{}.{key}", component.name);
             all.push((key("share"), None, Value::Number(Some(component.share))));
             let value = |field: &Field| own_value(self, component, field).or_else(|| field.value(self));
-            all.extend(fields().filter_map(|field| Some((key(field.key), Some(field), value(field)?))));
+            all.extend(fields(&all_fields).filter_map(|field| {
+                let value = value(&field)?;
+                Some((key(field.key), Some(field), value))
+            }));
         }
         for rule in &self.grains.mixture.pairs {
             let [a, b] = &rule.between;
             let key = |field: &Field| format!("pair.{a}.{b}.{}", field.key);
-            let given = pair_fields().filter_map(|field| Some((field, pair_value(self, rule, field)?)));
-            all.extend(given.map(|(field, value)| (key(field), Some(field), value)));
+            let given = pair_fields(&all_fields).filter_map(|field| {
+                let value = pair_value(self, rule, &field)?;
+                Some((field, value))
+            });
+            all.extend(given.map(|(field, value)| (key(&field), Some(field), value)));
         }
         all
     }
@@ -250,35 +264,35 @@ impl Case {
             let help = meant(name, known.iter().map(String::as_str));
             wrong(format!("names a material {name:?} that the case does not have; {help}"))
         };
-        let of_key = |key: &str, all: &mut dyn Iterator<Item = &'static Field>| {
-            let all: Vec<&'static Field> = all.collect();
-            let found = all.iter().find(|field| field.key == key).copied();
+        let of_key = |key: &str, all: &mut dyn Iterator<Item = Arc<Field>>| {
+            let all: Vec<Arc<Field>> = all.collect();
+            let found = all.iter().find(|field| field.key == key).cloned();
             found.ok_or_else(|| {
                 let help = meant(key, all.iter().map(|field| field.key));
                 wrong(format!("is not one of its keys; {help}"))
             })
         };
-        let case = self.clone();
+        let (case, all_fields) = (self.clone(), self.fields());
         match parts.as_slice() {
             ["material", name, key] => {
                 let place = self.grains.mixture.position(name).ok_or_else(|| unknown(name))?;
                 if *key == "share" || *key == "name" {
                     return Err(wrong("can only be changed in the case file".into()));
                 }
-                let field = of_key(key, &mut fields())?;
+                let field = of_key(key, &mut fields(&all_fields))?;
                 let value = field.parse(text).map_err(wrong)?;
-                put(&case, &mut self.grains.mixture.components[place], field, value);
+                put(&case, &mut self.grains.mixture.components[place], &field, value);
             }
             ["pair", a, b, key] => {
                 for name in [a, b] {
                     self.grains.mixture.position(name).ok_or_else(|| unknown(name))?;
                 }
-                let field = of_key(key, &mut pair_fields())?;
+                let field = of_key(key, &mut pair_fields(&all_fields))?;
                 let value = field.parse(text).map_err(wrong)?;
                 let between = [a.to_string(), b.to_string()];
                 let mut rule = self.grains.mixture.rule(a, b).cloned();
                 let mut rule = rule.take().unwrap_or(PairRule { between, ..PairRule::default() });
-                put_into_pair(&case, &mut rule, field, value);
+                put_into_pair(&case, &mut rule, &field, value);
                 self.grains.mixture.pairs.retain(|known| known.between != rule.between);
                 self.grains.mixture.pairs.push(rule);
                 self.grains.mixture.sort();
@@ -311,15 +325,15 @@ impl Case {
             }
         };
         for component in &mixture.components {
-            for field in fields() {
+            for field in fields(&self.fields()) {
                 let name = format!("material.{}.{}", component.name, field.key);
-                check(name, field, own_value(self, component, field))?;
+                check(name, &field, own_value(self, component, &field))?;
             }
         }
         for rule in &mixture.pairs {
-            for field in pair_fields() {
+            for field in pair_fields(&self.fields()) {
                 let name = format!("pair.{}.{}.{}", rule.between[0], rule.between[1], field.key);
-                check(name, field, pair_value(self, rule, field))?;
+                check(name, &field, pair_value(self, rule, &field))?;
             }
         }
         mixture.check(&self.contact).map_err(|error| Error::Rule(error.to_string()))

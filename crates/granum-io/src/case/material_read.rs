@@ -1,6 +1,7 @@
 //! Reads the tables `[[material]]` and `[[pair]]` of a case file.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use granum_dem::config::{Component, Mixture, PairRule};
 use toml::Spanned;
@@ -49,7 +50,7 @@ impl Reader<'_> {
         let mut found = Vec::new();
         for (k, (table, span)) in self.tables("material", value).into_iter().enumerate() {
             let place = place_of("material", k + 1);
-            let known: Vec<&'static Field> = fields().collect();
+            let known: Vec<Arc<Field>> = fields(&self.fields).collect();
             let values = self.values_of(&place, table, &known, &["name", "share"]);
             let Some(name) = self.name_of(&place, table, &span) else { continue };
             let share = table.get("share").and_then(|node| Some((self.share(&place, node)?, node.span())));
@@ -63,7 +64,7 @@ impl Reader<'_> {
         let mut found = Vec::new();
         for (k, (table, span)) in self.tables("pair", value).into_iter().enumerate() {
             let place = place_of("pair", k + 1);
-            let known: Vec<&'static Field> = pair_fields().collect();
+            let known: Vec<Arc<Field>> = pair_fields(&self.fields).collect();
             let values = self.values_of(&place, table, &known, &["between"]);
             let names = table.get("between").map(|node| (names(node), node.span()));
             match names {
@@ -86,7 +87,7 @@ impl Reader<'_> {
         &mut self,
         place: &str,
         table: &DeTable<'_>,
-        known: &[&'static Field],
+        known: &[Arc<Field>],
         others: &[&str],
     ) -> Values {
         let mut values = Vec::new();
@@ -95,13 +96,13 @@ impl Reader<'_> {
             if others.contains(&name) {
                 continue;
             }
-            let Some(field) = known.iter().find(|field| field.key == name).copied() else {
+            let Some(field) = known.iter().find(|field| field.key == name).cloned() else {
                 let all = known.iter().map(|field| field.key).chain(others.iter().copied());
                 let help = meant(name, all);
                 self.error(key.span(), format!("unknown key {place}.{name}")).help = Some(help);
                 continue;
             };
-            match scalar(field, value.get_ref()).and_then(|text| field.parse(&text)) {
+            match scalar(&field, value.get_ref()).and_then(|text| field.parse(&text)) {
                 Ok(found) => values.push((field, found, key.span())),
                 Err(why) => {
                     let message = format!("{place}.{name} = {} {why}", self.shown(&value.span()));

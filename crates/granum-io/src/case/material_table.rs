@@ -1,11 +1,12 @@
 //! The tables `[[material]]` and `[[pair]]` of a case file as they were read.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::field::{Field, Value};
 
 /// Values of fields with the places of their keys.
-pub(super) type Values = Vec<(&'static Field, Value, Range<usize>)>;
+pub(super) type Values = Vec<(Arc<Field>, Value, Range<usize>)>;
 
 /// A table `[[material]]` as it is in the file.
 pub(super) struct MaterialTable {

@@ -32,6 +32,7 @@ mod stresses;
 mod suggestion;
 mod unit;
 mod value_list;
+mod vocabulary;
 mod write;
 
 pub use bare_number::SetKey;
@@ -40,11 +41,12 @@ pub use definition::Case;
 pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
 pub use field::{Field, Value};
-pub use fields::{FIELDS, field};
+pub use fields::{Fields, field};
 pub(crate) use material::is_name as is_material_name;
 pub use parameters::{CaseParameter, ParameterValue};
 pub use reading::Reading;
 pub use value_list::{ValueShape, values_in};
+pub use vocabulary::Vocabulary;
 
 /// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.
 pub const UNUSED_WITH_PACKING: [&str; 9] = [
@@ -96,7 +98,7 @@ mod tests {
     fn the_template_teaches_every_key_and_is_the_default() {
         let template = Case::template();
         assert_eq!(parse(&template), Case::default());
-        for field in FIELDS.iter() {
+        for field in Fields::standard().iter() {
             assert!(template.contains(&format!("{} = ", field.key)), "{} is not in the template", field.key);
         }
     }
@@ -127,7 +129,7 @@ mod tests {
 
     #[test]
     fn examples_and_bounds_of_every_field_are_valid() {
-        for field in FIELDS.iter() {
+        for field in Fields::standard().iter() {
             let mut case = Case::default();
             if field.key == "density_scaling" {
                 case.set("shear.strain_rate", "1e-5 /s").unwrap();
@@ -226,7 +228,7 @@ mod tests {
     fn the_book_lists_the_keys_of_laws() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/case.md");
         let book = std::fs::read_to_string(path).unwrap();
-        for field in FIELDS.iter().filter(|field| field.section == "contact") {
+        for field in Fields::standard().iter().filter(|field| field.section == "contact") {
             let row = book.lines().find(|line| line.starts_with(&format!("| `{}` | `", field.key)));
             assert!(row.is_some(), "docs/src/case.md has no row of {}", field.path());
             assert!(
@@ -347,11 +349,10 @@ mod tests {
 
     /// A random value within the bounds of each field; rules between fields may still reject the case.
     fn any_case() -> impl Strategy<Value = Case> {
-        (proptest::collection::vec(0.0..=1.0f64, FIELDS.iter().len()), any::<bool>()).prop_filter_map(
-            "rules between fields",
-            |(draws, by_rate)| {
+        (proptest::collection::vec(0.0..=1.0f64, Fields::standard().iter().len()), any::<bool>())
+            .prop_filter_map("rules between fields", |(draws, by_rate)| {
                 let mut case = Case::default();
-                for (field, draw) in FIELDS.iter().zip(draws) {
+                for (field, draw) in Fields::standard().iter().zip(draws) {
                     let of_rate = matches!(field.key, "strain_rate" | "density_scaling");
                     let of_inertia = field.section == "shear" && field.key == "inertial_number";
                     // A parameter of laws that were not drawn is not a part of the case.
@@ -364,8 +365,7 @@ mod tests {
                 }
                 mend(&mut case);
                 case.check().is_ok().then_some(case)
-            },
-        )
+            })
     }
 
     proptest! {

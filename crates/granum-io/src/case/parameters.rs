@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use granum_dem::loading::preset::{self, Default as ParameterDefault, Given, Preset, Value as PathValue};
+use granum_dem::loading::preset::{Default as ParameterDefault, Given, Preset, Value as PathValue};
 
 use toml::de::{DeTable, DeValue};
 
 use super::case_stage::CaseStage;
 use super::definition::Case;
 use super::field::Value;
-use super::fields::FIELDS;
 use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
 use super::unit::dimension;
 
@@ -70,7 +69,7 @@ impl Case {
     /// ```
     pub fn parameters(&self) -> Vec<CaseParameter> {
         let mut all = Vec::new();
-        for field in FIELDS.iter() {
+        for field in self.fields().iter() {
             if self.has_stages() && is_unused_with_stages(&field.path()) {
                 continue;
             }
@@ -115,9 +114,10 @@ fn add_stages(all: &mut Vec<CaseParameter>, place: &str, stages: &[CaseStage]) {
     for (k, stage) in stages.iter().enumerate() {
         let place = format!("{place}.{}", k + 1);
         match stage {
-            CaseStage::Path { name, parameters, resets } => {
-                all.push(CaseParameter::new(format!("{place}.path"), "", ParameterValue::Word(name.clone())));
-                add_path(all, &place, name, parameters);
+            CaseStage::Path { path, parameters, resets } => {
+                let name = ParameterValue::Word(path.name.to_string());
+                all.push(CaseParameter::new(format!("{place}.path"), "", name));
+                add_path(all, &place, path, parameters);
                 if !resets {
                     all.push(CaseParameter::new(
                         format!("{place}.resets"),
@@ -140,9 +140,9 @@ fn add_stages(all: &mut Vec<CaseParameter>, place: &str, stages: &[CaseStage]) {
 }
 
 /// The parameters of a named path, with their defaults where none is given.
-fn add_path(all: &mut Vec<CaseParameter>, place: &str, name: &str, given: &Given) {
+fn add_path(all: &mut Vec<CaseParameter>, place: &str, path: &Preset, given: &Given) {
     let by_strain_rate = given.contains_key("strain_rate");
-    for parameter in preset::named(name).into_iter().flat_map(Preset::parameters) {
+    for parameter in path.parameters() {
         let value = match (given.get(parameter.key), parameter.default) {
             (Some(PathValue::Number(number)), _) => ParameterValue::Number(*number),
             (Some(PathValue::Word(word)), _) => ParameterValue::Word(word.clone()),

@@ -175,7 +175,7 @@ fn what_a_program_gives_is_checked_as_well() {
         case.check().map_err(|error| error.to_string())
     };
     let path = |name: &str, key: &str, value: f64| CaseStage::Path {
-        name: name.into(),
+        path: preset::named(name).unwrap(),
         parameters: Given::from([(key.to_string(), Value::Number(value))]),
         resets: true,
     };
@@ -220,9 +220,9 @@ fn unrecorded(stage: CaseStage) -> Option<CaseStage> {
         return None;
     }
     Some(match without_recording(stage) {
-        CaseStage::Path { name, mut parameters, resets } => {
+        CaseStage::Path { path, mut parameters, resets } => {
             RECORDING_KEYS.iter().for_each(|key| drop(parameters.remove(*key)));
-            CaseStage::Path { name, parameters, resets }
+            CaseStage::Path { path, parameters, resets }
         }
         CaseStage::Repeat { times, stages } => {
             CaseStage::Repeat { times, stages: stages.into_iter().map(unrecorded).collect::<Option<_>>()? }

@@ -14,7 +14,7 @@ use toml::de::{DeTable, DeValue};
 use super::bare_number;
 use super::definition::Case;
 use super::field::{Field, Value};
-use super::fields::{FIELDS, RENAMED, SECTIONS, field};
+use super::fields::{Fields, RENAMED, SECTIONS};
 use super::reader::{Reader, scalar};
 use super::reading::Reading;
 use super::rules::RULES;
@@ -80,10 +80,14 @@ impl Case {
             let message = format!("this is not TOML: {}", error.message().replace('\n', "; "));
             Error::Inputs(vec![InputError::in_text(file, &text, span, message)])
         })?;
+        let bare_numbers = reading.bare_numbers;
+        let vocabulary = reading.vocabulary.clone();
+        let fields = Fields::of(&vocabulary);
         let mut reader = Reader {
             file,
             folder,
             reading,
+            fields: fields.clone(),
             text: text.clone(),
             errors: Vec::new(),
             keys: HashMap::new(),
@@ -102,9 +106,10 @@ impl Case {
         let mut case = Case {
             stages: std::mem::take(&mut reader.stages),
             preparation_stages: std::mem::take(&mut reader.preparation_stages),
+            vocabulary,
             ..Case::default()
         };
-        for field in FIELDS.iter() {
+        for field in fields.iter() {
             if let Some(value) = reader.values.get(&field.path()) {
                 field.apply(&mut case, value.clone());
             }
@@ -117,7 +122,7 @@ impl Case {
         if reader.errors.is_empty() {
             reader.check_rules(&case);
         }
-        if reader.errors.is_empty() && !reading.bare_numbers {
+        if reader.errors.is_empty() && !bare_numbers {
             reader.check_bare_numbers(document.get_ref(), &case);
         }
         reader.errors.sort_by_key(|error| error.span.start);
@@ -140,7 +145,7 @@ impl Case {
         if self.has_stages() && is_unused_with_stages(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
-        let field = field(path).ok_or_else(|| match new_name(path) {
+        let field = self.fields().named(path).ok_or_else(|| match new_name(path) {
             Some(new) => wrong(format!("is now called {new}")),
             None => wrong(format!("is not a key; {}", suggestion::of_set(self, path))),
         })?;
@@ -186,8 +191,8 @@ impl Reader<'_> {
             } else if path == "pair" {
                 self.keys.insert(path, key.span());
                 self.pairs = self.pairs(value);
-            } else if let Some(field) = field(&path) {
-                self.field(field, key.span(), value);
+            } else if let Some(field) = self.fields.named(&path) {
+                self.field(&field, key.span(), value);
             } else if let Some(number) = self.undeclared(section, value.get_ref()) {
                 self.undeclared_parameters.insert(key.get_ref().to_string(), number);
             } else if let Some(new) = new_name(&path) {
@@ -196,7 +201,7 @@ impl Reader<'_> {
                     Some(format!("write {name}"));
             } else {
                 let what = if section.is_empty() { "section" } else { "key" };
-                let help = suggestion::in_file(&path, section);
+                let help = suggestion::in_file(&self.fields, self.reading.vocabulary.paths(), &path, section);
                 self.error(key.span(), format!("unknown {what} {path}")).help = Some(help);
             }
         }
@@ -208,7 +213,7 @@ impl Reader<'_> {
         taken.then(|| sensor_parameters::undeclared(value)).flatten()
     }
 
-    fn field(&mut self, field: &'static Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
+    fn field(&mut self, field: &Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
         self.keys.insert(field.path(), key);
         let parsed = match value.get_ref() {
             DeValue::Array(items) if field.is_curve() => {
@@ -309,8 +314,8 @@ impl Reader<'_> {
             self.values.get(&field.path()).is_some_and(|value| field.value(&standard).as_ref() != Some(value))
         };
         let unused =
-            FIELDS.iter().filter(|field| is_unused_with_stages(&field.path()) && says_something(field));
-        let unused: Vec<_> = unused.map(Field::path).collect();
+            self.fields.iter().filter(|field| is_unused_with_stages(&field.path()) && says_something(field));
+        let unused: Vec<_> = unused.map(|field| field.path()).collect();
         for path in unused {
             let Some(span) = self.keys.get(&path).cloned() else { continue };
             self.error(span, format!("{path} has no effect in a case with [[stage]]")).help = Some(

@@ -9,6 +9,7 @@ use toml::de::DeValue;
 
 use super::case_stage::CaseStage;
 use super::field::{Field, Value};
+use super::fields::Fields;
 use super::material_table::{MaterialTable, PairTable};
 use super::reading::Reading;
 use crate::error::InputError;
@@ -30,6 +31,8 @@ pub(super) struct Reader<'a> {
     /// The folder in which the files lie that the case names.
     pub(super) folder: &'a Path,
     pub(super) reading: Reading,
+    /// The keys that a case file can have.
+    pub(super) fields: Fields,
     pub(super) text: Arc<str>,
     pub(super) errors: Vec<InputError>,
     /// Position of each key in the file, by path.

@@ -1,7 +1,9 @@
 //! How a case file is read.
 
-/// What is taken from a case file without question. By default nothing of it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+use super::vocabulary::Vocabulary;
+
+/// What is taken from a case file without question, by default nothing, and what its words stand for.
+#[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Reading {
     /// True if numbers without a unit are taken as they are. Otherwise a stress far from that of the sample and a strain beyond 1
@@ -12,6 +14,8 @@ pub struct Reading {
     /// True if numbers in `[recording]` that no known sensor declares are taken as parameters of the sensors of another program, whose
     /// runs can thus be read.
     pub undeclared_parameters: bool,
+    /// The laws, paths and sensors that the case can name.
+    pub vocabulary: Vocabulary,
 }
 
 impl Reading {
@@ -23,5 +27,10 @@ impl Reading {
     /// The same; the case may name files outside its own folder if `outside` is true.
     pub fn with_outside(self, outside: bool) -> Reading {
         Reading { outside, ..self }
+    }
+
+    /// The same with other laws and paths that the case can name.
+    pub fn with_vocabulary(self, vocabulary: &Vocabulary) -> Reading {
+        Reading { vocabulary: vocabulary.clone(), ..self }
     }
 }

@@ -230,7 +230,7 @@ impl Case {
     /// # Errors
     /// The first violation that is found, with the key, the value and what would be right.
     pub fn check(&self) -> Result<()> {
-        for field in super::FIELDS.iter() {
+        for field in self.fields().iter() {
             let Some(value) = field.value(self) else { continue };
             let text = field.toml(&value);
             field.parse(text.trim_matches('"')).map_err(|message| Error::Value {
@@ -239,7 +239,8 @@ impl Case {
                 message,
             })?;
         }
-        check::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
+        check::check_among(&self.contact, self.vocabulary.laws())
+            .map_err(|error| Error::Rule(error.to_string()))?;
         self.grains.check_sizes().map_err(|error| Error::Rule(error.to_string()))?;
         self.check_materials()?;
         self.check_stages()?;

@@ -7,19 +7,26 @@ use serde_json::{Map, Value, json};
 
 use super::definition::Case;
 use super::field::Field;
-use super::fields::{FIELDS, SECTIONS};
+use super::fields::{Fields, SECTIONS};
 use super::material::{BETWEEN, NAME, SHARE};
 use super::stage::bounds;
 use super::stage_read::{DRIVER_KEYS, STAGE_KEYS};
 use super::stage_values::OTHER_ENDS;
+use super::vocabulary::Vocabulary;
 
 impl Case {
     /// The JSON schema (draft 2020-12) of a case file, for editors: every key with its meaning, bounds and default.
     pub fn schema() -> Value {
+        Case::schema_with(&Vocabulary::standard())
+    }
+
+    /// The same with the contact laws and paths of a program.
+    pub fn schema_with(vocabulary: &Vocabulary) -> Value {
+        let fields = Fields::of(vocabulary);
         let mut root = object("A granum case: all inputs that determine a result.", Map::new());
         for [section, help] in SECTIONS {
             let mut keys = Map::new();
-            for field in FIELDS.iter().filter(|field| field.section == *section) {
+            for field in fields.iter().filter(|field| field.section == *section) {
                 keys.insert(field.key.into(), of_field(field));
             }
             let mut place = &mut root;
@@ -33,12 +40,12 @@ impl Case {
             "description": "Several materials; keys that one leaves out are taken from [grains.material] and \
                             [contact].",
             "type": "array",
-            "items": material(),
+            "items": material(&fields),
         });
         root["properties"]["pair"] = json!({
             "description": "Values for a pair of materials, instead of those computed from the two.",
             "type": "array",
-            "items": pair(),
+            "items": pair(&fields),
         });
         root["properties"]["preparation"]["properties"]["stage"] = json!({
             "description": "Loading paths between the compaction of the sample and its relaxation; they record nothing and \
@@ -51,8 +58,11 @@ impl Case {
             "type": "array",
             "items": { "$ref": "#/$defs/stage" },
         });
-        let kinds =
-            preset::all().into_iter().map(of_path).chain([repetition(), incremental_driver(), written_out()]);
+        let kinds = vocabulary.paths().all().iter().map(|path| of_path(path)).chain([
+            repetition(),
+            incremental_driver(),
+            written_out(),
+        ]);
         root["$defs"] = json!({ "stage": { "anyOf": kinds.collect::<Vec<_>>() } });
         root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
         root["title"] = json!("granum case");
@@ -106,8 +116,9 @@ fn without_default(field: &Field) -> (String, Value) {
 }
 
 /// A table `[[material]]`.
-fn material() -> Value {
-    let mut keys: Map<String, Value> = super::material::fields().map(without_default).collect();
+fn material(fields: &Fields) -> Value {
+    let fields = super::material::fields(fields);
+    let mut keys: Map<String, Value> = fields.map(|field| without_default(&field)).collect();
     let name = json!({ "description": NAME, "type": "string", "pattern": "^[A-Za-z0-9_-]+$" });
     keys.insert("name".into(), name);
     keys.insert("share".into(), json!({ "description": SHARE, "type": ["number", "string"] }));
@@ -117,8 +128,9 @@ fn material() -> Value {
 }
 
 /// A table `[[pair]]`.
-fn pair() -> Value {
-    let mut keys: Map<String, Value> = super::material::pair_fields().map(without_default).collect();
+fn pair(fields: &Fields) -> Value {
+    let fields = super::material::pair_fields(fields);
+    let mut keys: Map<String, Value> = fields.map(|field| without_default(&field)).collect();
     let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 });
     keys.insert("between".into(), names);
     keys["between"]["description"] = json!(BETWEEN);
@@ -241,12 +253,12 @@ mod tests {
     #[test]
     fn every_key_of_the_case_and_of_every_path_is_in_the_schema() {
         let schema = Case::schema();
-        for field in FIELDS.iter() {
+        for field in Fields::standard().iter() {
             let place = field.path().replace('.', "/properties/");
             let found = schema.pointer(&format!("/properties/{place}"));
             assert!(found.is_some_and(|found| found["description"].is_string()), "{}", field.path());
         }
-        for field in super::super::material::fields() {
+        for field in super::super::material::fields(&Fields::standard()) {
             let found = &schema["properties"]["material"]["items"]["properties"][field.key];
             assert!(found["description"].is_string() && found["default"].is_null(), "{}", field.key);
         }

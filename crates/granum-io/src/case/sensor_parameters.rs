@@ -4,24 +4,25 @@
 use toml::de::DeValue;
 
 use super::definition::Case;
-use super::fields::FIELDS;
+use super::field::Field;
 
 impl Case {
     /// The given parameters of sensors that are not among granum's, in the order of their keys.
-    pub(super) fn parameters_of_other_sensors(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.parameters_where(|key| {
-            !FIELDS.iter().any(|field| field.key == key && field.is_of_granum_sensor())
-        })
+    pub(super) fn parameters_of_other_sensors(&self) -> Vec<(&str, f64)> {
+        self.parameters_where(|field| !field.is_of_granum_sensor())
     }
 
     /// The given parameters that no known sensor declares, in the order of their keys.
-    pub(super) fn undeclared_parameters(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.parameters_where(|key| !FIELDS.iter().any(|field| field.key == key && field.is_of_sensor()))
+    pub(super) fn undeclared_parameters(&self) -> Vec<(&str, f64)> {
+        self.parameters_where(|field| !field.is_of_sensor())
     }
 
-    fn parameters_where(&self, wanted: impl Fn(&str) -> bool) -> impl Iterator<Item = (&str, f64)> {
+    /// Those of which this holds for the field of the same key, and those without a field.
+    fn parameters_where(&self, wanted: impl Fn(&Field) -> bool) -> Vec<(&str, f64)> {
+        let fields = self.fields();
+        let is_wanted = |key: &str| fields.iter().filter(|field| field.key == key).all(|field| wanted(field));
         let given = self.recording.parameters.iter().map(|(key, value)| (key.as_str(), *value));
-        given.filter(move |(key, _)| wanted(key))
+        given.filter(|(key, _)| is_wanted(key)).collect()
     }
 }
 
@@ -38,12 +39,10 @@ pub(super) fn undeclared(value: &DeValue<'_>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use granum_core::quantity::Dimension;
-    use granum_sensors::{
-        Memory, OWN_KEYS, Observation, Sensor, SensorDescription, SensorParameter, Sensors, Values,
-    };
+    use granum_sensors::{Memory, OWN_KEYS, Observation, Sensor, SensorDescription, SensorParameter, Values};
 
     use super::*;
-    use crate::case::{FIELDS, Reading, field};
+    use crate::case::{Fields, Reading, Vocabulary};
 
     const REACH: SensorParameter =
         SensorParameter::new("counting_reach", Dimension::LENGTH, 1e-4, [1e-9, 1.0], "Distance of the count");
@@ -59,7 +58,7 @@ mod tests {
 
     #[test]
     fn the_keys_of_the_recording_itself_are_those_that_no_sensor_can_have() {
-        for field in FIELDS.iter().filter(|field| field.section == "recording") {
+        for field in Fields::standard().iter().filter(|field| field.section == "recording") {
             assert_ne!(field.is_of_sensor(), OWN_KEYS.contains(&field.key), "{}", field.key);
         }
     }
@@ -69,36 +68,29 @@ mod tests {
         let text = "[recording]\nsensors = ['counting']\ncounting_reach = '0.2 mm'\n";
         let recorded = "[recording]\ncounting_reach = 2e-4\nother_parameter = 3\nsensors = ['counting']\n";
         // A program that does not know the sensor reads what another has recorded, and nothing else.
-        if field("recording.counting_reach").is_none() {
-            assert!(
-                Case::parse(text, "c")
-                    .unwrap_err()
-                    .to_string()
-                    .contains("unknown key recording.counting_reach")
-            );
-        }
+        let error = Case::parse(text, "c").unwrap_err().to_string();
+        assert!(error.contains("unknown key recording.counting_reach"), "{error}");
         let before = Case::parse_as(recorded, "c", Reading::recorded()).unwrap();
         let digest = before.digest();
 
-        Sensors::standard().with(Counting).unwrap();
-        let case = Case::parse(text, "c").unwrap();
+        let vocabulary = Vocabulary::standard().with_sensor(Counting).unwrap();
+        let parse = |text: &str| Case::parse_as(text, "c", Reading::default().with_vocabulary(&vocabulary));
+        let recording = || Reading::recorded().with_vocabulary(&vocabulary);
+        let case = parse(text).unwrap();
         assert_eq!(REACH.value(&case.recording), Some(2e-4));
-        assert_eq!(Case::parse(&case.resolved_toml(), "c").unwrap(), case);
-        assert_ne!(
-            case.digest(),
-            Case::parse("[recording]\nsensors = ['counting']\n", "c").unwrap().digest()
-        );
-        let template = Case::template();
+        assert_eq!(parse(&case.resolved_toml()).unwrap(), case);
+        assert_ne!(case.digest(), parse("[recording]\nsensors = ['counting']\n").unwrap().digest());
+        let template = Case::template_with(&vocabulary);
         assert!(
             template
-                .contains("# Distance of the count; of the sensor counting.\ncounting_reach = \"1e-4 m\""),
+                .contains("# Distance of the count; of the sensor counting (from 1e-9 m to 1 m).\ncounting_reach = \"1e-4 m\""),
             "{template}"
         );
         assert_eq!(
-            Case::schema()["properties"]["recording"]["properties"]["counting_reach"]["default"],
+            Case::schema_with(&vocabulary)["properties"]["recording"]["properties"]["counting_reach"]["default"],
             "1e-4 m"
         );
-        let error = Case::parse(&text.replace("0.2 mm", "2 m"), "c").unwrap_err().to_string();
+        let error = parse(&text.replace("0.2 mm", "2 m")).unwrap_err().to_string();
         assert!(
             error.contains(
                 "c:3:18: recording.counting_reach = '2 m' is out of bounds; it must be from 1e-9 m to 1 m"
@@ -106,17 +98,12 @@ mod tests {
             "{error}"
         );
         // The default counts as not given.
-        assert!(Case::parse(&text.replace("0.2 mm", "0.1 mm"), "c").unwrap().recording.parameters.is_empty());
+        assert!(parse(&text.replace("0.2 mm", "0.1 mm")).unwrap().recording.parameters.is_empty());
 
-        let after = Case::parse_as(recorded, "c", Reading::recorded()).unwrap();
+        let after = Case::parse_as(recorded, "c", recording()).unwrap();
         assert_eq!((&after, after.digest()), (&before, digest));
-        assert!(
-            Case::parse(recorded, "c")
-                .unwrap_err()
-                .to_string()
-                .contains("unknown key recording.other_parameter")
-        );
-        let back = Case::parse_as(&after.resolved_toml(), "c", Reading::recorded()).unwrap();
+        assert!(parse(recorded).unwrap_err().to_string().contains("unknown key recording.other_parameter"));
+        let back = Case::parse_as(&after.resolved_toml(), "c", recording()).unwrap();
         assert_eq!(back, after);
         let other = after.parameters().into_iter().find(|found| found.key == "recording.other_parameter");
         assert_eq!(other.and_then(|found| found.number()), Some(3.0));

@@ -156,8 +156,8 @@ impl Case {
             value: value.to_string(),
             message,
         };
-        let Some(preset) = preset::named(name) else {
-            let help = meant(name, preset::all().iter().map(|preset| preset.name));
+        let Some(preset) = self.vocabulary.paths().named(name) else {
+            let help = meant(name, self.vocabulary.paths().names());
             return Err(wrong("path", name, format!("is not a path; {help}")));
         };
         let mut case = self.clone();
@@ -167,8 +167,7 @@ impl Case {
             recording.observations_per_state = own.observations_per_state;
             (recording.sensors, recording.parameters) = (own.sensors, own.parameters);
         });
-        case.stages =
-            vec![CaseStage::Path { name: name.to_string(), parameters: Given::new(), resets: true }];
+        case.stages = vec![CaseStage::Path { path: preset, parameters: Given::new(), resets: true }];
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {
                 let help = meant(key, preset.parameters().map(|parameter| parameter.key));
@@ -193,12 +192,10 @@ impl Case {
         let (numbers, key) = place(rest).ok_or_else(|| wrong(none.clone()))?;
         let stage = stage_at(list, &numbers).ok_or_else(|| wrong(none))?;
         match stage {
-            CaseStage::Path { name, parameters, .. } => {
-                let preset = preset::named(name);
-                let Some(parameter) = preset.and_then(|preset| preset.parameter(key)) else {
-                    let known = preset.into_iter().flat_map(Preset::parameters).collect::<Vec<_>>();
-                    let help = meant(key, known.iter().map(|parameter| parameter.key));
-                    return Err(wrong(format!("is not a parameter of the path {name}; {help}")));
+            CaseStage::Path { path, parameters, .. } => {
+                let Some(parameter) = path.parameter(key) else {
+                    let help = meant(key, path.parameters().map(|parameter| parameter.key));
+                    return Err(wrong(format!("is not a parameter of the path {}; {help}", path.name)));
                 };
                 if heading == PREPARATION_STAGE && RECORDING_KEYS.contains(&key) {
                     return Err(wrong(NOTHING_RECORDED.into()));
@@ -236,7 +233,7 @@ impl Case {
             found = Some(stage);
         }
         match found? {
-            CaseStage::Path { name, .. } => preset::named(name)?.parameter(key),
+            CaseStage::Path { path, .. } => path.parameter(key),
             CaseStage::Control(_) | CaseStage::Repeat { .. } => None,
         }
     }
@@ -383,7 +380,7 @@ fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
     for (k, stage) in stages.iter().enumerate() {
         let place = format!("{place}.{}", k + 1);
         match stage {
-            CaseStage::Path { name, parameters, .. } => check_path(name, parameters, &place)?,
+            CaseStage::Path { path, parameters, .. } => check_path(path, parameters, &place)?,
             CaseStage::Control(_) => {}
             CaseStage::Repeat { times, stages } if *times == 0 || stages.is_empty() => {
                 return Err(Error::Rule(format!("{place} has no stages to repeat")));
@@ -400,10 +397,7 @@ fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
     Ok(())
 }
 
-fn check_path(name: &str, parameters: &Given, place: &str) -> Result<()> {
-    let Some(preset) = preset::named(name) else {
-        return Err(Error::Rule(format!("{place}: there is no path {name:?}")));
-    };
+fn check_path(preset: &Preset, parameters: &Given, place: &str) -> Result<()> {
     for (key, value) in parameters {
         let found = preset.parameter(key).map(|parameter| check_value(parameter, value));
         if let Some(Err(message)) = found {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use granum_dem::loading::preset::{self, Given, Kind, Preset, Value};
+use granum_dem::loading::preset::{Given, Kind, Preset, Value};
 use granum_dem::loading::{Control, Drive, Kinematics, SERVO_LIMIT, Speed, Stage, Start, Until};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
@@ -208,13 +208,14 @@ impl TableReader<'_, '_> {
 
     /// A stage `path = "..."` with its parameters.
     fn named(mut self, table: &DeTable<'_>, path: &Node<'_>, span: &Range<usize>) -> Option<CaseStage> {
+        let paths = self.reader.reading.vocabulary.paths();
         let found = text(path).and_then(|name| {
-            preset::named(&name).ok_or_else(|| {
-                let help = meant(&name, preset::all().iter().map(|preset| preset.name));
+            paths.named(&name).ok_or_else(|| {
+                let help = meant(&name, paths.names());
                 Mistake(path.span(), "is not a path".into(), Some(help))
             })
         });
-        let preset: &Preset = self.take("path", found)?;
+        let preset: &'static Preset = self.take("path", found)?;
         let before = self.reader.errors.len();
         self.records_nothing(table, &RECORDING_KEYS);
         let mut parameters = Given::new();
@@ -254,7 +255,7 @@ impl TableReader<'_, '_> {
             let at = table.get_key_value(key).map_or(span.clone(), |(key, _)| key.span());
             self.reader.error(at, format!("{}.{message}", self.name));
         }
-        Some(CaseStage::Path { name: preset.name.to_string(), parameters, resets })
+        Some(CaseStage::Path { path: preset, parameters, resets })
     }
 
     /// The history of a path, in a file in the folder of the case or in the table itself; mistakes in the file are reported with
@@ -367,8 +368,8 @@ impl TableReader<'_, '_> {
             if !STAGE_KEYS.iter().any(|[known, _]| *known == key.get_ref()) {
                 let names = STAGE_KEYS.iter().map(|[known, _]| *known).chain(["path"]);
                 self.unknown(key.get_ref(), key.span(), names);
-                if let (Some(paths), Some(error)) = (paths_with(key.get_ref()), self.reader.errors.last_mut())
-                {
+                let paths = paths_with(self.reader.reading.vocabulary.paths(), key.get_ref());
+                if let (Some(paths), Some(error)) = (paths, self.reader.errors.last_mut()) {
                     error.help = Some(format!("{} belongs to a stage with path = {paths}", key.get_ref()));
                 }
             }

@@ -363,7 +363,7 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
         while let Some((key, _)) = path.fault(&parameters) {
             parameters.remove(key);
         }
-        CaseStage::Path { name: path.name.to_string(), parameters, resets }
+        CaseStage::Path { path, parameters, resets }
     })
 }
 

@@ -1,7 +1,7 @@
 //! Writing the tables `[[stage]]` of a case as TOML in SI units.
 
 use granum_dem::config::Spacing;
-use granum_dem::loading::preset::{self, Given, Preset, Value};
+use granum_dem::loading::preset::{Given, Preset, Value};
 use granum_dem::loading::{Drive, Kinematics, Ramp, Record, Speed, Stage, Start, Target, Turns, Until};
 use granum_dem::servo::COMPONENTS;
 
@@ -13,7 +13,7 @@ impl CaseStage {
     /// The table as TOML in SI units, below a heading of such a name.
     pub(super) fn toml(&self, heading: &str) -> String {
         let body = match self {
-            CaseStage::Path { name, parameters, resets } => path_toml(name, parameters, *resets),
+            CaseStage::Path { path, parameters, resets } => path_toml(path, parameters, *resets),
             CaseStage::Control(stage) => stage_toml(stage),
             CaseStage::Repeat { times, stages } => {
                 let inner: String = stages
@@ -27,9 +27,9 @@ impl CaseStage {
     }
 }
 
-fn path_toml(name: &str, parameters: &Given, resets: bool) -> String {
-    let mut text = format!("path = \"{name}\"\n");
-    for parameter in preset::named(name).into_iter().flat_map(Preset::parameters) {
+fn path_toml(path: &Preset, parameters: &Given, resets: bool) -> String {
+    let mut text = format!("path = \"{}\"\n", path.name);
+    for parameter in path.parameters() {
         let key = parameter.key;
         match parameters.get(key) {
             None => {}

@@ -4,11 +4,10 @@
 //! a list takes a text such as `0.01,0.1` as one value, as ever; several lists are written as a list of lists,
 //! `[[0.01, 0.1], [0.02, 0.2]]`. A key whose value is a file takes several files in brackets, `[a.csv, b.csv]`.
 
-use granum_dem::loading::preset::{self, Kind};
+use granum_dem::loading::preset::Kind;
 
 use super::case_stage::CaseStage;
 use super::definition::Case;
-use super::fields::field;
 use super::stage::{PREPARATION_STAGE, STAGE, place, stage_in};
 
 /// What a value of a key is, as far as it decides how several of them are written.
@@ -41,7 +40,7 @@ impl Case {
             }
         }
         let of_material = ["material.", "pair."].iter().any(|heading| key.starts_with(heading));
-        match field(key) {
+        match self.fields().named(key) {
             _ if of_material => ValueShape::Number,
             Some(field) if field.is_list() => ValueShape::List,
             Some(field) if field.is_curve() => ValueShape::File,
@@ -53,7 +52,7 @@ impl Case {
 
 fn shape_in_stage(stages: &[CaseStage], rest: &str) -> ValueShape {
     let found = place(rest).and_then(|(numbers, key)| match stage_in(stages, &numbers)? {
-        CaseStage::Path { name, .. } => preset::named(name)?.parameter(key),
+        CaseStage::Path { path, .. } => path.parameter(key),
         _ => None,
     });
     match found.map(|parameter| parameter.kind) {

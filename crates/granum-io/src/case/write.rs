@@ -3,10 +3,11 @@
 use super::bare_number::with_units;
 use super::definition::Case;
 use super::field::Field;
-use super::fields::{FIELDS, SECTIONS};
+use super::fields::SECTIONS;
 use super::read::LARGEST_FILE;
 use super::reading::Reading;
 use super::stage::is_unused_with_stages;
+use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
 
@@ -49,11 +50,16 @@ const RESOLVED_HEAD: &str = "\
 impl Case {
     /// A commented case file with every key at its default, with units.
     pub fn template() -> String {
+        Case::template_with(&Vocabulary::standard())
+    }
+
+    /// The same with the keys of the contact laws of a program.
+    pub fn template_with(vocabulary: &Vocabulary) -> String {
         let mut text = TEMPLATE_HEAD.to_string();
-        let case = Case::default();
+        let case = Case { vocabulary: vocabulary.clone(), ..Case::default() };
         for [section, help] in SECTIONS {
             text.push_str(&format!("\n# {help}\n[{section}]\n"));
-            for field in FIELDS.iter().filter(|field| field.section == *section) {
+            for field in case.fields().iter().filter(|field| field.section == *section) {
                 text.push_str(&comment(field));
                 // A field that is not in use by default is the other form of the rate, or a parameter of another law.
                 let unused = if field.value(&case).is_none() { "# " } else { "" };
@@ -84,7 +90,7 @@ impl Case {
                 continue;
             }
             text.push_str(&format!("\n[{section}]\n"));
-            for field in FIELDS.iter().filter(|field| field.section == *section) {
+            for field in self.fields().iter().filter(|field| field.section == *section) {
                 let Some(value) = field.value(self) else { continue };
                 if self.has_stages() && is_unused_with_stages(&field.path()) {
                     continue;
@@ -127,8 +133,8 @@ impl Case {
                 "it comes to {size} bytes, and case files have at most {LARGEST_FILE}"
             )));
         }
-        let read = Case::parse_as(&text, "case.toml", Reading::default())
-            .map_err(|error| cannot(error.to_string()))?;
+        let reading = Reading::default().with_vocabulary(&self.vocabulary);
+        let read = Case::parse_as(&text, "case.toml", reading).map_err(|error| cannot(error.to_string()))?;
         if read.digest() != self.digest() {
             return Err(cannot("what is read has other values".into()));
         }

@@ -18,7 +18,7 @@ use granum_core::digest::Digest;
 use granum_core::parallel;
 
 use crate::aside;
-use crate::case::{Case, Reading};
+use crate::case::{Case, Reading, Vocabulary};
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::format::{check_format, damaged};
@@ -66,6 +66,8 @@ pub struct Run {
     path: PathBuf,
     /// Names of the files that have been compared.
     compared: Arc<Mutex<BTreeSet<String>>>,
+    /// The laws and paths that the case can name.
+    vocabulary: Vocabulary,
 }
 
 impl PartialEq for Run {
@@ -106,7 +108,12 @@ impl Run {
     }
 
     fn of(path: &Path) -> Run {
-        Run { path: path.to_path_buf(), compared: Arc::default() }
+        Run { path: path.to_path_buf(), compared: Arc::default(), vocabulary: Vocabulary::standard() }
+    }
+
+    /// The same run, whose case can name other laws and paths than those of granum.
+    pub fn with_vocabulary(self, vocabulary: &Vocabulary) -> Run {
+        Run { vocabulary: vocabulary.clone(), ..self }
     }
 
     /// The folder.
@@ -122,9 +129,10 @@ impl Run {
         let path = self.path.join(CASE);
         let record = self.record().ok();
         let pending = record.as_ref().and_then(|record| record.unwritten_case.as_ref());
+        let reading = Reading::recorded().with_vocabulary(&self.vocabulary);
         let case = match pending.filter(|_| !path.is_file()) {
-            Some(text) => Case::parse_as(text, &path.shown(), Reading::recorded())?,
-            None => Case::read_as(&path, Reading::recorded())?,
+            Some(text) => Case::parse_as(text, &path.shown(), reading)?,
+            None => Case::read_as(&path, reading)?,
         };
         if record.is_some_and(|record| record.lists_all() && !record.is_of(&case)) {
             let message = "the case was changed since the run began; run the changed case in another folder";

@@ -214,6 +214,6 @@ impl Draws {
             }
             _ => {}
         }
-        CaseStage::Path { name: path.name.to_string(), parameters: given, resets: true }
+        CaseStage::Path { path, parameters: given, resets: true }
     }
 }

@@ -176,8 +176,8 @@ fn main() {
         }
         for (stages, of) in [(&case.stages, ""), (&case.preparation_stages, " (preparation)")] {
             for stage in stages {
-                if let CaseStage::Path { name, .. } = stage {
-                    *totals.paths.entry(format!("{name}{of}")).or_default() += 1;
+                if let CaseStage::Path { path, .. } = stage {
+                    *totals.paths.entry(format!("{}{of}", path.name)).or_default() += 1;
                 }
             }
         }

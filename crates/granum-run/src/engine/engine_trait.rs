@@ -7,14 +7,14 @@ use std::time::Duration;
 use granum_core::names::suggestion;
 use granum_dem::observer::Observer;
 use granum_dem::simulation::Hardware;
+use granum_io::Case;
 use granum_io::run::{Machine, RunFolder, RunRecord};
-use granum_io::{Case, Formats};
-use granum_sensors::Sensors;
 
 use super::engine_error::EngineError;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::shared::Shared;
 use crate::laboratory::source::Source;
+use crate::registry::Registry;
 
 /// Makes samples and tests them.
 ///
@@ -23,7 +23,7 @@ use crate::laboratory::source::Source;
 ///
 /// let laboratory = Laboratory { grains_per_thread: 1, ..Laboratory::here() };
 /// assert_eq!(laboratory.engine, "granum");
-/// assert!(laboratory.sensors.named("overlap_distribution").is_ok());
+/// assert!(laboratory.registry.vocabulary.sensors().named("overlap_distribution").is_ok());
 /// ```
 #[derive(Clone, Debug)]
 pub struct Laboratory {
@@ -39,12 +39,8 @@ pub struct Laboratory {
     pub version: String,
     /// Name of the engine that executes cases.
     pub engine: String,
-    /// The registry of engines.
-    pub engines: Engines,
-    /// The registry of sensors.
-    pub sensors: Sensors,
-    /// The formats of packings that are known.
-    pub formats: Formats,
+    /// What is known by name: laws, paths, sensors, formats, engines.
+    pub registry: Registry,
 }
 
 impl Laboratory {
@@ -118,7 +114,7 @@ impl<'a> PlannedRun<'a> {
 /// ```
 /// use granum_dem::observer::{NoObserver, Observer};
 /// use granum_io::{Case, RunFolder, RunStatus};
-/// use granum_run::{PlannedRun, Engine, Laboratory, LaboratoryError, Source, Task};
+/// use granum_run::{PlannedRun, Engine, Laboratory, LaboratoryError, Registry, Source, Task};
 ///
 /// /// Reproduces the record of an earlier run.
 /// struct Replay(std::path::PathBuf);
@@ -152,7 +148,8 @@ impl<'a> PlannedRun<'a> {
 /// let first = RunFolder::create(base.path().join("first"), false)?;
 /// Laboratory::here().shear(&case, &Source::Case, &first, &mut NoObserver)?;
 ///
-/// let laboratory = Laboratory::here().with_engine(Replay(first.path().to_path_buf()))?;
+/// let registry = Registry::standard().with_engine(Replay(first.path().to_path_buf()))?;
+/// let laboratory = Laboratory { engine: "replay".into(), ..Laboratory::here().with_registry(registry) };
 /// let again = RunFolder::create(base.path().join("again"), false)?;
 /// let record = laboratory.shear(&case, &Source::Case, &again, &mut NoObserver)?;
 /// assert_eq!(record.engine, "replay");

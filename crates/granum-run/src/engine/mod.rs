@@ -24,6 +24,7 @@ mod tests {
 
     use super::*;
     use crate::laboratory::{Laboratory, LaboratoryError, Source};
+    use crate::registry::Registry;
 
     /// Writes a case and a record, and no more.
     struct Clerk;
@@ -57,7 +58,8 @@ mod tests {
     #[test]
     fn an_engine_of_ones_own_runs_the_cases_of_a_laboratory() {
         let base = tempfile::tempdir().unwrap();
-        let laboratory = Laboratory::here().with_engine(Clerk).unwrap();
+        let registry = Registry::standard().with_engine(Clerk).unwrap();
+        let laboratory = Laboratory { engine: "clerk".into(), ..Laboratory::here().with_registry(registry) };
         let folder = RunFolder::create(base.path().join("run"), false).unwrap();
         let record = laboratory.shear(&Case::default(), &Source::Case, &folder, &mut NoObserver).unwrap();
         assert_eq!((record.engine.as_str(), record.status), ("clerk", RunStatus::Interrupted));
@@ -74,7 +76,8 @@ mod tests {
         assert!(message.starts_with("the engine clerk cannot resume an interrupted run"), "{message}");
         let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();
         assert_eq!(message, "there is no engine \"clerk\"; there are: granum");
-        assert_eq!(laboratory.with_engine(Clerk).err(), Some(EngineError::NameTaken { name: "clerk" }));
+        let taken = laboratory.registry.with_engine(Clerk).err();
+        assert_eq!(taken, Some(EngineError::NameTaken { name: "clerk" }.into()));
     }
 
     #[test]

@@ -65,11 +65,11 @@ impl Laboratory {
         observer: &mut dyn Observer,
     ) -> Result<RunRecord, LaboratoryError> {
         let engine = folder.run().record()?.engine;
-        self.engines.named(&engine)?.resume(self, folder, observer)
+        self.registry.engines.named(&engine)?.resume(self, folder, observer)
     }
 
     /// The engine that executes cases.
     fn engine(&self) -> Result<&dyn Engine, EngineError> {
-        self.engines.named(&self.engine)
+        self.registry.engines.named(&self.engine)
     }
 }

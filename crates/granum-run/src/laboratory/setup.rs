@@ -3,12 +3,10 @@
 use std::time::Duration;
 
 use granum_dem::simulation::Hardware;
-use granum_io::Formats;
-use granum_sensors::{Sensor, SensorError, Sensors};
 
-use crate::engine::engine_error::EngineError;
-use crate::engine::engine_trait::{Engine, Engines, Laboratory};
+use crate::engine::engine_trait::{Engine, Laboratory};
 use crate::engine::native::Native;
+use crate::registry::Registry;
 
 /// Smallest number of grains for which a thread of its own is worthwhile.
 pub const GRAINS_PER_THREAD: usize = 1500;
@@ -25,33 +23,12 @@ impl Laboratory {
             checkpoint_every: CHECKPOINT_EVERY,
             version: version.into(),
             engine: Native.name().to_string(),
-            engines: Engines::standard(),
-            sensors: Sensors::standard(),
-            formats: Formats::standard(),
+            registry: Registry::standard(),
         }
     }
 
-    /// Adds an engine and selects it for the execution of cases.
-    ///
-    /// # Errors
-    /// [`EngineError::NameTaken`] if there is already an engine of the same name.
-    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<Laboratory, EngineError> {
-        self.engine = engine.name().to_string();
-        self.engines = self.engines.with(engine)?;
-        Ok(self)
-    }
-
-    /// The same laboratory with other formats, by which it reads packings.
-    pub fn with_formats(self, formats: Formats) -> Laboratory {
-        Laboratory { formats, ..self }
-    }
-
-    /// Adds a sensor, which a case requests by its name in `recording.sensors`.
-    ///
-    /// # Errors
-    /// As [`Sensors::with`].
-    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<Laboratory, SensorError> {
-        self.sensors = self.sensors.with(sensor)?;
-        Ok(self)
+    /// The same laboratory with other laws, paths, sensors, formats and engines.
+    pub fn with_registry(self, registry: Registry) -> Laboratory {
+        Laboratory { registry, ..self }
     }
 }

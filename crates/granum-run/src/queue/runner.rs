@@ -97,7 +97,7 @@ impl Queue {
                 continue;
             }
             run.case.check().map_err(|error| in_run(error.into()))?;
-            let sensors = &laboratory.sensors;
+            let sensors = laboratory.registry.vocabulary.sensors();
             sensors
                 .of_test(&run.case.recording, run.case.has_stages())
                 .map_err(|error| in_run(error.into()))?;

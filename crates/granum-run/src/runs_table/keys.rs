@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use granum_core::quantity::format_number;
 use granum_io::Case;
-use granum_io::case::{FIELDS, ParameterValue};
+use granum_io::case::{Fields, ParameterValue};
 
 use super::entry::RunEntry;
 use crate::queue::short_keys;
@@ -38,7 +38,7 @@ pub struct DifferingKey {
 pub fn differing_keys(runs: &[RunEntry]) -> Vec<DifferingKey> {
     let cases: Vec<BTreeMap<String, (KeyValue, String)>> =
         runs.iter().map(|run| of_case(&run.case)).collect();
-    let mut keys: Vec<String> = FIELDS.iter().map(|field| field.path()).collect();
+    let mut keys: Vec<String> = Fields::standard().iter().map(|field| field.path()).collect();
     for key in cases.iter().flat_map(BTreeMap::keys) {
         if !keys.contains(key) {
             keys.push(key.clone());

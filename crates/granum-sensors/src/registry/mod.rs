@@ -167,14 +167,13 @@ impl Sensors {
         STANDARD.clone()
     }
 
-    /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`. From then on case files can
-    /// give the parameters that it declares, as keys of `[recording]`.
+    /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`. Case files that
+    /// are read with these sensors can give the parameters that it declares, as keys of `[recording]`.
     ///
     /// # Errors
     /// [`SensorError`] if a name is taken, or it measures another number of values than it has columns.
     pub fn with(mut self, sensor: impl Sensor + 'static) -> Result<Sensors, SensorError> {
         self.check(&sensor)?;
-        declared::add(sensor.description());
         self.add(Recorded::WhereNamed, sensor);
         Ok(self)
     }
@@ -193,7 +192,7 @@ impl Sensors {
         {
             return Err(taken("name", description.name));
         }
-        let declared = declared_parameters();
+        let declared = self.declared_parameters();
         for parameter in &description.parameters {
             let is_other = |known: &DeclaredParameter| {
                 known.parameter.key == parameter.key && known.parameter != *parameter
@@ -228,6 +227,16 @@ impl Sensors {
         );
         let (sensor, columns, values) = (description.name, description.columns.len(), row.len());
         if values == columns { Ok(()) } else { Err(SensorError::Values { sensor, columns, values }) }
+    }
+
+    /// Every parameter that these sensors declare, granum's first.
+    pub fn declared_parameters(&self) -> Vec<DeclaredParameter> {
+        let of_granum = |known: &Arc<Known>| STANDARD.0.iter().any(|own| Arc::ptr_eq(own, known));
+        declared::of(
+            self.0
+                .iter()
+                .map(|known| (&known.description, known.recorded == Recorded::Always, of_granum(known))),
+        )
     }
 
     /// The descriptions of all sensors.
@@ -491,13 +500,6 @@ impl std::fmt::Display for LeftOut {
         let names: Vec<&str> = self.missing.iter().map(|part| part.name()).collect();
         write!(f, ": the data have no {}", names.join(", no "))
     }
-}
-
-/// Every parameter that sensors have declared: those of granum's sensors in their order, then those of the sensors that programs have
-/// added with [`Sensors::with`].
-pub fn declared_parameters() -> Vec<DeclaredParameter> {
-    let standard = STANDARD.0.iter().map(|known| (&known.description, known.recorded == Recorded::Always));
-    declared::with_those_added(standard)
 }
 
 fn always() -> impl Iterator<Item = &'static Arc<Known>> {

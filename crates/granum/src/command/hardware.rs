@@ -76,7 +76,7 @@ impl HardwareFlags {
         checkpoints: &CheckpointFlags,
     ) -> Result<Laboratory, Failure> {
         let mut laboratory =
-            Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION")).with_formats(context.formats());
+            Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
         laboratory.checkpoint_every = checkpoints.every()?;
         let used = laboratory.hardware.threads;
         if let Some(asked) = self.threads.filter(|asked| *asked > used) {

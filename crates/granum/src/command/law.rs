@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_dem::contact::registry::{adhesion_laws, normal_laws, parameters, rolling_laws, tangential_laws};
+use granum_dem::contact::registry::Laws;
 use granum_io::Case;
 
 use super::case_flags::SetFlags;
@@ -19,21 +19,21 @@ pub struct LawFlags {
     pub case: Option<PathBuf>,
     #[command(flatten)]
     set: SetFlags,
-    #[arg(long, value_name = "LAW", help = names("Normal law", normal_laws().iter().map(|law| law.name())))]
+    #[arg(long, value_name = "LAW", help = names("Normal law", Laws::standard().normal().iter().map(|law| law.name())))]
     normal: Option<String>,
-    #[arg(long, value_name = "LAW", help = names("Tangential law", tangential_laws().iter().map(|law| law.name())))]
+    #[arg(long, value_name = "LAW", help = names("Tangential law", Laws::standard().tangential().iter().map(|law| law.name())))]
     tangential: Option<String>,
     #[arg(
         long,
         value_name = "LAW",
-        help = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name())),
+        help = names("Resistance to rolling and twisting", Laws::standard().rolling().iter().map(|law| law.name())),
         long_help = rolling_help()
     )]
     rolling: Option<String>,
     #[arg(
         long,
         value_name = "LAW",
-        help = names("Additional attraction of grains", adhesion_laws().iter().map(|law| law.name()))
+        help = names("Additional attraction of grains", Laws::standard().adhesion().iter().map(|law| law.name()))
     )]
     adhesion: Option<String>,
     /// Diameter d of a grain.
@@ -72,8 +72,9 @@ fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
 
 /// A help text with the names of the rolling laws and the parameters of laws that `--set` accepts.
 fn rolling_help() -> String {
-    let what = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name()));
-    let keys: Vec<_> = parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
+    let what =
+        names("Resistance to rolling and twisting", Laws::standard().rolling().iter().map(|law| law.name()));
+    let keys: Vec<_> = Laws::standard().parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
     format!("{what}. Parameters of laws are set by --set: {}", keys.join(", "))
 }
 

@@ -2,8 +2,8 @@
 
 use granum_core::names::nearest;
 use granum_core::quantity::{Dimension, parse_quantity};
-use granum_dem::loading::preset;
-use granum_io::case::{FIELDS, Field};
+use granum_dem::loading::preset::Paths;
+use granum_io::case::Fields;
 use granum_learn::surrogate::Outside;
 use granum_sensors::Sensors;
 
@@ -20,11 +20,13 @@ fn dimension(name: &str, unit: &str) -> Dimension {
         Sensors::standard().columns().find(|column| column.name == name).map(|column| column.unit.to_string())
     };
     let of_path = || {
-        let parameter = preset::all().into_iter().find_map(|preset| preset.parameter(name));
+        let parameter = Paths::standard().all().iter().find_map(|preset| preset.parameter(name));
         parameter.map(|parameter| parameter.unit.to_string())
     };
-    let of_case =
-        || FIELDS.iter().find(|field| field.key == name || field.path() == name).map(Field::si_unit);
+    let of_case = || {
+        let fields = Fields::standard();
+        fields.iter().find(|field| field.key == name || field.path() == name).map(|field| field.si_unit())
+    };
     let given = (!unit.is_empty()).then(|| unit.to_string());
     let unit = given.or_else(of_sensor).or_else(of_path).or_else(of_case).unwrap_or_default();
     DIMENSIONS.into_iter().find(|known| known.si_unit() == unit).unwrap_or(Dimension::NUMBER)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_dem::loading::preset::{self, Default, Kind, Parameter, Preset};
+use granum_dem::loading::preset::{Default, Kind, Parameter, Paths, Preset};
 use serde_json::{Value, json};
 
 use super::test_run::TestRun;
@@ -66,10 +66,11 @@ pub fn parameters(with: &[String]) -> Result<Vec<(&str, &str)>, Failure> {
 
 /// The named paths with their parameters.
 fn list(context: &Context) -> Result<(), Failure> {
-    let paths: Vec<Value> = preset::all().into_iter().map(described).collect();
+    let known = Paths::standard();
+    let paths: Vec<Value> = known.all().iter().map(|path| described(path)).collect();
     output::say(context, &json!({ "paths": paths }), || {
-        let paths = preset::all();
-        let common = common(&paths);
+        let paths = known.all();
+        let common = common(paths);
         let mut parts: Vec<String> = paths.iter().map(|path| text(path, &common)).collect();
         parts.push(
             std::iter::once("Every path also takes".to_string())

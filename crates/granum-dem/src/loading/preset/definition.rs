@@ -21,6 +21,13 @@ pub struct Preset {
     pub stages: fn(&Values) -> Vec<Stage>,
 }
 
+/// Two presets are equal if their names and declarations are.
+impl PartialEq for Preset {
+    fn eq(&self, other: &Preset) -> bool {
+        (self.name, self.help, self.own) == (other.name, other.help, other.own)
+    }
+}
+
 /// A preset that cannot be registered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -80,8 +87,7 @@ impl Preset {
     }
 
     pub(super) fn is_same_as(&self, other: &Preset) -> bool {
-        (self.name, self.help, self.own) == (other.name, other.help, other.own)
-            && std::ptr::fn_addr_eq(self.stages, other.stages)
+        self == other && std::ptr::fn_addr_eq(self.stages, other.stages)
     }
 
     /// Checks the declarations of its parameters.

@@ -1,5 +1,5 @@
 //! Named paths. A preset declares its parameters and expands to stages; it is one file and one line in [`ALL`], and a program
-//! adds its own with [`register`].
+//! adds its own with [`Paths::with`].
 
 mod constant_p;
 mod constant_p_and_b;
@@ -18,8 +18,6 @@ mod simple_shear;
 mod simple_shear_constant_volume;
 mod undrained_triaxial;
 mod unload_reload;
-
-use std::sync::{PoisonError, RwLock};
 
 pub use self::constant_p::antony2006;
 pub use self::definition::{Preset, RegisterError, Values};
@@ -48,24 +46,18 @@ pub const ALL: &[Preset] = &[
     probes::PRESET,
 ];
 
-/// Presets that the caller has registered.
-static OWN: RwLock<Vec<&'static Preset>> = RwLock::new(Vec::new());
+/// The path of strain or stress probes, which a file of the IncrementalDriver can ask for.
+pub const PROBES: &Preset = &probes::PRESET;
 
-/// Every preset with a name: granum's own, then those of [`register`].
-pub fn all() -> Vec<&'static Preset> {
-    let own = OWN.read().unwrap_or_else(PoisonError::into_inner);
-    ALL.iter().chain(own.iter().copied()).collect()
-}
-
-/// The preset of a given name.
+/// One of granum's own presets by its name.
 pub fn named(name: &str) -> Option<&'static Preset> {
-    all().into_iter().find(|preset| preset.name == name)
+    ALL.iter().find(|preset| preset.name == name)
 }
 
-/// Registers a path of the caller, which case files can then name.
+/// The named paths of a program: those of granum, and those that the program adds.
 ///
 /// ```
-/// use granum_dem::loading::preset::{INERTIAL_NUMBER, Preset, named, register};
+/// use granum_dem::loading::preset::{INERTIAL_NUMBER, Paths, Preset};
 /// use granum_dem::loading::{Control, Drive, Measure, Stage, Target, Until};
 ///
 /// const SHORT_BY_A_TENTH: Preset = Preset::new(
@@ -78,21 +70,53 @@ pub fn named(name: &str) -> Option<&'static Preset> {
 ///         vec![Stage::new("compression", control, vec![Until::Reaches { measure: Measure::Strain(0), value: 0.1 }])]
 ///     },
 /// );
-/// register(&SHORT_BY_A_TENTH)?;
-/// assert!(named("compression-between-walls").is_some());
+/// let paths = Paths::standard().with(&SHORT_BY_A_TENTH)?;
+/// assert!(paths.named("compression-between-walls").is_some());
 /// # Ok::<(), granum_dem::loading::preset::RegisterError>(())
 /// ```
-///
-/// # Errors
-/// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
-pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
-    match named(preset.name) {
-        Some(known) if known.is_same_as(preset) => return Ok(()),
-        Some(_) => return Err(RegisterError::NameTaken { name: preset.name }),
-        None => preset.check()?,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paths(Vec<&'static Preset>);
+
+impl std::default::Default for Paths {
+    fn default() -> Paths {
+        Paths::standard()
     }
-    OWN.write().unwrap_or_else(PoisonError::into_inner).push(preset);
-    Ok(())
+}
+
+impl Paths {
+    /// The paths of granum.
+    pub fn standard() -> Paths {
+        Paths(ALL.iter().collect())
+    }
+
+    /// Adds a path, which case files can then name.
+    ///
+    /// # Errors
+    /// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
+    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, RegisterError> {
+        match self.named(preset.name) {
+            Some(known) if known.is_same_as(preset) => return Ok(self),
+            Some(_) => return Err(RegisterError::NameTaken { name: preset.name }),
+            None => preset.check()?,
+        }
+        self.0.push(preset);
+        Ok(self)
+    }
+
+    /// All paths, granum's own first.
+    pub fn all(&self) -> &[&'static Preset] {
+        &self.0
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> + Clone {
+        self.0.iter().map(|preset| preset.name)
+    }
+
+    /// The path of a given name.
+    pub fn named(&self, name: &str) -> Option<&'static Preset> {
+        self.0.iter().copied().find(|preset| preset.name == name)
+    }
 }
 
 #[cfg(test)]
@@ -129,20 +153,21 @@ mod tests {
     fn paths_that_would_mislead_are_refused() {
         const OWN: Preset =
             Preset::new("test-of-registration", "A path of one's own.", &[INERTIAL_NUMBER], |_| Vec::new());
-        assert_eq!(register(&OWN), Ok(()));
-        assert_eq!(register(&OWN), Ok(()), "once more is no harm");
-        assert!(all().len() > ALL.len() && named(OWN.name).is_some());
+        let paths = Paths::standard().with(&OWN).unwrap();
+        assert_eq!(paths.clone().with(&OWN), Ok(paths.clone()), "once more is no harm");
+        assert!(
+            paths.all().len() > ALL.len() && paths.named(OWN.name).is_some() && named(OWN.name).is_none()
+        );
         const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
-        assert_eq!(register(&TAKEN), Err(RegisterError::NameTaken { name: "oedometer" }));
+        assert_eq!(paths.clone().with(&TAKEN), Err(RegisterError::NameTaken { name: "oedometer" }));
         const TWICE: Preset = Preset { name: "twice", own: &[STATES, STATES], ..OWN };
-        assert!(matches!(register(&TWICE), Err(RegisterError::KeyTaken { key: "states", .. })));
+        assert!(matches!(paths.clone().with(&TWICE), Err(RegisterError::KeyTaken { key: "states", .. })));
         const OUTSIDE: Preset = Preset {
             name: "outside",
             own: &[Parameter { default: super::Default::Value(0.0), ..STATES }],
             ..OWN
         };
-        assert!(matches!(register(&OUTSIDE), Err(RegisterError::OutOfBounds { key: "states", .. })));
-        assert!(named("twice").is_none() && named("outside").is_none());
+        assert!(matches!(paths.with(&OUTSIDE), Err(RegisterError::OutOfBounds { key: "states", .. })));
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl Laboratory {
     /// As for [`Formats::read_packing`].
     pub(super) fn packing(&self, source: &Source) -> Result<Option<Packing>, LaboratoryError> {
         match source {
-            Source::Packing(path) => Ok(Some(self.formats.read_packing(path)?)),
+            Source::Packing(path) => Ok(Some(self.registry.formats.read_packing(path)?)),
             Source::Case | Source::Folder(_) => Ok(None),
         }
     }

@@ -44,7 +44,7 @@ pub(crate) fn begin(
     observer: &mut dyn Observer,
 ) -> Result<Begun, LaboratoryError> {
     let Task { case, source, laboratory, .. } = *task;
-    laboratory.sensors.of_test(&case.recording, case.has_stages())?;
+    laboratory.registry.vocabulary.sensors().of_test(&case.recording, case.has_stages())?;
     // The folder of the run is read again from what is written there.
     case.readable_toml(None)?;
     if *source == Source::Case {
@@ -96,14 +96,14 @@ pub(crate) fn resume(
     folder: &RunFolder,
     observer: &mut dyn Observer,
 ) -> Result<RunRecord, LaboratoryError> {
-    let run = folder.run();
+    let run = folder.run().with_vocabulary(&laboratory.registry.vocabulary);
     let case = run.case()?;
     let mut record = run.record()?;
     if !record.is_of(&case) {
         let message = "the case was changed since the run began; run the changed case in another folder";
         return Err(FileError::content(&folder.path().join("case.toml"), message).into());
     }
-    let run_state = run_state::last_good(folder, &record, &case, &laboratory.sensors, observer)?;
+    let run_state = run_state::last_good(folder, &record, &case, &laboratory.registry, observer)?;
     let changed = changed_files(&run, run_state.as_ref(), observer)?;
     if record.status == RunStatus::Finished && !changed && run_state.as_ref().is_none_or(|s| !s.older) {
         return Ok(record);

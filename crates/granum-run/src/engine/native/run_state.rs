@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::preparation_curve::PreparationCurve;
 use super::test_state::{SavedTest, Test};
 use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::registry::Registry;
 
 /// The state of a run.
 pub(crate) struct RunState {
@@ -150,7 +151,7 @@ impl RunState {
         path: &Path,
         record: &RunRecord,
         case: Option<&Case>,
-        sensors: &Sensors,
+        registry: &Registry,
     ) -> Result<Option<RunState>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
         let bytes = match granum_core::input::read(path, u64::MAX) {
@@ -158,8 +159,9 @@ impl RunState {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
         };
-        let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
-        let (stage, results) = beside(&text, case, sensors).map_err(bad)?;
+        let laws = registry.vocabulary.laws();
+        let (simulation, text) = Simulation::restore_among(&bytes, laws).map_err(|e| bad(e.to_string()))?;
+        let (stage, results) = beside(&text, case, registry.vocabulary.sensors()).map_err(bad)?;
         if !results.case_digest.is_empty() && results.case_digest != record.case_digest {
             return Err(bad("it belongs to a run of another case".into()));
         }
@@ -195,16 +197,16 @@ pub(crate) fn last_good(
     folder: &RunFolder,
     record: &RunRecord,
     case: &Case,
-    sensors: &Sensors,
+    registry: &Registry,
     observer: &mut dyn Observer,
 ) -> Result<Option<RunState>, LaboratoryError> {
-    let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), sensors) {
+    let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), registry) {
         Ok(Some(run_state)) => return Ok(Some(run_state)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (RunState::read(&previous, record, Some(case), sensors), &current) {
+    let older = match (RunState::read(&previous, record, Some(case), registry), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {

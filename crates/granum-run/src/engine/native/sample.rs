@@ -10,7 +10,6 @@ use granum_io::case::{decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
-use granum_sensors::Sensors;
 
 use super::follow::Follow;
 use super::pace::Interval;
@@ -22,6 +21,7 @@ use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 use crate::laboratory::status::Speedometer;
+use crate::registry::Registry;
 
 impl Laboratory {
     /// The initial state of a run. A packing that has already been read can be passed in.
@@ -35,7 +35,7 @@ impl Laboratory {
     ) -> Result<RunState, LaboratoryError> {
         let specification = self.specification(case, &case.preparation, case.grains.count);
         let preparing = match source {
-            Source::Folder(path) => return take_sample(case, path, &self.sensors, record),
+            Source::Folder(path) => return take_sample(case, path, &self.registry, record),
             Source::Case => {
                 if let Some(remark) = remark_on_sizes(case) {
                     note(record, remark);
@@ -43,7 +43,7 @@ impl Laboratory {
                 Preparing::followed(&specification, observer)?
             }
             Source::Packing(path) => {
-                let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
+                let packing = packing.map_or_else(|| self.registry.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
@@ -63,7 +63,7 @@ impl Laboratory {
         let path = folder.join(CHECKPOINT);
         let run = Run::at(folder)?;
         run.check_tables()?;
-        match RunState::read(&path, &run.record()?, None, &self.sensors)? {
+        match RunState::read(&path, &run.record()?, None, &self.registry)? {
             Some(RunState { mut simulation, .. }) => {
                 simulation.set_hardware(self.hardware_for(simulation.state().grains()));
                 Ok(simulation)
@@ -114,7 +114,7 @@ impl Laboratory {
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.progress)),
             Outcome::Again(next) => {
-                let preparing = from_packing::again(&self.formats, source, &specification, next)?;
+                let preparing = from_packing::again(&self.registry.formats, source, &specification, next)?;
                 (preparing.simulation, Stage::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {
@@ -169,10 +169,10 @@ pub(super) fn note(record: &mut RunRecord, text: String) {
 fn take_sample(
     case: &Case,
     path: &Path,
-    sensors: &Sensors,
+    registry: &Registry,
     record: &mut RunRecord,
 ) -> Result<RunState, LaboratoryError> {
-    let folder = Run::at(path)?;
+    let folder = registry.run_at(path)?;
     let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
@@ -185,7 +185,7 @@ fn take_sample(
         )));
     }
     folder.check_tables()?;
-    let run_state = match RunState::read(&checkpoint, &other, None, sensors) {
+    let run_state = match RunState::read(&checkpoint, &other, None, registry) {
         Ok(Some(run_state)) => run_state,
         Ok(None) => return Err(bad(format!("it does not exist; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {

@@ -1,5 +1,6 @@
 //! A saved state of the simulation within a checkpoint, to which later stages return.
 
+use granum_dem::contact::registry::Laws;
 use granum_dem::simulation::Simulation;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -17,9 +18,9 @@ impl SavedState {
     }
 
     /// Restores the simulation.
-    pub(super) fn restore(&self) -> Result<Simulation, LaboratoryError> {
-        let (simulation, _) =
-            Simulation::restore(&self.0).map_err(|error| LaboratoryError::Kept(error.to_string()))?;
+    pub(super) fn restore(&self, laws: &Laws) -> Result<Simulation, LaboratoryError> {
+        let (simulation, _) = Simulation::restore_among(&self.0, laws)
+            .map_err(|error| LaboratoryError::Kept(error.to_string()))?;
         Ok(simulation)
     }
 }

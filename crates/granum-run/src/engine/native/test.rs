@@ -34,7 +34,8 @@ impl Laboratory {
         }
         simulation.set_properties(properties)?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        run_state.stage = Stage::Test(Box::new(Test::begin(case, &self.sensors, simulation)?));
+        run_state.stage =
+            Stage::Test(Box::new(Test::begin(case, self.registry.vocabulary.sensors(), simulation)?));
         Ok(Segment::GoOn)
     }
 
@@ -99,7 +100,7 @@ impl Laboratory {
         if test.stages.len() <= MOST_STAGES_NOTED {
             store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
         }
-        test.begin_stage(case, &self.sensors, simulation)?;
+        test.begin_stage(case, self.registry.vocabulary.sensors(), simulation)?;
         Ok(Segment::GoOn)
     }
 }

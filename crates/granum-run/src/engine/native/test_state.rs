@@ -115,7 +115,7 @@ impl Test {
                 self.kept = Some(SavedStart { state, before: self.before, damped: self.damped });
             }
             (Start::Back, Some(kept)) => {
-                *simulation = kept.state.restore()?;
+                *simulation = kept.state.restore(case.vocabulary.laws())?;
                 (self.before, self.damped) = (kept.before, kept.damped);
             }
             (Start::Back, None) => return Err(LaboratoryError::NothingKept { stage: stage.name.clone() }),

@@ -1,0 +1,154 @@
+//! What a program knows by name: laws, paths, sensors, formats, engines.
+
+use std::path::Path;
+
+use granum_dem::contact::registry::{Law, RegisterError as LawError};
+use granum_dem::loading::preset::{Preset, RegisterError as PathError};
+use granum_io::case::Vocabulary;
+use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
+use granum_io::{Case, Formats, Reading, Run};
+use granum_sensors::{Sensor, SensorError};
+
+use crate::engine::engine_error::EngineError;
+use crate::engine::engine_trait::{Engine, Engines};
+
+/// What a program knows by name, which it builds once and passes on: contact laws, named paths, sensors, formats and engines.
+///
+/// ```
+/// use granum_run::Registry;
+///
+/// let registry = Registry::standard();
+/// let case = registry.parse_case("[[stage]]\npath = 'oedometer'\n", "case")?;
+/// assert_eq!(case.test_stages().len(), 1);
+/// assert!(registry.vocabulary.sensors().named("overlap_distribution").is_ok());
+/// assert!(registry.engines.named("granum").is_ok());
+/// # Ok::<(), granum_io::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Registry {
+    /// The laws, paths and sensors that case files can name.
+    pub vocabulary: Vocabulary,
+    /// The formats of tables, packings and results.
+    pub formats: Formats,
+    /// The engines.
+    pub engines: Engines,
+}
+
+/// An addition that cannot be registered: its name, or a key of it, is taken, or its declaration contradicts itself.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegistryError {
+    /// A contact law.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// A named path.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// A sensor.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// An engine.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+}
+
+impl Default for Registry {
+    fn default() -> Registry {
+        Registry::standard()
+    }
+}
+
+impl Registry {
+    /// Everything that comes with granum.
+    pub fn standard() -> Registry {
+        Registry {
+            vocabulary: Vocabulary::standard(),
+            formats: Formats::standard(),
+            engines: Engines::standard(),
+        }
+    }
+
+    /// Adds a contact law, which case files can then name.
+    ///
+    /// # Errors
+    /// [`RegistryError::Law`] if its name or a key of it is taken, or there is no room for its parameters.
+    pub fn with_law(mut self, law: impl Into<Law>) -> Result<Registry, RegistryError> {
+        self.vocabulary = self.vocabulary.with_law(law)?;
+        Ok(self)
+    }
+
+    /// Adds a path, which case files can then name.
+    ///
+    /// # Errors
+    /// [`RegistryError::Path`] if its name is taken, or its parameters are not declared correctly.
+    pub fn with_path(mut self, path: &'static Preset) -> Result<Registry, RegistryError> {
+        self.vocabulary = self.vocabulary.with_path(path)?;
+        Ok(self)
+    }
+
+    /// Adds a sensor, which a case requests by its name in `recording.sensors`, with its parameters as keys of `[recording]`.
+    ///
+    /// # Errors
+    /// [`RegistryError::Sensor`] as [`Sensors::with`].
+    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<Registry, RegistryError> {
+        self.vocabulary = self.vocabulary.with_sensor(sensor)?;
+        Ok(self)
+    }
+
+    /// Adds a format of tables.
+    pub fn with_table_format(mut self, format: impl TableFormat + 'static) -> Registry {
+        self.formats = self.formats.with_table(format);
+        self
+    }
+
+    /// Adds a format of packings.
+    pub fn with_packing_format(mut self, format: impl PackingFormat + 'static) -> Registry {
+        self.formats = self.formats.with_packing(format);
+        self
+    }
+
+    /// Adds a format of results.
+    pub fn with_result_format(mut self, format: impl ResultFormat + 'static) -> Registry {
+        self.formats = self.formats.with_result(format);
+        self
+    }
+
+    /// Adds an engine; [`Laboratory::engine`](crate::Laboratory::engine) selects it.
+    ///
+    /// # Errors
+    /// [`RegistryError::Engine`] if there is already an engine of the same name.
+    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<Registry, RegistryError> {
+        self.engines = self.engines.with(engine)?;
+        Ok(self)
+    }
+
+    /// Reads the text of a case file that can name these laws, paths and sensors; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// As [`Case::parse`].
+    pub fn parse_case(&self, text: &str, file: &str) -> granum_io::Result<Case> {
+        Case::parse_as(text, file, self.reading())
+    }
+
+    /// Reads a case file that can name these laws, paths and sensors.
+    ///
+    /// # Errors
+    /// As [`Case::read`].
+    pub fn read_case(&self, path: impl AsRef<Path>) -> granum_io::Result<Case> {
+        Case::read_as(path, self.reading())
+    }
+
+    /// How case files are read that can name these laws, paths and sensors.
+    pub fn reading(&self) -> Reading {
+        Reading::default().with_vocabulary(&self.vocabulary)
+    }
+
+    /// The run in a folder, whose case can name these laws, paths and sensors.
+    ///
+    /// # Errors
+    /// As [`Run::at`].
+    pub fn run_at(&self, folder: impl AsRef<Path>) -> granum_io::Result<Run> {
+        Ok(Run::at(folder)?.with_vocabulary(&self.vocabulary))
+    }
+}
