@@ -136,8 +136,10 @@ pub fn tested() -> Case {
     case.preparation.solid_fraction = None;
     case.preparation.inertial_number = 5e-2;
     case.preparation.unbalanced_force = 1e-1;
-    case.shear.deviator_strain = 0.01;
-    case.shear.rate = Rate::InertialNumber(1e-2);
+    case = case.with_shear(|shear| {
+        shear.deviator_strain = 0.01;
+        shear.rate = Rate::InertialNumber(1e-2);
+    });
     case.recording = Recording::default().with(|recording| {
         recording.states = 3;
         recording.observations_per_state = 2;

@@ -232,6 +232,22 @@ pub struct Recording {
     pub parameters: BTreeMap<String, f64>,
 }
 
+/// The columns that the record of a test has.
+///
+/// The columns of a case are a part of its results: they are in the digest of a run, and networks are trained on them by name.
+/// The section `[shear]` was published with the columns of its first version, so that a case that is written with it keeps them;
+/// every other test records all columns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RecordedColumns {
+    /// The number of the stage, and everything that describes a test along any path.
+    #[default]
+    All,
+    /// Those of the first version: neither the number of the stage nor the sensors that were added for general paths, unless
+    /// `recording.sensors` names them.
+    FirstPublished,
+}
+
 impl Default for Recording {
     fn default() -> Self {
         Recording {

@@ -6,6 +6,7 @@
 use granum_core::observer::{self as general, Event};
 pub use granum_core::observer::{Flow, NoObserver};
 
+use crate::loading::measure::Measure;
 use crate::simulation::Simulation;
 
 /// The phase of a preparation or test.
@@ -23,8 +24,8 @@ pub enum Phase {
     Cycles,
     /// A stage of a preparation, between its compaction and its relaxation.
     PreparationStage,
-    /// The loading path.
-    Shear,
+    /// The test of a sample: its loading path, stage by stage.
+    Test,
 }
 
 impl Phase {
@@ -37,7 +38,7 @@ impl Phase {
             Phase::Consolidation => "consolidation",
             Phase::Cycles => "cycles",
             Phase::PreparationStage => "preparation stage",
-            Phase::Shear => "shear",
+            Phase::Test => "test",
         }
     }
 }
@@ -50,8 +51,10 @@ pub struct Progress<'a> {
     pub phase: Phase,
     /// Number of the trial of the preparation, from 1.
     pub trial: usize,
-    /// Name of the present stage, if the test is given as stages, or of the present stage of a preparation.
+    /// Name of the present stage of a test or of a preparation.
     pub stage: Option<&'a str>,
+    /// The measure by which the states of the present stage of a test are spaced.
+    pub measure: Option<Measure>,
     /// Axis (0 for x) about which the present stage is axisymmetric, so that its deviator stress q is the axial stress less the mean
     /// lateral one; `None` for a general stage, or where it is not known.
     pub axis: Option<usize>,
@@ -74,6 +77,7 @@ impl<'a> Progress<'a> {
             phase,
             trial: 1,
             stage: None,
+            measure: None,
             axis: None,
             fraction: None,
             steps,
@@ -181,8 +185,7 @@ pub trait Observer {
         WORK_EVERY
     }
 
-    /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1. A test that is not given as
-    /// stages has one stage.
+    /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1.
     fn stage(&mut self, number: usize) {
         self.event(&Event::StageStarted { number });
     }

@@ -10,6 +10,7 @@ use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
 use granum_learn::LearnError;
 use granum_run::strength::Curves;
+use granum_run::strength::symmetry::shear_at_constant_p;
 use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
@@ -160,8 +161,15 @@ impl RunReport {
 
     /// Mean stress, Pa: of the test, or of a sample that was not sheared.
     pub fn mean_stress(&self) -> f64 {
-        let of_test = self.case.shear.mean_stress.filter(|_| self.run.kind != "prepare");
-        of_test.unwrap_or(self.case.preparation.mean_stress)
+        match self.run.kind.as_str() {
+            "prepare" => self.case.preparation.mean_stress,
+            _ => self.case.test_definition().mean_stress(&self.case),
+        }
+    }
+
+    /// True for a test like the paper's ([`shear_at_constant_p`]), whose figures and tables are those of the paper.
+    pub fn is_at_constant_p(&self) -> bool {
+        shear_at_constant_p(&self.case.test_stages()).is_some()
     }
 
     /// Wall time of all phases, s.
@@ -184,8 +192,8 @@ impl RunReport {
         self.strain().iter().zip(self.column(y)).map(|(&x, &y)| [x, y]).collect()
     }
 
-    /// The strain that figures have on their axis, and its label: the deviator strain of the paper's test; of a test that is
-    /// given as stages the deviatoric strain where it only grows, else the length of the whole way.
+    /// The strain that figures have on their axis: the deviator strain of a test like the paper's; of any other test the deviatoric
+    /// strain where it only grows, else the length of the whole way.
     pub fn strain(&self) -> Cow<'_, [f64]> {
         self.strain_and_label().0
     }
@@ -193,7 +201,7 @@ impl RunReport {
     /// As [`RunReport::strain`], with the label of its axis.
     pub fn strain_and_label(&self) -> (Cow<'_, [f64]>, &'static str) {
         let arcs = self.column("arc_length");
-        if arcs.is_empty() {
+        if arcs.is_empty() || self.is_at_constant_p() {
             return (Cow::Borrowed(self.column("deviator_strain")), STRAIN);
         }
         let deviatoric = self.column("deviatoric_strain");

@@ -43,10 +43,10 @@ pub fn density(histogram: &Histogram) -> Vec<[f64; 2]> {
 
 fn at_strain(run: &RunReport, row: usize, name: &str) -> String {
     let strain = run.strain().get(row).copied().unwrap_or(f64::NAN);
-    match run.case.has_stages() {
+    match run.is_at_constant_p() {
         _ if strain.abs() < 5e-4 => name.to_owned(),
-        true => format!("{name}, strain {}", fixed(strain, 2)),
-        false => format!("{name}, *ε*_{{d}} = {}", fixed(strain, 2)),
+        true => format!("{name}, *ε*_{{d}} = {}", fixed(strain, 2)),
+        false => format!("{name}, strain {}", fixed(strain, 2)),
     }
 }
 

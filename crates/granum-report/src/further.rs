@@ -61,7 +61,7 @@ fn anisotropies(run: &RunReport) -> Option<Named> {
             Layer::line(run.against_strain("stress_force_fabric_ratio"), color(1))
                 .named("2/5 (*a*_{c} + *a*_{n} + 3/2 *a*_{t})"),
         );
-    let caption = "(a) Anisotropies of contact normals, normal forces and tangential forces; (b) the ratio of the deviator stress (the von Mises stress *q*_{vM} of tests that are given as stages) to the \
+    let caption = "(a) Anisotropies of contact normals, normal forces and tangential forces; (b) the ratio of the deviator stress (the von Mises stress *q*_{vM} where the invariants were recorded) to the \
                    mean stress that follows from them to first order (Rothenburg and Bathurst 1989), and the measured one.";
     let figure = Figure::new("Anisotropies against strain", 2, vec![first, Panel::plot(relation)]);
     Some(("anisotropies", figure, caption.into()))

@@ -9,7 +9,7 @@ use super::symbols::STRAIN;
 /// The strain axis of runs: from 0 to the largest strain.
 pub fn strain_axis(runs: &[RunReport]) -> Axis {
     let axis = Axis::new(runs.first().map_or(STRAIN, |run| run.strain_and_label().1));
-    if runs.iter().any(|run| run.case.has_stages()) {
+    if !runs.iter().all(RunReport::is_at_constant_p) {
         return axis.including(0.0);
     }
     let last = runs.iter().filter_map(|run| run.strain().last().copied());

@@ -1,4 +1,4 @@
-//! Figures of a test that is given as stages, chosen by what its stages control.
+//! Figures of a test along any path, chosen by what its stages control.
 
 use granum_dem::loading::{Constraint, Drive, Stage, Start};
 use granum_run::strength::Curves;
@@ -145,7 +145,7 @@ fn curve(run: &RunReport, x: &str, y: &str, k: usize) -> Layer {
     Layer::line(lines(run, run.column(x), run.column(y)), color(k))
 }
 
-/// The figures of a run whose test is given as stages.
+/// The figures of a run along any path.
 pub fn behaviour(page: &mut Page, run: &RunReport) -> Markup {
     let traits = Traits::of(&run.case.test_stages());
     let mut figures = Vec::new();

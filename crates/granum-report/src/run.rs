@@ -1,6 +1,6 @@
 //! The report of one run.
 
-use granum_io::Case;
+use granum_run::strength::symmetry::shear_at_constant_p;
 use maud::{Markup, html};
 
 use super::case_details::{case_details, whose_grains};
@@ -18,8 +18,8 @@ pub const SIGNS: &str = "Compression is positive, for stress, strain and normal 
                          axes 2 and 3 are averaged: *q* = *σ*_{1} − *σ*_{3}, *p* = (*σ*_{1} + *σ*_{2} + *σ*_{3})/3, \
                          *ε*_{d} = *ε*_{1} − *ε*_{3}, *φ*_{d} = *φ*_{1} − *φ*_{3}. Strains are logarithmic.";
 
-/// The same where the test is given as stages.
-const SIGNS_OF_STAGES: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress; *q* of a triaxial test is \
+/// The same for tests along any path.
+const SIGNS_OF_ANY_TEST: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress; *q* of a triaxial test is \
                                the axial less the mean lateral stress, *q*_{vM} = √(3 *J*_{2}) of any other test the von Mises stress; \
                                *ε*_{q} = √(2/3 *e*:*e*) with the deviator *e* of the strain. Axis 1 is *x*. Strains are \
                                logarithmic and count from the start of the last stage that resets them.";
@@ -57,7 +57,7 @@ pub fn report(run: &RunReport) -> Document {
     );
     let head = html! {
         (tiles(&headline(run)))
-        p { (rich(if run.case.has_stages() { SIGNS_OF_STAGES } else { SIGNS })) }
+        p { (rich(if run.is_at_constant_p() { SIGNS } else { SIGNS_OF_ANY_TEST })) }
         @if !run.is_complete() { p class="callout" { "The test was stopped before its end; the states recorded until then are shown." } }
     };
     page.finish(&literal(&run.name), &subtitle(run), head)
@@ -65,26 +65,26 @@ pub fn report(run: &RunReport) -> Document {
 
 fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
-    let mut parts = vec![whose_grains(run), sample::law(&case.contact), test_of(case)];
+    let mut parts = vec![whose_grains(run), sample::law(&case.contact), test_of(run)];
     if !run.run.granum_version.is_empty() {
         parts.push(format!("granum {}", run.run.granum_version));
     }
     parts.join(" · ")
 }
 
-/// Description of the test: the names of the stages, or the test of the paper.
-fn test_of(case: &Case) -> String {
-    if case.has_stages() {
-        let stages = case.test_stages();
-        let names: Vec<String> =
-            stages.iter().filter(|stage| !stage.is_mark()).map(|stage| literal(&stage.name)).collect();
-        return match names.len() {
-            0..=6 => names.join(", "),
-            count => format!("{count} stages: {}, ...", names[..3].join(", ")),
-        };
+/// Description of the test: what it is, if it is like the paper's, or the names of its stages.
+fn test_of(run: &RunReport) -> String {
+    let stages = run.case.test_stages();
+    if let Some(target) = shear_at_constant_p(&stages) {
+        let stress = target.value.unwrap_or(run.case.preparation.mean_stress);
+        return format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"));
     }
-    let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
-    format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"))
+    let names: Vec<String> =
+        stages.iter().filter(|stage| !stage.is_mark()).map(|stage| literal(&stage.name)).collect();
+    match names.len() {
+        0..=6 => names.join(", "),
+        count => format!("{count} stages: {}, ...", names[..3].join(", ")),
+    }
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {
@@ -93,9 +93,9 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     };
     let measures = run.measures();
     let measure = |name: &str| measures.get(name).copied();
-    let (symbol, strain) = match run.case.has_stages() {
-        true => ("*ε*_{q}", measure("deviatoric_strain_at_peak")),
-        false => ("*ε*_{d}", measure("deviator_strain_at_peak")),
+    let (symbol, strain) = match measure("deviator_strain_at_peak") {
+        Some(strain) => ("*ε*_{d}", Some(strain)),
+        None => ("*ε*_{q}", measure("deviatoric_strain_at_peak")),
     };
     let where_peak = strain.map_or(String::new(), |e| format!("at {symbol} = {}", significant(e, 2)));
     let mut out: Vec<Option<[String; 3]>> = vec![
@@ -136,7 +136,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
 /// The section on stress, volume, contacts and fabric of one or several runs.
 pub fn behaviour(page: &mut Page, runs: &[RunReport]) -> Markup {
     let Some(first) = runs.first() else { return html! {} };
-    if first.case.has_stages() {
+    if !first.is_at_constant_p() {
         let path = path::behaviour(page, first);
         let (coordination, caption) = material::coordination(first);
         let coordination = page.own_figure("coordination", &caption, &coordination);

@@ -4,8 +4,9 @@ use super::data::RunReport;
 use super::figure::literal;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
-use granum_dem::config::{Component, ContactModel, Material, Rate};
+use granum_dem::config::{Component, ContactModel, Material};
 use granum_dem::contact::check::parameters_of;
+use granum_dem::loading::{Speed, Stage};
 
 /// Solid fraction of the sample of the paper.
 pub const SOLID_FRACTION: f64 = 0.61;
@@ -123,16 +124,21 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     case.grains.mixture.components.iter().for_each(|component| row_of_component(component, &mut row));
     row("Contact law", "theoretical contact mechanics (Thornton and Yin 1991)", law(&case.contact));
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
-    let whose = if case.has_stages() { "Mean stress *p* of the sample" } else { "Mean stress *p*" };
+    let test = run.case.test_definition();
+    let is_at_constant_p = run.is_at_constant_p();
+    let whose = if is_at_constant_p { "Mean stress *p*" } else { "Mean stress *p* of the sample" };
     row(whose, "20 kPa", quantity(run.mean_stress(), "Pa"));
     if !case.preparation_stages.is_empty() {
         row("Stages of the preparation", "–", whole(case.sample_stages().len() as f64));
     }
-    if case.has_stages() && run.run.kind != "prepare" {
-        row("Stages of the test", "–", whole(case.test_stages().len() as f64));
-    } else if run.run.kind != "prepare" {
-        row("Strain rate", "10^{−5} s^{−1}", rate(&case.shear.rate));
-        row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    match test.stages.as_slice() {
+        _ if run.run.kind == "prepare" => {}
+        [stage] if is_at_constant_p => {
+            row("Strain rate", "10^{−5} s^{−1}", rate(stage));
+            let end = test.deviator_strain_end();
+            row("Deviator strain at the end", "0.3", end.map_or("–".to_owned(), trimmed));
+        }
+        stages => row("Stages of the test", "–", whole(stages.len() as f64)),
     }
     let start =
         |column: &str| mean_start(runs, column).map_or("–".to_owned(), |value| significant(value, 3));
@@ -211,15 +217,12 @@ pub fn law(contact: &ContactModel) -> String {
     words
 }
 
-fn rate(rate: &Rate) -> String {
-    match rate {
-        Rate::InertialNumber(number) => format!("*I* = {}", significant(*number, 3)),
-        Rate::StrainRate { strain_rate, density_scaling } => {
-            format!(
-                "{} s^{{−1}}, density × {}",
-                significant(*strain_rate, 2),
-                significant(*density_scaling, 2)
-            )
+fn rate(stage: &Stage) -> String {
+    match stage.control.speed {
+        Speed::InertialNumber { number, .. } => format!("*I* = {}", significant(number, 3)),
+        Speed::StrainRate(strain_rate) => {
+            let density_scaling = significant(stage.density_scaling, 2);
+            format!("{} s^{{−1}}, density × {density_scaling}", significant(strain_rate, 2))
         }
     }
 }

@@ -35,7 +35,7 @@ fn figure(run: &RunReport) -> (Figure, String) {
         .with(Layer::line(sheared("inertial_number"), color(0)).named("inertial number"));
     // Stages that hold another stress than p say in their notes how well they held it.
     let judged = run.column("servo_error_rms").iter().any(|error| error.is_finite() && *error != 0.0);
-    if run.case.has_stages() && !judged {
+    if !run.is_at_constant_p() && !judged {
         let caption = "Was the test quasi-static? Inertial number of the strain rate and mean unbalanced force over the mean contact \
                        force.";
         return (

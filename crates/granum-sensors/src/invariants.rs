@@ -1,5 +1,5 @@
-//! Invariants of stress and strain that do not refer to an axis of compression, and the shear strains: the additional
-//! columns of tests that are given as stages. The formulas are in [`granum_dem::invariants`].
+//! Invariants of stress and strain that do not refer to an axis of compression, and the shear strains: the columns
+//! that were added for tests along any path. The formulas are in [`granum_dem::invariants`].
 
 use granum_core::Part;
 use granum_dem::invariants::{
@@ -9,7 +9,7 @@ use granum_dem::invariants::{
 use crate::ratio::ratio;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
-/// The sensor. It is recorded in tests that are given as stages: the series of the paper's test keeps its columns.
+/// The sensor. It is recorded in every test with all columns; the section `[shear]` keeps those of its first version.
 pub struct Invariants;
 
 impl Sensor for Invariants {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use granum_core::{Column, Table, TableError};
+use granum_dem::config::RecordedColumns;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -80,16 +81,17 @@ impl Record {
         sensors: &[&[SensorColumn]],
         bins: &[Bins],
         states: impl Iterator<Item = (usize, &'a StateSums)>,
-        staged: bool,
+        columns: RecordedColumns,
     ) -> Self {
         let states: Vec<(usize, &StateSums)> = states.collect();
+        let numbers_stages = columns == RecordedColumns::All;
         let columns = || sensors.iter().flat_map(|columns| columns.iter());
         let rows: Vec<Vec<f64>> = states.iter().map(|(_, sums)| sums.averages(columns())).collect();
         let number = |name: &str, value: &dyn Fn(&(usize, &StateSums)) -> f64| {
             column(name, "", states.iter().map(value).collect())
         };
         let mut table = Vec::new();
-        if staged {
+        if numbers_stages {
             table.push(number("stage", &|(stage, _)| *stage as f64));
         }
         table.push(number("state", &|(_, sums)| sums.state as f64));

@@ -97,6 +97,7 @@ mod tests {
     use super::*;
     use crate::lattice;
     use crate::{SensorError, Sensors};
+    use granum_dem::config::RecordedColumns;
 
     /// A recording with a critical state line.
     fn with_line(void_ratio: f64, slope: f64) -> Recording {
@@ -140,11 +141,11 @@ mod tests {
         let sensors = Sensors::standard();
         let mut recording =
             Recording::default().with(|recording| recording.sensors = vec!["state_parameter".into()]);
-        let error = sensors.of_test(&recording, false).unwrap_err();
+        let error = sensors.of_test(&recording, RecordedColumns::FirstPublished).unwrap_err();
         assert!(matches!(error, SensorError::Lacks { .. }));
         assert!(error.to_string().contains("set recording.critical_void_ratio"), "{error}");
         recording.parameters = with_line(0.8, 0.02).parameters;
-        assert!(sensors.of_test(&recording, false).is_ok());
+        assert!(sensors.of_test(&recording, RecordedColumns::FirstPublished).is_ok());
         let measured = sensors.measure(&lattice::simple_cubic(3, 1e-4, 0.0, 0.0), granum_core::Parts::all());
         assert_eq!(measured.value("state_parameter"), None);
         let told: Vec<String> = measured.left_out.iter().map(|left_out| left_out.to_string()).collect();

@@ -21,7 +21,7 @@ macro_rules! cases {
         /// let ready = CASES.iter().find(|ready| ready.name == "drained-dense").unwrap();
         /// assert!(ready.title().contains("dense"));
         /// let case = Case::parse(ready.text, "drained-dense.toml")?;
-        /// assert!(case.has_stages());
+        /// assert_eq!(case.test_stages().len(), 2);
         /// # Ok::<(), granum_io::Error>(())
         /// ```
         pub const CASES: &[ReadyCase] = &[$(

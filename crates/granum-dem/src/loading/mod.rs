@@ -164,6 +164,14 @@ impl Stage {
         Stage { record, ..self }
     }
 
+    /// The value of a measure at which it ends, if that is one of its end conditions.
+    pub fn end_at(&self, measure: Measure) -> Option<f64> {
+        self.until.iter().find_map(|until| match *until {
+            Until::Reaches { measure: of_end, value } => (of_end == measure).then_some(value),
+            _ => None,
+        })
+    }
+
     /// The completed fraction of the stage, where it follows from the first end condition that is a value of a measure.
     pub fn fraction(&self, stage_progress: &StageProgress, simulation: &Simulation) -> Option<f64> {
         self.until.iter().find_map(|until| {
@@ -299,7 +307,8 @@ fn progress_of<'a>(
 ) -> Progress<'a> {
     let (steps, time) = (simulation.state().step(), simulation.state().time());
     let fraction = stage.fraction(stage_progress, simulation);
-    Progress { fraction, ..Progress::new(Phase::Shear, steps, time, simulation) }
+    let progress = Progress::new(Phase::Test, steps, time, simulation);
+    Progress { fraction, measure: Some(stage.record.measure), ..progress }
 }
 
 /// The events at which something may be due in a stage.

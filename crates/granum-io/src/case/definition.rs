@@ -1,9 +1,10 @@
 //! The case: all the input that determines a result.
 
-use granum_dem::config::{ContactModel, Grains, Numerics, Preparation, Recording, Shear};
+use granum_dem::config::{ContactModel, Grains, Numerics, Preparation, Recording};
 use serde::{Deserialize, Serialize};
 
 use super::case_stage::CaseStage;
+use super::case_test::CaseTest;
 use super::vocabulary::Vocabulary;
 
 /// All the input that determines a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
@@ -27,11 +28,9 @@ pub struct Case {
     /// Loading paths between the compaction and the relaxation of the sample; empty if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub preparation_stages: Vec<CaseStage>,
-    /// The test of the paper, used if no stages are given.
-    pub shear: Shear,
-    /// The test as stages, which replace `shear`; empty if there are none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub stages: Vec<CaseStage>,
+    /// The test as its file writes it; [`Case::test_definition`] is what it comes to.
+    #[serde(flatten)]
+    pub test: CaseTest,
     /// The states that the sensors record.
     pub recording: Recording,
     /// Numerical choices.
@@ -49,8 +48,7 @@ impl PartialEq for Case {
             contact,
             preparation,
             preparation_stages,
-            shear,
-            stages,
+            test,
             recording,
             numerics,
             vocabulary: _,
@@ -59,8 +57,7 @@ impl PartialEq for Case {
             && *contact == other.contact
             && *preparation == other.preparation
             && *preparation_stages == other.preparation_stages
-            && *shear == other.shear
-            && *stages == other.stages
+            && *test == other.test
             && *recording == other.recording
             && *numerics == other.numerics
     }

@@ -6,7 +6,7 @@ use std::fmt;
 use granum_core::quantity::format_number;
 
 use super::definition::Case;
-use super::field::Field;
+use super::field::{Field, Value};
 use super::fields::Fields;
 use super::stage::{PREPARATION_STAGE, STAGE};
 
@@ -50,26 +50,27 @@ impl Case {
     /// ```
     pub fn values(&self) -> CaseValues {
         let fields = self.fields();
-        let mut values: CaseValues = fields.iter().map(|field| (field.path(), shown(field, self))).collect();
+        let mut values: CaseValues =
+            fields.iter().map(|field| (field.path(), shown(field, self.counted(field)))).collect();
         let undeclared = self.undeclared_parameters();
         values.extend(
             undeclared.into_iter().map(|(key, value)| (format!("recording.{key}"), format_number(value))),
         );
         values.extend(self.material_values());
-        if self.has_stages() {
-            values.insert(STAGE.into(), self.stages_toml().trim().replace('\n', "; "));
-        }
-        if !self.preparation_stages.is_empty() {
-            let text = self.preparation_stages_toml();
-            values.insert(PREPARATION_STAGE.into(), text.trim().replace('\n', "; "));
+        for (heading, text) in
+            [(STAGE, self.stages_toml()), (PREPARATION_STAGE, self.preparation_stages_toml())]
+        {
+            if !text.is_empty() {
+                values.insert(heading.into(), text.trim().replace('\n', "; "));
+            }
         }
         values
     }
 }
 
 /// The value of a field for display, with its unit.
-fn shown(field: &Field, case: &Case) -> String {
-    let Some(value) = field.value(case) else { return NOT_GIVEN.to_string() };
+fn shown(field: &Field, value: Option<Value>) -> String {
+    let Some(value) = value else { return NOT_GIVEN.to_string() };
     let (text, unit) = (field.toml(&value), field.si_unit());
     if unit.is_empty() || text.starts_with('"') { text } else { format!("{text} {unit}") }
 }
@@ -90,7 +91,8 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
     let mut values: Vec<(String, Vec<String>)> = Vec::new();
     for (name, case) in cases {
         // A material or a stage that one case has and the other has not is a difference, not another version's key.
-        let of_tables = key.starts_with("material.") || key.starts_with("pair.") || key == PREPARATION_STAGE;
+        let of_tables = ["material.", "pair."].iter().any(|table| key.starts_with(table))
+            || [STAGE, PREPARATION_STAGE].contains(&key.as_str());
         let absent = of_tables.then(|| NOT_GIVEN.to_string());
         let Some(value) = case.get(&key).or(absent.as_ref()) else { continue };
         match values.iter_mut().find(|(known, _)| known == value) {
@@ -179,6 +181,21 @@ mod tests {
             "shear.density_scaling: not given in one; 1 in two",
         ];
         assert_eq!(shown, wanted);
+    }
+
+    /// The test of the section `[shear]` and one of stages are two tests, also where `[shear]` has its defaults.
+    #[test]
+    fn stages_and_their_absence_are_a_difference() {
+        let path = "[[stage]]\npath = 'isotropic'\nmean_stress = '50 kPa'\n";
+        let staged = Case::parse(path, "case.toml").unwrap();
+        let shown: Vec<String> =
+            between(&Case::default(), &staged).iter().map(Difference::to_string).collect();
+        assert_eq!(shown.len(), 1, "{shown:?}");
+        assert!(
+            shown[0].starts_with("stage: not given in one; [[stage]]; path = \"isotropic\""),
+            "{}",
+            shown[0]
+        );
     }
 
     #[test]

@@ -5,7 +5,6 @@ use granum_core::digest;
 use super::definition::Case;
 use super::field::{Field, Value};
 use super::fields::RENAMED;
-use super::stage::is_unused_with_stages;
 
 /// Sections that determine the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
@@ -68,9 +67,7 @@ impl Case {
         let standard = Case::default();
         let fields = self.fields();
         for field in fields.iter().filter(|field| wanted(field.section)) {
-            // A case file with stages has no keys of the paper's test, so that their values must not count.
-            let without_effect = self.has_stages() && is_unused_with_stages(&field.path());
-            let value = field.value(if without_effect { &standard } else { self });
+            let value = self.counted(field);
             let unused = match &value {
                 Some(Value::List(values)) => values.is_empty(),
                 Some(Value::Names(names)) => names.is_empty(),

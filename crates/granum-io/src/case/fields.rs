@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::config::{Preparation, Rate, Spacing};
+use granum_dem::config::{Preparation, Rate, Shear, Spacing};
 use granum_dem::contact::registry::Laws;
 use granum_dem::sizes;
 
@@ -272,47 +272,59 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         number!(NUMBER, "1e-9"..="0.1", preparation.unbalanced_force)),
 
     entry("shear", "deviator_strain", "Deviator strain eps_1 - eps_3 at the end.", "0.3",
-        number!(NUMBER, "1e-6"..="3", shear.deviator_strain)),
+        Kind::Number {
+            dimension: Dimension::NUMBER,
+            bounds: ["1e-6", "3"],
+            absent: None,
+            get: |case| case.test.shear().map(|shear| shear.deviator_strain),
+            set: |case, value| if let (Some(strain), Some(shear)) = (value, case.test.shear_mut()) { shear.deviator_strain = strain },
+        }),
     entry("shear", "inertial_number", "Speed: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", Kind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-8", "0.1"],
         absent: None,
-        get: |case| match case.shear.rate {
+        get: |case| match case.test.shear()?.rate {
             Rate::InertialNumber(number) => Some(number),
             Rate::StrainRate { .. } => None,
         },
-        set: |case, value| if let Some(number) = value { case.shear.rate = Rate::InertialNumber(number) },
+        set: |case, value| if let (Some(number), Some(shear)) = (value, case.test.shear_mut()) { shear.rate = Rate::InertialNumber(number) },
     }),
     entry("shear", "strain_rate", "Axial strain rate, which can be given instead of inertial_number. The paper's 1e-5 /s with density_scaling = 1e12 gives the I above.", "1e-5 /s", Kind::Number {
         dimension: Dimension::RATE,
         bounds: ["1e-12 /s", "1e6 /s"],
         absent: None,
-        get: |case| match case.shear.rate {
+        get: |case| match case.test.shear()?.rate {
             Rate::InertialNumber(_) => None,
             Rate::StrainRate { strain_rate, .. } => Some(strain_rate),
         },
-        set: |case, value| if let Some(strain_rate) = value {
-            let density_scaling = match case.shear.rate {
+        set: |case, value| if let (Some(strain_rate), Some(shear)) = (value, case.test.shear_mut()) {
+            let density_scaling = match shear.rate {
                 Rate::StrainRate { density_scaling, .. } => density_scaling,
                 Rate::InertialNumber(_) => 1.0,
             };
-            case.shear.rate = Rate::StrainRate { strain_rate, density_scaling };
+            shear.rate = Rate::StrainRate { strain_rate, density_scaling };
         },
     }),
     entry("shear", "density_scaling", "Factor on the density of every grain; only together with strain_rate.", "1e12", Kind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-6", "1e24"],
         absent: None,
-        get: |case| match case.shear.rate {
+        get: |case| match case.test.shear()?.rate {
             Rate::InertialNumber(_) => None,
             Rate::StrainRate { density_scaling, .. } => Some(density_scaling),
         },
-        set: |case, value| if let (Some(factor), Rate::StrainRate { density_scaling, .. }) = (value, &mut case.shear.rate) {
+        set: |case, value| if let (Some(factor), Some(Shear { rate: Rate::StrainRate { density_scaling, .. }, .. })) = (value, case.test.shear_mut()) {
             *density_scaling = factor;
         },
     }),
     entry("shear", "mean_stress", "Mean stress p held constant.", "sample",
-        optional!(STRESS, "0.001 Pa"..="100 GPa", "sample": "that of the sample", shear.mean_stress)),
+        Kind::Number {
+            dimension: Dimension::STRESS,
+            bounds: ["0.001 Pa", "100 GPa"],
+            absent: Some(["sample", "that of the sample"]),
+            get: |case| case.test.shear()?.mean_stress,
+            set: |case, value| if let Some(shear) = case.test.shear_mut() { shear.mean_stress = value },
+        }),
 
     entry("recording", "states", "Number of equal intervals of deviator strain; a state is recorded at each end of an interval.", "120",
         count!(1..=1_000_000, recording.states)),

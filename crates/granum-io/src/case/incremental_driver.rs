@@ -522,7 +522,7 @@ mod tests {
         let nested =
             |depth: usize| format!("out\n{}*TriaxialE1\n1 1 1\n-0.01\n", "*Repetition\n1 2\n".repeat(depth));
         let once = nested(32).replace("1 2", "1 1");
-        let case = super::super::Case { stages: read(&once).unwrap(), ..Default::default() };
+        let case = super::super::Case::default().with_stages(read(&once).unwrap());
         case.readable_toml(None).unwrap();
         for depth in [33, 80, 100_000] {
             let found = read(&nested(depth)).unwrap_err().to_string();

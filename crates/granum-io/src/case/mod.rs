@@ -6,6 +6,7 @@
 
 pub(crate) mod bare_number;
 mod case_stage;
+mod case_test;
 mod definition;
 mod difference;
 mod digest;
@@ -30,6 +31,7 @@ mod stage_values;
 mod stage_write;
 mod stresses;
 mod suggestion;
+mod test_definition;
 mod unit;
 mod value_list;
 mod vocabulary;
@@ -37,6 +39,7 @@ mod write;
 
 pub use bare_number::SetKey;
 pub use case_stage::CaseStage;
+pub use case_test::CaseTest;
 pub use definition::Case;
 pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
@@ -45,6 +48,7 @@ pub use fields::{Fields, field};
 pub(crate) use material::is_name as is_material_name;
 pub use parameters::{CaseParameter, ParameterValue};
 pub use reading::Reading;
+pub use test_definition::TestDefinition;
 pub use value_list::{ValueShape, values_in};
 pub use vocabulary::Vocabulary;
 
@@ -138,14 +142,18 @@ mod tests {
         }
     }
 
+    fn rate(case: &Case) -> Rate {
+        case.test.shear().unwrap().rate
+    }
+
     #[test]
     fn the_paper_rate_is_said_either_way() {
         let case = parse("[shear]\nstrain_rate = \"1e-5 /s\"\ndensity_scaling = 1e12\n");
-        assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 1e-5, density_scaling: 1e12 });
+        assert_eq!(rate(&case), Rate::StrainRate { strain_rate: 1e-5, density_scaling: 1e12 });
         let case = parse("[shear]\ninertial_number = 1e-3\n");
-        assert_eq!(case.shear.rate, Rate::InertialNumber(1e-3));
+        assert_eq!(rate(&case), Rate::InertialNumber(1e-3));
         let case = parse("[shear]\nstrain_rate = 2\n");
-        assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
+        assert_eq!(rate(&case), Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
     }
 
     #[test]
@@ -298,15 +306,14 @@ mod tests {
         );
         assert_eq!(case.preparation.solid_fraction, None);
         assert_eq!(case.preparation.friction, Some(0.1));
-        assert_eq!(case.shear.mean_stress, None);
+        assert_eq!(case.test.shear().unwrap().mean_stress, None);
     }
 
     #[test]
     fn digests_see_physics_and_nothing_else() {
         let paper = Case::default();
         assert_eq!(parse("# a comment\n[grains]\ndiameter = 1e-4\n").digest(), paper.digest());
-        let mut sheared = paper.clone();
-        sheared.shear.deviator_strain = 0.2;
+        let sheared = paper.clone().with_shear(|shear| shear.deviator_strain = 0.2);
         assert_ne!(sheared.digest(), paper.digest());
         assert_eq!(sheared.preparation_digest(), paper.preparation_digest());
         let mut reseeded = paper.clone();

@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::case_stage::CaseStage;
 use super::definition::Case;
 use super::field::Value;
-use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
+use super::stage::{PREPARATION_STAGE, STAGE};
 use super::unit::dimension;
 
 /// The value of a key of a case.
@@ -70,10 +70,7 @@ impl Case {
     pub fn parameters(&self) -> Vec<CaseParameter> {
         let mut all = Vec::new();
         for field in self.fields().iter() {
-            if self.has_stages() && is_unused_with_stages(&field.path()) {
-                continue;
-            }
-            if let Some(value) = field.value(self) {
+            if let Some(value) = field.value(self).filter(|_| self.uses(&field.path())) {
                 all.push(CaseParameter::new(
                     field.path(),
                     &field.si_unit(),
@@ -92,7 +89,7 @@ impl Case {
             all.push(CaseParameter::new(key, &unit, value));
         }
         add_stages(&mut all, PREPARATION_STAGE, &self.preparation_stages);
-        add_stages(&mut all, STAGE, &self.stages);
+        add_stages(&mut all, STAGE, self.test.tables());
         all
     }
 }

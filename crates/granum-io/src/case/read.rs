@@ -12,6 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::bare_number;
+use super::case_test::{CaseTest, is_of_shear};
 use super::definition::Case;
 use super::field::{Field, Value};
 use super::fields::{Fields, RENAMED, SECTIONS};
@@ -20,7 +21,7 @@ use super::reading::Reading;
 use super::rules::RULES;
 use super::sensor_parameters;
 use super::sieve;
-use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
+use super::stage::{PREPARATION_STAGE, STAGE};
 use super::suggestion;
 use crate::error::{Error, InputError, Result};
 use crate::run::{CASE, RECORD};
@@ -103,8 +104,9 @@ impl Case {
         reader.check_density();
         reader.check_spacing();
         reader.check_stages();
+        let stages = std::mem::take(&mut reader.stages);
         let mut case = Case {
-            stages: std::mem::take(&mut reader.stages),
+            test: if stages.is_empty() { CaseTest::default() } else { CaseTest::Stages(stages) },
             preparation_stages: std::mem::take(&mut reader.preparation_stages),
             vocabulary,
             ..Case::default()
@@ -142,7 +144,7 @@ impl Case {
         if path.starts_with("material.") || path.starts_with("pair.") {
             return self.set_material(path, text);
         }
-        if self.has_stages() && is_unused_with_stages(path) {
+        if !self.uses(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
         let field = self.fields().named(path).ok_or_else(|| match new_name(path) {
@@ -313,8 +315,7 @@ impl Reader<'_> {
         let says_something = |field: &Field| {
             self.values.get(&field.path()).is_some_and(|value| field.value(&standard).as_ref() != Some(value))
         };
-        let unused =
-            self.fields.iter().filter(|field| is_unused_with_stages(&field.path()) && says_something(field));
+        let unused = self.fields.iter().filter(|field| is_of_shear(&field.path()) && says_something(field));
         let unused: Vec<_> = unused.map(|field| field.path()).collect();
         for path in unused {
             let Some(span) = self.keys.get(&path).cloned() else { continue };

@@ -97,7 +97,7 @@ pub(super) const RULES: &[Rule] = &[
         fields: &["recording.first_strain", "shear.deviator_strain"],
         broken: |case| {
             let Spacing::Geometric(first) = case.recording.spacing else { return None };
-            let end = case.shear.deviator_strain;
+            let end = case.test.shear()?.deviator_strain;
             (first >= end).then(|| {
                 format!("recording.first_strain = {first} must be below shear.deviator_strain = {end}, the end of the test")
             })
@@ -112,13 +112,7 @@ pub(super) const RULES: &[Rule] = &[
     },
     Rule {
         fields: &["recording.snapshots", "shear.deviator_strain"],
-        broken: |case| {
-            // In a case with stages the key has no effect.
-            if case.has_stages() {
-                return None;
-            }
-            beyond_the_end(case, "recording.snapshots", &case.recording.snapshots)
-        },
+        broken: |case| beyond_the_end(case, "recording.snapshots", &case.recording.snapshots),
     },
     Rule {
         fields: &["recording.bin_width", "recording.largest_force"],
@@ -177,7 +171,8 @@ fn limits_missing(case: &Case) -> Option<String> {
 
 /// The error message if a list of strains continues after the end of the test.
 fn beyond_the_end(case: &Case, key: &str, strains: &[f64]) -> Option<String> {
-    let end = case.shear.deviator_strain;
+    // In a case with stages the keys have no effect.
+    let end = case.test.shear()?.deviator_strain;
     let last = strains.last().filter(|last| **last > end)?;
     Some(format!("{key} goes up to {last}, but the test ends at shear.deviator_strain = {end}"))
 }

@@ -10,6 +10,7 @@ use granum_dem::loading::{Record, Stage, Start};
 
 use super::bare_number::in_per_cent_instead;
 use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
+use super::case_test::CaseTest;
 use super::definition::Case;
 use super::history;
 use super::suggestion::meant;
@@ -118,30 +119,9 @@ pub(super) fn bounds(parameter: &Parameter) -> String {
     format!("from {low}{unit} to {high}{unit}")
 }
 
-/// Keys of `[shear]` and `[recording]` that are not used in a case with stages.
-pub(super) fn is_unused_with_stages(path: &str) -> bool {
-    path.starts_with("shear.")
-        || ["recording.states", "recording.first_strain", "recording.strains", "recording.snapshots"]
-            .contains(&path)
-}
-
 impl Case {
-    /// True if the test is given as stages, not as the section `[shear]`.
-    pub fn has_stages(&self) -> bool {
-        !self.stages.is_empty()
-    }
-
-    /// The stages of the test: the given ones, or the one of the paper's test.
-    pub fn test_stages(&self) -> Vec<Stage> {
-        if self.has_stages() {
-            return self.within_overlaps(self.stages.iter().flat_map(CaseStage::stages));
-        }
-        let stage = preset::antony2006(&self.shear, &self.recording, self.preparation.mean_stress);
-        self.within_overlaps([stage].into_iter())
-    }
-
     /// Stages with the largest overlap of the case.
-    fn within_overlaps(&self, stages: impl Iterator<Item = Stage>) -> Vec<Stage> {
+    pub(super) fn within_overlaps(&self, stages: impl Iterator<Item = Stage>) -> Vec<Stage> {
         let limit = self.numerics.overlap_limit();
         stages.map(|stage| stage.with(|stage| stage.largest_overlap = limit)).collect()
     }
@@ -161,13 +141,13 @@ impl Case {
             return Err(wrong("path", name, format!("is not a path; {help}")));
         };
         let mut case = self.clone();
-        case.shear = Default::default();
         let own = self.recording.clone();
         case.recording = Recording::default().with(|recording| {
             recording.observations_per_state = own.observations_per_state;
             (recording.sensors, recording.parameters) = (own.sensors, own.parameters);
         });
-        case.stages = vec![CaseStage::Path { path: preset, parameters: Given::new(), resets: true }];
+        let stage = CaseStage::Path { path: preset, parameters: Given::new(), resets: true };
+        case.test = CaseTest::Stages(vec![stage]);
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {
                 let help = meant(key, preset.parameters().map(|parameter| parameter.key));
@@ -184,8 +164,8 @@ impl Case {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         let (list, heading) = match path.starts_with(PREPARATION_STAGE) {
-            true => (&mut self.preparation_stages, PREPARATION_STAGE),
-            false => (&mut self.stages, STAGE),
+            true => (self.preparation_stages.as_mut_slice(), PREPARATION_STAGE),
+            false => (self.test.tables_mut(), STAGE),
         };
         let rest = path.strip_prefix(heading).and_then(|rest| rest.strip_prefix('.')).unwrap_or(path);
         let none = no_such_stage(heading, list.len());
@@ -221,12 +201,12 @@ impl Case {
 
     /// The parameter of a path that a key such as `stage.1.axial_strain` sets.
     pub(super) fn parameter_of(&self, path: &str) -> Option<&'static Parameter> {
-        let (list, rest) = match path.strip_prefix("preparation.stage.") {
-            Some(rest) => (&self.preparation_stages, rest),
-            None => (&self.stages, path.strip_prefix("stage.")?),
+        let (mut list, rest) = match path.strip_prefix("preparation.stage.") {
+            Some(rest) => (self.preparation_stages.as_slice(), rest),
+            None => (self.test.tables(), path.strip_prefix("stage.")?),
         };
         let (numbers, key) = place(rest)?;
-        let (mut list, mut found) = (list.as_slice(), None);
+        let mut found = None;
         for number in numbers {
             let stage = list.get(number.checked_sub(1)?)?;
             list = if let CaseStage::Repeat { stages, .. } = stage { stages } else { &[] };
@@ -245,7 +225,7 @@ impl Case {
 
     /// The tables `[[stage]]` as TOML in SI units; empty without stages.
     pub fn stages_toml(&self) -> String {
-        self.stages.iter().map(|stage| format!("\n{}", stage.toml(STAGE))).collect()
+        self.test.tables().iter().map(|stage| format!("\n{}", stage.toml(STAGE))).collect()
     }
 
     /// The tables `[[preparation.stage]]` as TOML in SI units; empty without stages.
@@ -255,7 +235,9 @@ impl Case {
 
     /// Checks the stages: bounds of parameters, and that each control determines the strain rates.
     pub(super) fn check_stages(&self) -> Result<()> {
-        for (stages, heading) in [(&self.stages, STAGE), (&self.preparation_stages, PREPARATION_STAGE)] {
+        self.test.check()?;
+        let preparation = (self.preparation_stages.as_slice(), PREPARATION_STAGE);
+        for (stages, heading) in [(self.test.tables(), STAGE), preparation] {
             if let Some((k, message)) = (1..).zip(stages).find_map(|(k, stage)| Some((k, too_nested(stage)?)))
             {
                 return Err(Error::Rule(format!("{heading}.{k} {message}")));
@@ -266,7 +248,7 @@ impl Case {
             }
         }
         check_unrecorded(&self.preparation_stages, PREPARATION_STAGE)?;
-        match fault_of_order(&self.stages) {
+        match fault_of_order(self.test.tables()) {
             Some((number, message)) => Err(Error::Rule(format!("stage.{number} {message}"))),
             None => Ok(()),
         }

@@ -47,8 +47,8 @@ fn repetitions_have_a_largest_depth() {
     let error = Case::parse(&nested(33), "case.toml").unwrap_err().to_string();
     let wanted = "case.toml:1:1: this stage has 33 repetitions within one another; at most 32 are possible";
     assert!(error.starts_with(wanted), "{error}");
-    let inner = case.stages.clone();
-    let deeper = Case { stages: vec![CaseStage::Repeat { times: 1, stages: inner }], ..Case::default() };
+    let inner = case.test.tables().to_vec();
+    let deeper = Case::default().with_stages(vec![CaseStage::Repeat { times: 1, stages: inner }]);
     assert!(deeper.check().unwrap_err().to_string().contains("stage.1 has 33 repetitions"));
     assert!(deeper.readable_toml(None).is_err());
 }
@@ -428,7 +428,7 @@ pub(super) fn any_stage() -> impl Strategy<Value = CaseStage> {
 proptest! {
     #[test]
     fn stages_read_back_as_the_same_case(stages in proptest::collection::vec(any_stage(), 1..4)) {
-        let case = Case { stages, ..Case::default() };
+        let case = Case::default().with_stages(stages);
         // The columns of a random history may depend on each other, which is refused.
         prop_assume!(case.check().is_ok());
         let text = case.resolved_toml();

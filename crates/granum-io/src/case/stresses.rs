@@ -8,6 +8,7 @@
 use granum_core::quantity::format_number;
 use granum_dem::loading::{Constraint, Drive, Measure, Ramp, Stage, Target, Until};
 
+use super::case_stage::CaseStage;
 use super::definition::Case;
 
 /// What is wrong with the mean stress of the sample.
@@ -20,9 +21,9 @@ pub(super) fn of_compaction(case: &Case) -> Option<String> {
     too_much(case, "preparation.compaction_stress", case.preparation.compaction_stress?)
 }
 
-/// What is wrong with the mean stress of the paper's test.
+/// What is wrong with the mean stress of the section `[shear]`.
 pub(super) fn of_shear(case: &Case) -> Option<String> {
-    too_much(case, "shear.mean_stress", case.shear.mean_stress.filter(|_| !case.has_stages())?)
+    too_much(case, "shear.mean_stress", case.test.shear()?.mean_stress?)
 }
 
 /// What is wrong with the stresses of the stages of the preparation.
@@ -32,7 +33,8 @@ pub(super) fn of_preparation_stages(case: &Case) -> Option<String> {
 
 /// What is wrong with the stresses of the stages of the test.
 pub(super) fn of_stages(case: &Case) -> Option<String> {
-    if case.has_stages() { of_list(case, "stage", &case.test_stages()) } else { None }
+    let stages: Vec<Stage> = case.test.tables().iter().flat_map(CaseStage::stages).collect();
+    of_list(case, "stage", &stages)
 }
 
 fn of_list(case: &Case, heading: &str, stages: &[Stage]) -> Option<String> {

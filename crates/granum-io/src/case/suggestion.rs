@@ -106,7 +106,8 @@ pub(super) fn paths_with(paths: &Paths, key: &str) -> Option<String> {
 /// The parameters of the named paths among the stages of a case, with the places of these.
 fn stage_keys(case: &Case) -> Vec<(String, &'static str)> {
     let mut keys = Vec::new();
-    for (stages, heading) in [(&case.preparation_stages, PREPARATION_STAGE), (&case.stages, STAGE)] {
+    let preparation = (case.preparation_stages.as_slice(), PREPARATION_STAGE);
+    for (stages, heading) in [preparation, (case.test.tables(), STAGE)] {
         add_stage_keys(stages, heading, &mut keys);
     }
     keys

@@ -34,7 +34,8 @@ impl Case {
     /// assert_eq!(case.shape_of("recording.strains"), ValueShape::List);
     /// ```
     pub fn shape_of(&self, key: &str) -> ValueShape {
-        for (heading, stages) in [(PREPARATION_STAGE, &self.preparation_stages), (STAGE, &self.stages)] {
+        let preparation = (PREPARATION_STAGE, self.preparation_stages.as_slice());
+        for (heading, stages) in [preparation, (STAGE, self.test.tables())] {
             if let Some(rest) = key.strip_prefix(heading).and_then(|rest| rest.strip_prefix('.')) {
                 return shape_in_stage(stages, rest);
             }

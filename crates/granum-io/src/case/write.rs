@@ -6,7 +6,6 @@ use super::field::Field;
 use super::fields::SECTIONS;
 use super::read::LARGEST_FILE;
 use super::reading::Reading;
-use super::stage::is_unused_with_stages;
 use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
@@ -85,16 +84,16 @@ impl Case {
             let name = name.replace(char::is_control, " ");
             text.push_str(&format!("# The grains are those of the packing {name}.\n"));
         }
+        let all = self.fields();
         for [section, _] in SECTIONS {
-            if self.has_stages() && *section == "shear" {
+            let of_section = all.iter().filter(|field| field.section == *section);
+            let fields: Vec<_> = of_section.filter(|field| self.uses(&field.path())).collect();
+            if fields.is_empty() {
                 continue;
             }
             text.push_str(&format!("\n[{section}]\n"));
-            for field in self.fields().iter().filter(|field| field.section == *section) {
+            for field in fields {
                 let Some(value) = field.value(self) else { continue };
-                if self.has_stages() && is_unused_with_stages(&field.path()) {
-                    continue;
-                }
                 let unit = field.si_unit();
                 let unused = packing.is_some() && self.unused_with_packing().any(|key| key == field.path());
                 let comment = match (unit.as_str(), unused) {
@@ -121,6 +120,7 @@ impl Case {
     /// # Errors
     /// [`Error::Rule`] if no file can be written from which this case would be read.
     pub fn readable_toml(&self, packing: Option<&str>) -> Result<String> {
+        self.test.check()?;
         let text = self.resolved_toml_with(packing);
         let cannot = |why: String| {
             Error::Rule(format!(

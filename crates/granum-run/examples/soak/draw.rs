@@ -1,11 +1,11 @@
 //! Random cases, reproducible from a seed.
 
-use granum_dem::config::{NormalKind, Rate, Recording};
+use granum_dem::config::{NormalKind, Rate, Recording, Shear};
 use granum_dem::contact::check::{parameters_of, sets};
 use granum_dem::loading::preset::{self, Given, Value};
 use granum_dem::loading::{History, Quantity};
 use granum_io::Case;
-use granum_io::case::CaseStage;
+use granum_io::case::{CaseStage, CaseTest};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -140,16 +140,19 @@ impl Draws {
         preparation.initial_solid_fraction = self.even(0.2, 0.36);
         preparation.inertial_number = self.decades(2e-3, 2e-2);
         preparation.unbalanced_force = self.decades(3e-3, 5e-2);
-        case.shear.deviator_strain = self.decades(3e-3, 3e-2);
+        let deviator_strain = self.decades(3e-3, 3e-2);
         let number = self.decades(3e-4, 1e-2);
-        case.shear.mean_stress = self.chance(0.2).then(|| preparation.mean_stress * self.even(0.5, 2.0));
-        case.shear.rate = if self.chance(0.8) {
+        let mean_stress = self.chance(0.2).then(|| preparation.mean_stress * self.even(0.5, 2.0));
+        let rate = if self.chance(0.8) {
             Rate::InertialNumber(number)
         } else {
             let density_scaling = self.decades(1e-3, 1e12);
             let slow = (case.preparation.mean_stress / (material.density * density_scaling)).sqrt();
             Rate::StrainRate { strain_rate: number * slow / grains.diameter, density_scaling }
         };
+        case.test = CaseTest::Shear(Shear::default().with(|shear| {
+            (shear.deviator_strain, shear.mean_stress, shear.rate) = (deviator_strain, mean_stress, rate);
+        }));
         let states = self.even(2.0, 9.0) as usize;
         let observations = self.even(1.0, 4.0) as usize;
         case.recording = Recording::default().with(|recording| {
@@ -161,7 +164,7 @@ impl Draws {
             let pressure = case.preparation.mean_stress;
             let names: Vec<&str> = preset::ALL.iter().map(|path| path.name).collect();
             let count = 1 + (self.fraction() * 2.0) as usize;
-            case.stages = (0..count).map(|_| self.path(pressure, &names, true)).collect();
+            case.test = CaseTest::Stages((0..count).map(|_| self.path(pressure, &names, true)).collect());
         }
         if self.chance(0.3) {
             let pressure = case.preparation.mean_stress;

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use granum_io::Case;
-use granum_io::case::CaseStage;
+use granum_io::case::{CaseStage, CaseTest};
 
 use draw::{Draws, Way};
 use trial::{Outcome, trial};
@@ -174,7 +174,8 @@ fn main() {
         ] {
             *totals.laws.entry(law.to_string()).or_default() += 1;
         }
-        for (stages, of) in [(&case.stages, ""), (&case.preparation_stages, " (preparation)")] {
+        let stages = if let CaseTest::Stages(stages) = &case.test { stages.as_slice() } else { &[] };
+        for (stages, of) in [(stages, ""), (&case.preparation_stages, " (preparation)")] {
             for stage in stages {
                 if let CaseStage::Path { path, .. } = stage {
                     *totals.paths.entry(format!("{}{of}", path.name)).or_default() += 1;

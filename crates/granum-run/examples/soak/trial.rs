@@ -157,7 +157,7 @@ fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
     let (simulation, _) = Simulation::restore(&bytes).map_err(|error| error.to_string())?;
     let state = simulation.state();
     let work = state.energy().boundary_work.abs();
-    let strain = if case.has_stages() { state.arc_length() } else { case.shear.deviator_strain };
+    let strain = case.test_definition().deviator_strain_end().map_or(state.arc_length(), f64::abs);
     let least = 0.1 * state.mean_stress() * state.cell().volume() * strain;
     Ok([work, state.energy().damping].map(|energy| energy / work.max(least)))
 }

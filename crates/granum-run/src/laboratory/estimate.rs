@@ -5,7 +5,6 @@
 //! sample at `I sqrt(p / rho) / d`. The compaction from the loose initial state is a strain of about 0.3; a stage of a test goes to the
 //! strain at which it ends. Stages that end elsewhere are not counted, nor the trials of a search for a density.
 
-use granum_dem::config::Rate;
 use granum_dem::contact::PairProperties;
 use granum_dem::loading::{Drive, Measure, Speed, Stage, Until};
 use granum_io::Case;
@@ -55,20 +54,11 @@ impl Scales {
 /// Estimates the steps of a case; `None` where it cannot be done.
 pub fn estimate(case: &Case) -> Option<Estimate> {
     let p = &case.preparation;
-    let sample = Scales::of(case, p.mean_stress)?;
     let compacted = Scales::of(case, p.compaction_stress.unwrap_or(p.mean_stress))?;
     let preparation = compacted.steps(COMPACTION, p.inertial_number * compacted.rate);
-    let test = if case.has_stages() {
-        case.test_stages().iter().map(|stage| stage_steps(stage, &sample)).sum()
-    } else {
-        let shear = Scales::of(case, case.shear.mean_stress.unwrap_or(p.mean_stress))?;
-        match case.shear.rate {
-            Rate::InertialNumber(number) => shear.steps(case.shear.deviator_strain, number * shear.rate),
-            Rate::StrainRate { strain_rate, density_scaling } => {
-                shear.steps(case.shear.deviator_strain, strain_rate) / density_scaling.sqrt()
-            }
-        }
-    };
+    let test = case.test_definition();
+    let tested = Scales::of(case, test.mean_stress(case))?;
+    let test = test.stages.iter().map(|stage| stage_steps(stage, &tested)).sum();
     Some(Estimate { preparation, test })
 }
 

@@ -46,8 +46,7 @@ fn searching() -> Case {
     case.preparation.solid_fraction_tolerance = 1e-4;
     case.preparation.inertial_number = 1e-2;
     case.preparation.unbalanced_force = 2e-2;
-    case.shear.deviator_strain = 0.01;
-    case
+    case.with_shear(|shear| shear.deviator_strain = 0.01)
 }
 
 /// All files of a folder except the lock and the times.
@@ -180,9 +179,8 @@ fn staged() -> Case {
                 [[stage]]\nname = \"unloading\"\ninertial_number = 5e-3\nxx = { rate = -1 }\n\
                 yy = { stress = \"current\" }\nzz = { stress = \"current\" }\n\
                 until = { xx_strain = 0.002 }\nrecord = { every = 2e-4 }\n";
-    let stages = Case::parse(text, "case.toml").unwrap().stages;
-    let mut case = Case { stages, ..small() };
-    case.shear = Default::default();
+    let test = Case::parse(text, "case.toml").unwrap().test;
+    let mut case = Case { test, ..small() };
     // Sensors that compare observations, and a further histogram, are resumed with identical bytes as well.
     let sensors = ["nonaffine_displacement", "second_order_work", "overlap_distribution"].map(String::from);
     case.recording = granum_dem::config::Recording::default().with(|recording| {
@@ -246,8 +244,8 @@ fn repeated_stages_and_probes_stopped_again_and_again_end_in_the_same_bytes() {
                 [[stage]]\nrepeat = 2\n[[stage.stage]]\npath = \"probes\"\ndirections = 3\nunbalanced_force = 0.01\n\
                 [[stage]]\npath = \"constant-p\"\ndeviator_strain = 0.001\nstates = 2\nstrain_rate = 1e-3\n\
                 density_scaling = 1e12\n";
-    let stages = Case::parse(text, "case.toml").unwrap().stages;
-    let case = Case { stages, ..staged() };
+    let test = Case::parse(text, "case.toml").unwrap().test;
+    let case = Case { test, ..staged() };
     assert_eq!(case.test_stages().len(), 2 * 2 + 2 * (1 + 2 * 3) + 1);
     let base = tempfile::tempdir().unwrap();
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
@@ -288,8 +286,8 @@ fn a_stage_cut_short_is_told_and_ends_the_test() {
     let base = tempfile::tempdir().unwrap();
     let text = "[[stage]]\ninertial_number = 1e-2\nxx = { rate = 1 }\nuntil = { mean_stress = \"1 Pa\" }\n\
                 most_arc_length = 1e-3\n[[stage]]\npath = \"isotropic\"\n";
-    let stages = Case::parse(text, "case.toml").unwrap().stages;
-    let case = Case { stages, ..staged() };
+    let test = Case::parse(text, "case.toml").unwrap().test;
+    let case = Case { test, ..staged() };
     let folder = RunFolder::create(base.path().join("run"), false).unwrap();
     let mut stopper = Stopper::after(u32::MAX);
     let record = laboratory().shear(&case, &Source::Case, &folder, &mut stopper).unwrap();

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use granum_dem::invariants::{deviatoric_strain, signed_von_mises};
+use granum_dem::loading::Measure;
 use granum_dem::observer::Progress;
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
@@ -29,18 +30,18 @@ impl Field {
 pub fn line(progress: &Progress) -> String {
     let s = progress.simulation.state();
     let mut parts = Vec::new();
-    if progress.trial > 1 && progress.phase != Phase::Shear {
+    if progress.trial > 1 && progress.phase != Phase::Test {
         parts.push(format!("trial {}", progress.trial));
     }
     if is_of_path(progress) {
         parts.extend(progress.stage.map(str::to_string));
         parts.push(format!("strain {:.4}", strain(progress)));
     }
-    if progress.phase == Phase::Shear {
+    if progress.phase == Phase::Test {
         parts.push(stress_ratio(progress));
     }
     parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
-    if progress.phase != Phase::Shear {
+    if progress.phase != Phase::Test {
         parts.push(format!("coordination number {:.3}", coordination_number(progress)));
     }
     parts.extend(progress.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
@@ -53,18 +54,18 @@ pub fn line(progress: &Progress) -> String {
 pub fn fields(progress: &Progress) -> Vec<Field> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
-    if progress.trial > 1 && progress.phase != Phase::Shear {
+    if progress.trial > 1 && progress.phase != Phase::Test {
         fields.push(Field::new(1, format!("trial {}", progress.trial)));
     }
     if is_of_path(progress) {
         fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
     }
-    if progress.phase == Phase::Shear {
+    if progress.phase == Phase::Test {
         fields.push(Field::new(2, stress_ratio(progress)));
     }
     fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
     fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
-    if progress.phase != Phase::Shear {
+    if progress.phase != Phase::Test {
         fields.push(Field::new(2, format!("Z {:.2}", coordination_number(progress))));
     }
     fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
@@ -73,7 +74,7 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
 
 /// True if the progress is that of a loading path, in a test or in a preparation.
 fn is_of_path(progress: &Progress) -> bool {
-    matches!(progress.phase, Phase::Shear | Phase::PreparationStage)
+    matches!(progress.phase, Phase::Test | Phase::PreparationStage)
 }
 
 /// Contacts of a grain, of all grains.
@@ -82,10 +83,13 @@ fn coordination_number(progress: &Progress) -> f64 {
     2.0 * s.contacts() as f64 / s.grains().max(1) as f64
 }
 
-/// The deviator strain of the paper for its test, and the deviatoric strain for other tests.
+/// The deviator strain where it spaces the states of the stage, and else the deviatoric strain.
 fn strain(progress: &Progress) -> f64 {
     let s = progress.simulation.state();
-    if progress.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
+    match progress.measure {
+        Some(Measure::AxialDeviatorStrain) => s.deviator_strain(),
+        _ => deviatoric_strain(&s.strain()),
+    }
 }
 
 /// The ratio q/p of an axisymmetric stage, with the axial stress less the mean lateral one as q; of a general stage that of the von
@@ -174,7 +178,7 @@ mod tests {
             assert!(line.ends_with("coordination number 1.000") && !line.contains("/p"), "{line}");
             assert!(fields.ends_with("Z 1.00") && !fields.contains("/p"), "{fields}");
         }
-        let (line, fields) = shown(Phase::Shear);
+        let (line, fields) = shown(Phase::Test);
         assert!(line.contains("q_vM/p") && !line.contains("coordination"), "{line}");
         assert!(fields.contains("q_vM/p") && !fields.contains('Z'), "{fields}");
     }

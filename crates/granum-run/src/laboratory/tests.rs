@@ -17,8 +17,10 @@ pub(super) fn small() -> Case {
     case.preparation.solid_fraction = None;
     case.preparation.inertial_number = 5e-3;
     case.preparation.unbalanced_force = 1e-2;
-    case.shear.deviator_strain = 0.02;
-    case.shear.rate = Rate::InertialNumber(3e-3);
+    case = case.with_shear(|shear| {
+        shear.deviator_strain = 0.02;
+        shear.rate = Rate::InertialNumber(3e-3);
+    });
     case.recording = Recording::default().with(|recording| {
         recording.states = 8;
         recording.observations_per_state = 3;
@@ -35,7 +37,7 @@ struct Stopper(u32);
 impl Observer for Stopper {
     fn progress(&mut self, progress: &Progress) -> Flow {
         assert!(line(progress).contains("kPa"));
-        if progress.phase == Phase::Shear {
+        if progress.phase == Phase::Test {
             self.0 = self.0.saturating_sub(1);
         }
         if self.0 == 0 { Flow::Stop } else { Flow::Continue }
@@ -76,7 +78,7 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     let record = lab.resume(&broken, &mut Follower(&mut listener)).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     let last = listener.heard.last().unwrap();
-    assert_eq!((last.activity.as_ref(), last.completed().unwrap() > 0.5), ("shear", true), "{last}");
+    assert_eq!((last.activity.as_ref(), last.completed().unwrap() > 0.5), ("test", true), "{last}");
     let bytes = |folder: &RunFolder, name: &str| std::fs::read(folder.path().join(name)).unwrap();
     for name in ["series.parquet", "forces.parquet"] {
         assert_eq!(bytes(&straight, name), bytes(&broken, name), "{name}");
@@ -110,14 +112,14 @@ fn a_prepared_sample_shears_as_a_case_in_one_go() {
 fn density_scaling_says_the_same_physics() {
     let base = tempfile::tempdir().unwrap();
     let lab = laboratory();
-    let mut case = small();
-    case.shear.deviator_strain = 0.004;
+    let mut case = small().with_shear(|shear| shear.deviator_strain = 0.004);
     let number = RunFolder::create(base.path().join("number"), false).unwrap();
     lab.shear(&case, &Source::Case, &number, &mut NoObserver).unwrap();
     // A density factor that is a power of four scales time by a power of two, so that even the rounding is the same.
     let scaling = 4f64.powi(20);
     let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
-    case.shear.rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
+    let rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
+    case = case.with_shear(|shear| shear.rate = rate);
     let scaled = RunFolder::create(base.path().join("scaled"), false).unwrap();
     let record = lab.shear(&case, &Source::Case, &scaled, &mut NoObserver).unwrap();
     // Half of the work of the first step is computed with the power in the last step of the sample, whose time was scaled
@@ -137,10 +139,9 @@ fn density_scaling_says_the_same_physics() {
 /// What global damping takes is not counted, so that such a test says nothing of its energy balance rather than that it closes.
 #[test]
 fn the_energy_of_a_test_that_came_to_rest_with_damping_is_not_judged() {
-    let stages = Case::parse("[[stage]]\npath = \"isotropic\"\nmean_stress = \"22 kPa\"\n", "case.toml")
-        .unwrap()
-        .stages;
-    let case = Case { stages, shear: Default::default(), ..small() };
+    let test =
+        Case::parse("[[stage]]\npath = \"isotropic\"\nmean_stress = \"22 kPa\"\n", "case.toml").unwrap().test;
+    let case = Case { test, ..small() };
     let quality = laboratory().test(&case).unwrap().about.quality;
     assert!(quality.iter().any(|flag| flag.name == "servo_error_rms"));
     assert!(quality.iter().all(|flag| flag.name != "energy_gap"), "{quality:?}");
@@ -154,9 +155,9 @@ fn density_scaling_of_a_stage_says_the_same_physics() {
     let ratio = |speed: String| {
         let text =
             format!("[[stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.003\nstates = 4\n{speed}\n");
-        let stages = Case::parse(&text, "case.toml").unwrap().stages;
+        let test = Case::parse(&text, "case.toml").unwrap().test;
         let recording = Recording::default().with(|recording| recording.observations_per_state = 3);
-        let case = Case { stages, recording, shear: Default::default(), ..small() };
+        let case = Case { test, recording, ..small() };
         let test = laboratory().test(&case).unwrap();
         let gap = test.about.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
         assert!(gap < 1e-3, "{gap}");
@@ -173,9 +174,9 @@ fn density_scaling_of_a_stage_says_the_same_physics() {
 #[test]
 fn the_lateral_stress_ratio_of_an_oedometer_stands_in_the_record() {
     let text = "[[stage]]\npath = \"oedometer\"\naxial_stress = \"100 kPa\"\nunloading_stress = \"40 kPa\"\ninterval = 1e-5\n";
-    let stages = Case::parse(text, "case.toml").unwrap().stages;
+    let test = Case::parse(text, "case.toml").unwrap().test;
     let recording = Recording::default().with(|recording| recording.observations_per_state = 1);
-    let case = Case { stages, recording, shear: Default::default(), ..small() };
+    let case = Case { test, recording, ..small() };
     let measures = laboratory().test(&case).unwrap().about.measures;
     let [loading, unloading] = ["k0_loading", "k0_unloading"].map(|name| measures[name]);
     assert!((0.3..0.9).contains(&loading) && unloading > loading, "{loading} {unloading}");

@@ -6,7 +6,7 @@ use std::path::Path;
 use granum_core::assembly::{Assembly, Grain};
 use granum_core::{Part, Parts};
 use granum_dem::config::{NormalKind, Preparation};
-use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until, density_scaling};
+use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until};
 use granum_dem::preparation::is_loose;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
@@ -74,7 +74,7 @@ impl LammpsDeck {
     /// [`DeckError`] with the key, the stage or the sample that LAMMPS cannot have.
     pub fn new(case: &Case, packing: &Packing, confinement: Confinement) -> Result<LammpsDeck, DeckError> {
         let stages = case.test_stages();
-        let density = density(case, &stages)?;
+        let density = density(&stages)?;
         let mut sample = simulation(packing, case.properties().with_densities(density))?;
         sample.set_time_step_factor(case.numerics.time_step_factor);
         check(&sample, &case.preparation)?;
@@ -148,10 +148,7 @@ impl LammpsDeck {
 }
 
 /// The factor on the densities in all stages but those in which the sample comes to rest.
-fn density(case: &Case, stages: &[Stage]) -> Result<f64, DeckError> {
-    if !case.has_stages() {
-        return Ok(density_scaling(&case.shear.rate));
-    }
+fn density(stages: &[Stage]) -> Result<f64, DeckError> {
     let mut factors =
         stages.iter().filter(|stage| !stage.settling && !stage.is_mark()).map(|stage| stage.density_scaling);
     let first = factors.next().unwrap_or(1.0);
@@ -187,10 +184,10 @@ fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: 
         return stages;
     }
     let own = sample.state().stress();
+    let test = case.test_definition();
     let wanted = match confinement {
-        _ if !case.has_stages() => Some(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress)),
-        Confinement::Prepared => Some(case.preparation.mean_stress),
-        Confinement::Own => None,
+        Confinement::Prepared => Some(test.mean_stress(case)),
+        Confinement::Own => test.initial_mean_stress,
     };
     let held = |a: usize| Drive::Stress(Target::held(wanted.unwrap_or(own[a][a])));
     let speed = Speed::InertialNumber { number: REST_INERTIAL_NUMBER, at: None };

@@ -99,7 +99,7 @@ impl Queue {
             run.case.check().map_err(|error| in_run(error.into()))?;
             let sensors = laboratory.registry.vocabulary.sensors();
             sensors
-                .of_test(&run.case.recording, run.case.has_stages())
+                .of_test(&run.case.recording, run.case.test_definition().columns)
                 .map_err(|error| in_run(error.into()))?;
             match &run.source {
                 Source::Case => memory::check(&run.case).map_err(in_run)?,

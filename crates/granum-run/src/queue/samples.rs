@@ -42,7 +42,7 @@ pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
 /// The case of a sample without the test, so that it is the same whichever tests the sample serves.
 fn of_sample(case: &Case) -> Case {
     let standard = Case::default();
-    Case { shear: standard.shear, recording: standard.recording, stages: Vec::new(), ..case.clone() }
+    Case { test: standard.test, recording: standard.recording, ..case.clone() }
 }
 
 #[cfg(test)]

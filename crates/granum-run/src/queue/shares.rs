@@ -35,7 +35,7 @@ impl Shares {
         // The solid fraction of a sample grows from nearly nothing to about two thirds.
         let prepared = progress.simulation.state().solid_fraction();
         self.done[run] = match (progress.phase, self.is_sample[run]) {
-            (Phase::Shear, _) => {
+            (Phase::Test, _) => {
                 PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * progress.fraction.unwrap_or(0.0)
             }
             (_, true) => self.done[run].max(prepared),

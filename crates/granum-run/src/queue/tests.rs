@@ -50,7 +50,7 @@ impl QueueObserver for Notes {
         self.said.lock().unwrap().push(format!("begins {run}"));
     }
     fn progress(&self, _: usize, progress: &Progress) -> Flow {
-        let in_test = progress.phase == granum_dem::preparation::Phase::Shear;
+        let in_test = progress.phase == granum_dem::preparation::Phase::Test;
         if self.stops && in_test { Flow::Stop } else { Flow::Continue }
     }
     fn ends(&self, run: usize, outcome: &Outcome) {

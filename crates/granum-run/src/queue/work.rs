@@ -1,6 +1,5 @@
 //! An estimate of the work of a run, by which runs are ordered and their progress is weighed. It decides nothing else.
 
-use granum_dem::config::Rate;
 use granum_dem::loading::{Measure, Speed, Stage, Until};
 
 use super::queued_run::{QueuedRun, RunKind};
@@ -22,11 +21,9 @@ pub(super) fn expected(run: &QueuedRun) -> f64 {
     };
     let stages = case.sample_stages();
     let preparation = preparation + stages.iter().map(of_stage).sum::<f64>();
-    let test = match (run.kind, case.has_stages(), &case.shear.rate) {
-        (RunKind::Prepare, ..) => 0.0,
-        (RunKind::Shear, true, _) => case.test_stages().iter().map(of_stage).sum(),
-        (RunKind::Shear, false, Rate::InertialNumber(number)) => case.shear.deviator_strain / number,
-        (RunKind::Shear, false, _) => case.shear.deviator_strain / USUAL_INERTIAL_NUMBER,
+    let test = match run.kind {
+        RunKind::Prepare => 0.0,
+        RunKind::Shear => case.test_stages().iter().map(of_stage).sum(),
     };
     case.grains.count as f64 * (preparation + test)
 }

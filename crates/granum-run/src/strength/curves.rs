@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use granum_core::geometry::Matrix;
 use granum_dem::invariants;
-use granum_dem::loading::Stage;
+use granum_dem::loading::{Measure, Stage};
 use granum_sensors::Record;
 
 use super::symmetry;
@@ -88,6 +88,13 @@ impl<'a> Curves<'a> {
     /// The stage of a row.
     pub(super) fn stage(&self, row: usize) -> Option<&'a Stage> {
         self.stages.get(*self.stage_of.get(row)?)
+    }
+
+    /// True if the stages of these rows space their states by the deviator strain `eps_1 - eps_3`, as that of the section `[shear]`
+    /// does: their strains are then told by this measure, and else as deviatoric strains.
+    pub(super) fn go_by_deviator_strain(&self, rows: &Range<usize>) -> bool {
+        let mut stages = rows.clone().filter_map(|row| self.stage(row));
+        stages.all(|stage| stage.record.measure == Measure::AxialDeviatorStrain)
     }
 
     /// Index of the stage of a row.

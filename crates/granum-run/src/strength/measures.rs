@@ -18,17 +18,16 @@ pub fn of_test(record: &Record, stages: &[Stage], ends: &[StageEnd]) -> BTreeMap
     if rows.is_empty() {
         return measures;
     }
-    let staged = record.series.values("stage").is_some();
     let carries = curves.carry_stress(&rows);
     let fabric = curves.column("deviator_fabric").get(rows.clone()).unwrap_or(&[]);
     let largest = fabric.iter().copied().filter(|value| value.is_finite()).fold(f64::NAN, f64::max);
     if largest.is_finite() {
         measures.insert("peak_deviator_fabric".into(), largest);
     }
-    monotonic::add_peak(&curves, &rows, staged, &mut measures);
+    monotonic::add_peak(&curves, &rows, &mut measures);
     let turns = rows.clone().filter_map(|row| curves.stage(row)).any(|stage| stage.turns.is_some());
     if !turns {
-        monotonic::add_late(&curves, &rows, &carries, staged, &mut measures);
+        monotonic::add_late(&curves, &rows, &carries, &mut measures);
     }
     if curves.tells_strength(&rows) {
         monotonic::add_friction(&curves, &rows, &carries, &mut measures);

@@ -15,12 +15,7 @@ const DILATANCY_WINDOW: f64 = 0.01;
 const DILATANCY_FROM: f64 = 0.005;
 
 /// Adds the largest stress ratio, by its magnitude, with what the state there is; only states that carry stress count.
-pub(super) fn add_peak(
-    curves: &Curves,
-    rows: &Range<usize>,
-    staged: bool,
-    measures: &mut BTreeMap<String, f64>,
-) {
+pub(super) fn add_peak(curves: &Curves, rows: &Range<usize>, measures: &mut BTreeMap<String, f64>) {
     let Some(peak) = curves.peak_row(rows) else { return };
     let ratios = curves.stress_ratio();
     let ratio = if curves.axis().is_some() { "peak_stress_ratio" } else { "peak_von_mises_ratio" };
@@ -30,10 +25,10 @@ pub(super) fn add_peak(
             measures.insert(name.into(), value);
         }
     };
-    if staged {
-        add("deviatoric_strain_at_peak", curves.deviatoric_strain(rows.start)[peak]);
-    } else {
+    if curves.go_by_deviator_strain(rows) {
         add("deviator_strain_at_peak", curves.at("deviator_strain", peak));
+    } else {
+        add("deviatoric_strain_at_peak", curves.deviatoric_strain(rows.start)[peak]);
     }
     if curves.axis().is_some() {
         add("axial_strain_at_peak", curves.axial_strain(rows.start)[peak]);
@@ -47,7 +42,6 @@ pub(super) fn add_late(
     curves: &Curves,
     rows: &Range<usize>,
     carries: &[bool],
-    staged: bool,
     measures: &mut BTreeMap<String, f64>,
 ) {
     let strains = &curves.deviatoric_strain(rows.start)[rows.clone()];
@@ -58,8 +52,10 @@ pub(super) fn add_late(
         }
     };
     let of = |values: &[f64]| values.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec);
-    // The paper's test has its own measure of strain.
-    let by = if staged { strains.to_vec() } else { of(curves.column("deviator_strain")) };
+    let by = match curves.go_by_deviator_strain(rows) {
+        true => of(curves.column("deviator_strain")),
+        false => strains.to_vec(),
+    };
     let mean = |values: &[f64]| late_mean(&by, &of(values));
     add("late_deviator_fabric", mean(curves.column("deviator_fabric")));
     add("late_solid_fraction", mean(curves.column("solid_fraction")));

@@ -1,7 +1,7 @@
 //! The axis about which a test is axisymmetric, and which stages keep the volume, as their controls say.
 
 use granum_core::geometry::Matrix;
-use granum_dem::loading::{Constraint, Control, Drive, Ramp, Stage};
+use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Stage, Target};
 
 /// The axis (0 for x) about which all stages of a test deform the sample alike; of several the first, which is x for an isotropic
 /// test. `None` for a general test, such as simple shear, plane strain or a true triaxial test.
@@ -21,6 +21,32 @@ pub fn axis(stages: &[Stage]) -> Option<usize> {
     (0..3).find(|axis| {
         stages.iter().filter(|stage| !stage.is_mark()).all(|stage| is_axisymmetric(&stage.control, *axis))
     })
+}
+
+/// The target of the mean stress of a test like that of Antony, Zhou and Wang (2006), which is what the section `[shear]` of a case
+/// stands for: one stage that strains axis x at constant mean stress while the other two axes move alike, and that spaces its states
+/// by the deviator strain `eps_1 - eps_3`. `None` for any other test.
+///
+/// ```
+/// use granum_io::Case;
+/// use granum_run::strength::symmetry::shear_at_constant_p;
+///
+/// let of = |text: &str| shear_at_constant_p(&Case::parse(text, "case").unwrap().test_stages()).map(|target| target.value);
+/// assert_eq!(of("shear.mean_stress = '50 kPa'"), Some(Some(5e4)));
+/// assert_eq!(of("[[stage]]\npath = 'drained-triaxial'\n"), None);
+/// ```
+pub fn shear_at_constant_p(stages: &[Stage]) -> Option<Target> {
+    let [stage] = stages else { return None };
+    let control = &stage.control;
+    let is_like = stage.record.measure == Measure::AxialDeviatorStrain
+        && matches!(control.components[0], Drive::Rate(rate) if rate != 0.0)
+        && is_axisymmetric(control, 0);
+    let of_p = |constraint: &&Constraint| {
+        let [x, y, z, shear @ ..] = constraint.stress;
+        x != 0.0 && x == y && y == z && shear == [0.0; 3] && constraint.strain == [0.0; 6]
+    };
+    let target = control.constraints.iter().flatten().find(of_p)?.target;
+    (is_like && target.rate == 0.0 && target.ramp.is_none()).then_some(target)
 }
 
 /// Deviator stress of a triaxial test, Pa: the stress along its axis less the mean of the two lateral ones, compression positive.

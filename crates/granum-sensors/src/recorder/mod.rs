@@ -6,7 +6,7 @@ mod sums;
 use std::sync::Arc;
 
 use granum_core::assembly::Assembly;
-use granum_dem::config::Recording;
+use granum_dem::config::{RecordedColumns, Recording};
 use granum_dem::loading;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -138,13 +138,13 @@ impl PartialEq for Recorder {
 }
 
 impl Recorder {
-    /// A recorder for a test that ends at a deviator strain `end`. If the number of states or of observations is zero, it is
-    /// taken as one.
+    /// A recorder for a test of one stage that ends at a deviator strain `end`, with the columns of the first version. If the number
+    /// of states or of observations is zero, it is taken as one.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] if the recording names a sensor that is not known.
     pub fn new(sensors: &Sensors, recording: &Recording, end: f64) -> Result<Recorder, SensorError> {
-        Recorder::with_schedule(sensors, Schedule::of_test(recording, end), false)
+        Recorder::with_schedule(sensors, Schedule::of_test(recording, end), RecordedColumns::FirstPublished)
     }
 
     /// A recorder for a stage whose measure is counted from `origin`. Of the recording only the number of observations, the bins
@@ -155,14 +155,19 @@ impl Recorder {
     pub fn of_stage(
         sensors: &Sensors,
         recording: &Recording,
+        columns: RecordedColumns,
         record: &loading::Record,
         origin: f64,
     ) -> Result<Recorder, SensorError> {
-        Recorder::with_schedule(sensors, Schedule::of_stage(recording, record, origin), true)
+        Recorder::with_schedule(sensors, Schedule::of_stage(recording, record, origin), columns)
     }
 
-    fn with_schedule(sensors: &Sensors, schedule: Schedule, staged: bool) -> Result<Recorder, SensorError> {
-        let names = sensors.of_test(&schedule.recording, staged)?;
+    fn with_schedule(
+        sensors: &Sensors,
+        schedule: Schedule,
+        columns: RecordedColumns,
+    ) -> Result<Recorder, SensorError> {
+        let names = sensors.of_test(&schedule.recording, columns)?;
         let saved = SavedRecorder {
             schedule,
             memories: vec![Memory::new(); names.len()],
@@ -172,20 +177,22 @@ impl Recorder {
         saved.with_sensors(sensors)
     }
 
-    /// The record of all stages of a test, with one recorder per stage; the stages are numbered from 1.
-    pub fn record_of_stages<'a>(recorders: impl IntoIterator<Item = &'a Recorder>) -> Record {
+    /// The record of all stages of a test with these columns, with one recorder per stage; the stages are numbered from 1.
+    pub fn record_of_stages<'a>(
+        recorders: impl IntoIterator<Item = &'a Recorder>,
+        columns: RecordedColumns,
+    ) -> Record {
         let recorders: Vec<&Recorder> = recorders.into_iter().collect();
         let Some(first) = recorders.first() else { return Record::default() };
         let stages = recorders.iter().enumerate();
         let rows =
             stages.flat_map(|(k, recorder)| recorder.saved.states.iter().map(move |sums| (k + 1, sums)));
-        Record::from_states(&first.columns_by_sensor(), &first.bins(), rows, true)
+        Record::from_states(&first.columns_by_sensor(), &first.bins(), rows, columns)
     }
 
-    /// The record so far: one row for each state with at least one observation.
+    /// The record so far, without a number of the stage: one row for each state with at least one observation.
     pub fn record(&self) -> Record {
-        let rows = self.saved.states.iter().map(|sums| (1, sums));
-        Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, false)
+        Recorder::record_of_stages([self], RecordedColumns::FirstPublished)
     }
 
     /// True if its state can follow from the given fresh recorder: a recorder from a file may be damaged or belong to another test.

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use granum_core::names::suggestion;
 use granum_core::{Assembly, Part, Parts};
-use granum_dem::config::Recording;
+use granum_dem::config::{RecordedColumns, Recording};
 
 use crate::declared::{self, DeclaredParameter, OWN_KEYS};
 use crate::histogram::{Bins, Histogram};
@@ -25,8 +25,8 @@ use crate::{
 enum Recorded {
     /// In every test.
     Always,
-    /// In every test that is defined as a list of stages, and where a case names it.
-    InStages,
+    /// In every test with all columns ([`RecordedColumns::All`]), and where a case names it: it is newer than the section `[shear]`.
+    SinceStages,
     /// Where a case names it in `recording.sensors`.
     WhereNamed,
 }
@@ -120,7 +120,7 @@ pub struct Sensors(Vec<Arc<Known>>);
 
 /// [`Sensors::standard`], made once.
 static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
-    use Recorded::{Always, InStages, WhereNamed};
+    use Recorded::{Always, SinceStages, WhereNamed};
     let mut sensors = Sensors(Vec::new());
     sensors.add(Always, strain::Strain);
     sensors.add(Always, stress::StressSensor);
@@ -139,7 +139,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(Always, liquid::LiquidVolumes);
     sensors.add(Always, plasticity::Plasticity);
     sensors.add(Always, rose::RoseOfContacts);
-    sensors.add(InStages, invariants::Invariants);
+    sensors.add(SinceStages, invariants::Invariants);
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);
     sensors.add(WhereNamed, nonaffine_displacement::NonaffineDisplacement);
     sensors.add(WhereNamed, second_order_work::SecondOrderWork);
@@ -256,7 +256,9 @@ impl Sensors {
     pub fn recorded(&self, name: &str) -> Result<&'static str, SensorError> {
         Ok(match self.find(name)?.recorded {
             Recorded::Always => "in every test",
-            Recorded::InStages => "in tests that are given as stages, and where recording.sensors names it",
+            Recorded::SinceStages => {
+                "in every test but that of [shear], and there where recording.sensors names it"
+            }
             Recorded::WhereNamed => "where recording.sensors names it",
         })
     }
@@ -278,15 +280,19 @@ impl Sensors {
         })
     }
 
-    /// The names of the sensors that a test records, in the order of their columns: those of every test, those of tests with
+    /// The names of the sensors that a test records, in the order of their columns: those of every test, those that came with
     /// stages, then those that the recording names.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] for a name that no sensor has.
-    pub fn of_test(&self, recording: &Recording, staged: bool) -> Result<Vec<&'static str>, SensorError> {
+    pub fn of_test(
+        &self,
+        recording: &Recording,
+        columns: RecordedColumns,
+    ) -> Result<Vec<&'static str>, SensorError> {
         let usual = |known: &&Arc<Known>| match known.recorded {
             Recorded::Always => true,
-            Recorded::InStages => staged,
+            Recorded::SinceStages => columns == RecordedColumns::All,
             Recorded::WhereNamed => false,
         };
         let mut names: Vec<&'static str> =

@@ -158,14 +158,16 @@ fn a_test_records_the_usual_sensors_and_those_that_are_named() {
         Recording::default()
             .with(|recording| recording.sensors = names.iter().map(|name| name.to_string()).collect())
     };
-    let usual = STANDARD.of_test(&named(&[]), false).unwrap();
+    let usual = STANDARD.of_test(&named(&[]), RecordedColumns::FirstPublished).unwrap();
     assert_eq!((usual[0], usual.last()), ("strain", Some(&"rose")));
-    let further = STANDARD.of_test(&named(&["second_order_work", "invariants", "stress"]), false).unwrap();
+    let further = STANDARD
+        .of_test(&named(&["second_order_work", "invariants", "stress"]), RecordedColumns::FirstPublished)
+        .unwrap();
     assert_eq!(further[..usual.len()], usual[..]);
     assert_eq!(further[usual.len()..], ["second_order_work", "invariants"]);
-    let staged = STANDARD.of_test(&named(&["invariants"]), true).unwrap();
+    let staged = STANDARD.of_test(&named(&["invariants"]), RecordedColumns::All).unwrap();
     assert_eq!(staged.len(), usual.len() + 1, "in stages the invariants are recorded anyway");
-    assert!(STANDARD.of_test(&named(&["nothing"]), false).is_err());
+    assert!(STANDARD.of_test(&named(&["nothing"]), RecordedColumns::FirstPublished).is_err());
 }
 
 /// A sensor with a parameter.

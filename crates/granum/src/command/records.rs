@@ -80,9 +80,9 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
         context
             .warn(&format!("{} did not reach its end; the states recorded so far are used", folder.shown()));
     }
-    // The end of a test that is defined as a list of stages is the end of its record.
-    let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
-    let end = last.filter(|_| case.has_stages()).unwrap_or(case.shear.deviator_strain);
+    // A test that does not end at a deviator strain goes as far as its record.
+    let last = || record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
+    let end = case.test_definition().deviator_strain_end().or_else(last).unwrap_or_default();
     Ok(Recorded {
         known: StudyRun::read(&run, role)?,
         name: folder.shown(),

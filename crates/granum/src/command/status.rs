@@ -126,7 +126,8 @@ struct FolderStatus {
     at_work: bool,
     steps: Value,
     seconds: f64,
-    /// Deviator strain of the last recorded state, and (`end`) that at the end of the test.
+    /// Deviator strain of the last recorded state, and (`end`) that at the end of the test, if the test is one stage that ends at a
+    /// deviator strain.
     strain: Option<f64>,
     end: Option<f64>,
     checkpoint: Option<Duration>,
@@ -147,6 +148,7 @@ impl FolderStatus {
             .iter()
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
+        let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != "prepare");
         let contents = Contents::Run(Some(Box::new(record.clone())));
         let next = contents.next(folder);
         Ok(FolderStatus {
@@ -155,8 +157,8 @@ impl FolderStatus {
             at_work,
             steps: json!(record.steps),
             seconds: record.wall_seconds.values().sum(),
-            strain: if record.kind == "prepare" || case.has_stages() { None } else { strain },
-            end: (!case.has_stages()).then_some(case.shear.deviator_strain),
+            strain: strain.filter(|_| end.is_some()),
+            end,
             checkpoint,
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,

@@ -24,8 +24,8 @@ struct StageStresses {
 /// The stresses of the stages of a test.
 pub struct Stresses {
     stages: Vec<StageStresses>,
-    /// False for the paper's test, which has no stages.
-    staged: bool,
+    /// True if the test has no other stage.
+    is_one_stage: bool,
 }
 
 impl Stresses {
@@ -59,7 +59,7 @@ impl Stresses {
             stages.push(StageStresses { number, name, start: state(row)?, end });
             row += group.len();
         }
-        Some(Stresses { stages, staged: case.has_stages() })
+        Some(Stresses { stages, is_one_stage: names.len() == 1 })
     }
 
     /// As JSON, a stage an object.
@@ -79,9 +79,9 @@ impl Stresses {
     /// As lines of text.
     pub fn lines(&self) -> Vec<String> {
         let line = |stage: &StageStresses| {
-            let place = match self.staged {
-                true => format!("stresses of stage {} ({})", stage.number, stage.name),
-                false => "stresses of the test".to_string(),
+            let place = match self.is_one_stage {
+                true => "stresses of the test".to_string(),
+                false => format!("stresses of stage {} ({})", stage.number, stage.name),
             };
             match &stage.end {
                 Some(end) => {

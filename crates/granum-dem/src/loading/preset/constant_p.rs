@@ -4,7 +4,9 @@
 use super::definition::generous;
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
 use crate::config::{Rate, Recording, Shear};
-use crate::loading::{Constraint, Control, Drive, Measure, Record, Speed, Stage, Target, Until};
+use crate::loading::{
+    Constraint, Control, Drive, Measure, Record, Speed, Stage, Target, Until, density_scaling,
+};
 use crate::servo::RESPONSE;
 
 pub(super) const PRESET: Preset = Preset {
@@ -69,5 +71,6 @@ pub fn antony2006(shear: &Shear, recording: &Recording, sample_stress: f64) -> S
     let mut stage = stage(speed, 1.0, Some(mean_stress), until);
     stage.control.response = RESPONSE;
     stage.control.eases = false;
-    Stage { resets: true, most_arc_length: None, ..stage }.recording(record)
+    let density_scaling = density_scaling(&shear.rate);
+    Stage { resets: true, most_arc_length: None, density_scaling, ..stage }.recording(record)
 }

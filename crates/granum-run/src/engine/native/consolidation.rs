@@ -13,13 +13,10 @@ use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 
-/// The settings of the consolidation of a case; `None` if the test has the mean stress of the sample, or if it is defined as
-/// a list of stages, which include their own consolidation.
+/// The settings of the consolidation of a case before its first stage; `None` if this begins at the mean stress of the sample.
 pub(super) fn wanted(case: &Case) -> Option<Preparation> {
-    if case.has_stages() {
-        return None;
-    }
-    let mean_stress = case.shear.mean_stress.filter(|stress| *stress != case.preparation.mean_stress)?;
+    let initial = case.test_definition().initial_mean_stress;
+    let mean_stress = initial.filter(|stress| *stress != case.preparation.mean_stress)?;
     Some(case.preparation.clone().with(|preparation| preparation.mean_stress = mean_stress))
 }
 

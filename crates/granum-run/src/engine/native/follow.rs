@@ -17,7 +17,7 @@ pub(super) struct Follow<'a> {
     pub(super) observer: &'a mut dyn Observer,
     pub(super) speedometer: &'a mut Speedometer,
     pub(super) checkpoint: Interval,
-    /// Name of the current stage, if the test is defined as a list of stages.
+    /// Name of the current stage of a test.
     pub(super) stage: Option<&'a str>,
     /// Axis about which the current stage is axisymmetric.
     pub(super) axis: Option<usize>,
@@ -27,11 +27,15 @@ pub(super) struct Follow<'a> {
     pub(super) stopped: bool,
 }
 
-impl Follow<'_> {
+impl<'a> Follow<'a> {
     /// The progress in the whole test, with its speed.
-    fn announced<'a>(&mut self, progress: &Progress<'a>) -> Progress<'a> {
+    fn announced<'p>(&mut self, progress: &Progress<'p>) -> Progress<'p>
+    where
+        'a: 'p,
+    {
         let [at, all] = self.place;
         let mut announced = *progress;
+        announced.stage = self.stage.or(progress.stage);
         announced.axis = self.axis.or(progress.axis);
         announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
         announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
@@ -41,18 +45,14 @@ impl Follow<'_> {
 
 impl Observer for Follow<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
-        let stage = self.stage.or(progress.stage);
-        let mut announced = self.announced(progress);
-        announced.stage = stage;
+        let announced = self.announced(progress);
         self.stopped = self.observer.progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
     fn work(&mut self, work: &Work) -> Flow {
         let flow = match work {
             Work::Steps(progress) => {
-                let stage = self.stage.or(progress.stage);
-                let mut announced = self.announced(progress);
-                announced.stage = stage;
+                let announced = self.announced(progress);
                 self.observer.work(&Work::Steps(&announced))
             }
             other => self.observer.work(other),

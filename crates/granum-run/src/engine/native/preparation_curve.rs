@@ -45,7 +45,7 @@ fn number(phase: Phase) -> u8 {
         Phase::Compaction => 0,
         Phase::Relaxation => 1,
         Phase::Consolidation => 2,
-        Phase::Shear => 3,
+        Phase::Test => 3,
         Phase::Cycles => 4,
         Phase::PreparationStage => 5,
         // Nothing is observed while grains are placed.

@@ -44,7 +44,8 @@ pub(crate) fn begin(
     observer: &mut dyn Observer,
 ) -> Result<Begun, LaboratoryError> {
     let Task { case, source, laboratory, .. } = *task;
-    laboratory.registry.vocabulary.sensors().of_test(&case.recording, case.has_stages())?;
+    let columns = case.test_definition().columns;
+    laboratory.registry.vocabulary.sensors().of_test(&case.recording, columns)?;
     // The folder of the run is read again from what is written there.
     case.readable_toml(None)?;
     if *source == Source::Case {
@@ -251,7 +252,7 @@ impl Laboratory {
             }
             match segment {
                 Segment::Complete => {
-                    complete(&run_state, store, record, observer)?;
+                    complete(case, &run_state, store, record, observer)?;
                     return Ok(run_state);
                 }
                 Segment::GoOn if phase.is_none() => {}
@@ -307,6 +308,7 @@ fn write_sample(store: Store, run_state: &RunState) -> Result<(), LaboratoryErro
 
 /// Completes a test: writes the last snapshot, and adds the quality flags and measures to the record.
 fn complete(
+    case: &Case,
     run_state: &RunState,
     store: Store,
     record: &mut RunRecord,
@@ -317,15 +319,12 @@ fn complete(
     store.snapshot(END, &end)?;
     save(store, run_state, record)?;
     let seen = test.record();
-    record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
+    let speed_key = case.test_definition().speed_key;
+    record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test, speed_key));
     record.measures.extend(strength::of_test(&seen, test.list(), &test.ends));
-    if test.staged {
-        measures::of_oedometers(&seen, test.list(), &mut record.measures);
-    }
-    if test.staged || test.ends.iter().any(|end| !end.reason.is_asked_for()) {
-        record_stages(test, &seen, record, observer);
-    }
-    if let Some(remark) = quality::remark_on_samples(&test.missed_observations()) {
+    measures::of_oedometers(&seen, test.list(), &mut record.measures);
+    record_stages(test, &seen, record, observer);
+    if let Some(remark) = quality::remark_on_samples(&test.missed_observations(), speed_key) {
         observer.warn(&remark);
         note(record, remark);
     }

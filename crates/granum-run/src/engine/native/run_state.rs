@@ -129,10 +129,7 @@ impl RunState {
             }
             Stage::Test(test) => {
                 record.steps.insert("shear".into(), test.steps(step));
-                record.phase = match test.staged {
-                    true => test.stage_name().to_string(),
-                    false => Phase::Shear.name().to_string(),
-                };
+                record.phase = test.stage_name().to_string();
             }
         }
     }
@@ -174,6 +171,10 @@ impl RunState {
 fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, RunResults), String> {
     let (stage, results): (Stage<SavedTest>, RunResults) =
         serde_json::from_str(text).map_err(|e| format!("its run state cannot be read ({e})"))?;
+    let stage = match (stage, case) {
+        (Stage::Test(test), Some(case)) => Stage::Test(Box::new(test.of_this_version(case))),
+        (other, _) => other,
+    };
     let stage = stage.with_sensors(sensors)?;
     if let Stage::Test(test) = &stage
         && case.is_some_and(|case| !test.is_of(case, sensors))

@@ -1,6 +1,6 @@
 //! The test of a sample: its stages one after another.
 
-use granum_dem::loading::{self, Ending, StageEnd, density_scaling};
+use granum_dem::loading::{self, Ending, StageEnd};
 use granum_dem::observer::{Observer, Observers};
 use granum_io::Case;
 
@@ -28,11 +28,8 @@ impl Laboratory {
         run_state: &mut RunState,
     ) -> Result<Segment, LaboratoryError> {
         let simulation = &mut run_state.simulation;
-        let mut properties = case.properties();
-        if !case.has_stages() {
-            properties = properties.with_densities(density_scaling(&case.shear.rate));
-        }
-        simulation.set_properties(properties)?;
+        let density_scaling = case.test_definition().initial_density_scaling;
+        simulation.set_properties(case.properties().with_densities(density_scaling))?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
         run_state.stage =
             Stage::Test(Box::new(Test::begin(case, self.registry.vocabulary.sensors(), simulation)?));
@@ -65,7 +62,7 @@ impl Laboratory {
             observer,
             speedometer,
             checkpoint: Interval::new(self.checkpoint_every),
-            stage: test.staged.then_some(stage.name.as_str()),
+            stage: Some(&stage.name),
             axis: symmetry::axis(std::slice::from_ref(stage)),
             place: [at, test.stages.len()],
             stopped: false,

@@ -1,10 +1,12 @@
 //! The state of a test: a sequence of stages, each with its own recorder.
 
+use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Stage, StageEnd, StageProgress, Start, begin};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
+use granum_io::case::TestDefinition;
 use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::energy_balance::Stored;
 use super::follow::snapshot_name;
@@ -28,9 +30,10 @@ pub(crate) struct Test<R = Recorder> {
     pub(super) before: Stored,
     /// True if global damping has dissipated energy since then.
     pub(super) damped: bool,
-    /// True if the case defines its test as a list of stages.
-    pub(super) staged: bool,
-    /// Deviator strains at which snapshots are still due.
+    /// The columns that it records.
+    #[serde(alias = "staged", deserialize_with = "columns_of_any_version")]
+    pub(super) columns: RecordedColumns,
+    /// Values of the measure by which states are spaced at which snapshots are still due.
     #[serde(default)]
     pub(super) snapshots: Vec<f64>,
     /// The state to which stages return, once a stage has saved one.
@@ -42,6 +45,19 @@ pub(crate) struct Test<R = Recorder> {
 pub(super) type SavedTest = Test<SavedRecorder>;
 
 impl SavedTest {
+    /// The same with stages as the present version makes them of the case. Checkpoints of earlier versions have the factor on the
+    /// densities of the section `[shear]` at one, since it was not yet a part of the stage.
+    pub(super) fn of_this_version(mut self, case: &Case) -> SavedTest {
+        for (own, stage) in self.stages.iter_mut().zip(case.test_stages()) {
+            let was_kept_elsewhere =
+                own.density_scaling == 1.0 && self.columns == RecordedColumns::FirstPublished;
+            if was_kept_elsewhere && stage.clone().with(|stage| stage.density_scaling = 1.0) == *own {
+                *own = stage;
+            }
+        }
+        self
+    }
+
     /// Restores the test by adding the sensors to its recorders.
     pub(super) fn with_sensors(self, sensors: &Sensors) -> Result<Test, SensorError> {
         let recorders = self.recorders.into_iter().map(|recorder| recorder.with_sensors(sensors));
@@ -52,11 +68,26 @@ impl SavedTest {
             ends: self.ends,
             before: self.before,
             damped: self.damped,
-            staged: self.staged,
+            columns: self.columns,
             snapshots: self.snapshots,
             kept: self.kept,
         })
     }
+}
+
+/// Checkpoints of earlier versions say whether a test is given as stages, which decided its columns.
+fn columns_of_any_version<'d, D: Deserializer<'d>>(from: D) -> Result<RecordedColumns, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        Columns(RecordedColumns),
+        Staged(bool),
+    }
+    Ok(match Written::deserialize(from)? {
+        Written::Columns(columns) => columns,
+        Written::Staged(true) => RecordedColumns::All,
+        Written::Staged(false) => RecordedColumns::FirstPublished,
+    })
 }
 
 /// A saved state, with the energy of the sample in it.
@@ -84,16 +115,16 @@ impl Test {
         simulation: &mut Simulation,
     ) -> Result<Test, LaboratoryError> {
         simulation.reset_phase(0.0);
+        let TestDefinition { stages, snapshots, columns, .. } = case.test_definition();
         let mut test = Test {
-            stages: case.test_stages(),
+            stages,
             stage_progress: StageProgress::default(),
             recorders: Vec::new(),
             ends: Vec::new(),
             before: Stored::of(&simulation.assembly()),
             damped: false,
-            staged: case.has_stages(),
-            // Snapshots at given strains are those of the paper's test; a list of stages leaves one at the end of each stage.
-            snapshots: if case.has_stages() { Vec::new() } else { case.recording.snapshots.clone() },
+            columns,
+            snapshots,
             kept: None,
         };
         test.begin_stage(case, sensors, simulation)?;
@@ -120,11 +151,9 @@ impl Test {
             }
             (Start::Back, None) => return Err(LaboratoryError::NothingKept { stage: stage.name.clone() }),
         }
-        if self.staged {
-            let properties = case.properties().with_densities(stage.density_scaling);
-            if *simulation.properties() != properties {
-                simulation.set_properties(properties)?;
-            }
+        let properties = case.properties().with_densities(stage.density_scaling);
+        if *simulation.properties() != properties {
+            simulation.set_properties(properties)?;
         }
         if stage.resets {
             self.before = Stored::of(&simulation.assembly());
@@ -145,33 +174,27 @@ impl Test {
         at: usize,
     ) -> Result<Option<Recorder>, SensorError> {
         let Some(stage) = self.stages.get(at) else { return Ok(None) };
-        if !self.staged {
-            return Recorder::new(sensors, &case.recording, case.shear.deviator_strain).map(Some);
-        }
         let origin = self.stage_progress.origin(stage.record.measure);
-        Recorder::of_stage(sensors, &case.recording, &stage.record, origin).map(Some)
+        Recorder::of_stage(sensors, &case.recording, self.columns, &stage.record, origin).map(Some)
     }
 
     /// True if this can be a test of the case. A state with another end condition or rate might never reach its end.
     pub(super) fn is_of(&self, case: &Case, sensors: &Sensors) -> bool {
-        let (at, staged) = (self.ends.len(), case.has_stages());
+        let (at, test) = (self.ends.len(), case.test_definition());
         let last = self.fresh_recorder(case, sensors, at.min(self.recorders.len().saturating_sub(1)));
         let last = last.ok().flatten();
         let alike = self.recorders.last().zip(last).is_some_and(|(own, fresh)| own.is_like(&fresh));
         alike
-            && self.staged == staged
-            && self.stages == case.test_stages()
+            && self.columns == test.columns
+            && self.stages == test.stages
             && (at..=at + 1).contains(&self.recorders.len())
             && self.recorders.len() <= self.stages.len()
-            && case.recording.snapshots.ends_with(&self.snapshots)
+            && test.snapshots.ends_with(&self.snapshots)
     }
 
     /// The measurements so far.
     pub(crate) fn record(&self) -> Record {
-        match self.recorders.first() {
-            Some(only) if !self.staged => only.record(),
-            _ => Recorder::record_of_stages(&self.recorders),
-        }
+        Recorder::record_of_stages(&self.recorders, self.columns)
     }
 
     /// Number of samples that could not be taken, summed over all stages.

@@ -99,8 +99,8 @@ fn planned(prefix: &str, role: Role, seed: u64, case: &Case) -> Planned {
 fn case(quick: bool) -> Case {
     let mut case = Case::default();
     if quick {
+        case = case.with_shear(|shear| shear.rate = Rate::InertialNumber(1e-3));
         case.grains.count = 1000;
-        case.shear.rate = Rate::InertialNumber(1e-3);
         case.preparation.inertial_number = 2e-3;
         case.preparation.solid_fraction_tolerance = 0.008;
         case.recording.states = 60;
@@ -112,8 +112,7 @@ fn case(quick: bool) -> Case {
 /// The same case with fewer grains, and with the largest strain rate that is still quasi-static.
 fn smaller(mut case: Case) -> Case {
     case.grains.count = case.grains.count.min(FEWER_GRAINS as _);
-    case.shear.rate = Rate::InertialNumber(1e-3);
-    case
+    case.with_shear(|shear| shear.rate = Rate::InertialNumber(1e-3))
 }
 
 #[cfg(test)]
