@@ -94,7 +94,7 @@ pub fn model(data: &[u8]) {
 fn with_checksum(text: &str) -> String {
     const MARK: &str = ",\n  \"checksum\": \"";
     let body = text.rfind(MARK).map_or(text, |at| &text[..at]);
-    format!("{body}{MARK}{}\"\n}}\n", granum_core::digest::of(body.as_bytes()))
+    format!("{body}{MARK}{}\"\n}}\n", granum_core::digest::sha256(body.as_bytes()))
 }
 
 /// A training goes on from a state for a few epochs, or refuses it.

@@ -4,25 +4,13 @@ use crate::sensor_use::Verdict;
 use crate::size_study::SizeStudy;
 use crate::study::Evaluation;
 use crate::summary::SpeedSummary;
+use granum_core::words::{listed, percentage};
 use granum_learn::student_t::PairedTest;
-
-fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
-}
 
 /// A mean difference with its standard error, in percentage points.
 fn points(test: &PairedTest) -> String {
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
     format!("{:.2}{error} percentage points", 100.0 * test.mean)
-}
-
-/// A list of words: `a`, `a and b`, `a, b and c`.
-fn listed(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 /// A few sentences on a mapping.
@@ -38,7 +26,7 @@ fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
     let unseen = evaluation.network.unseen.states > 0;
     let of = |parts: &crate::study::Parts| {
-        percent(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
+        percentage(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
     };
     format!(
         "{}: on {} the relative RMSE of {} is {} for the networks, {} for strain-only networks, {} for ridge \
@@ -64,9 +52,9 @@ fn sensors(evaluation: &Evaluation) -> Option<String> {
         let found = if runs == 1 { "one unseen run" } else { "no unseen run" };
         return Some(format!("Whether they use {names} cannot be judged from {found}."));
     };
-    let with_other = sensor_use
-        .with_other
-        .map_or(String::new(), |score| format!(", their relative RMSE is {}", percent(score.relative_rmse)));
+    let with_other = sensor_use.with_other.map_or(String::new(), |score| {
+        format!(", their relative RMSE is {}", percentage(score.relative_rmse))
+    });
     let exchanged = format!(
         "With {names} of another unseen run at the same strain{with_other}, {} {}",
         points(&PairedTest { mean: lost.mean.abs(), ..lost }),

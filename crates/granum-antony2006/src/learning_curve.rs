@@ -16,6 +16,7 @@ use crate::study::observer::StudyObserver;
 use crate::study::options::{PAPER_TRAINER, StudyOptions};
 use crate::study::trained::{Study, TrainedMapping};
 use crate::study_data::{Run, StudyData, StudyDataOptions};
+use granum_core::words::listed;
 use granum_learn::Result;
 use granum_learn::dataset::NamedRecord;
 use granum_learn::score::Scorer;
@@ -191,15 +192,6 @@ fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
         );
     }
     text + "."
-}
-
-/// A list of names such as `a, b and c`.
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 /// The numbers of training runs: 1, 2, 4, ... and all.

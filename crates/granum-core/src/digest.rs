@@ -11,7 +11,7 @@ use sha2::{Digest as _, Sha256};
 /// digest.bytes(b"ab");
 /// digest.bytes(b"c");
 /// let hexadecimal = digest.finish();
-/// assert_eq!(hexadecimal, digest::of(b"abc"));
+/// assert_eq!(hexadecimal, digest::sha256(b"abc"));
 /// assert!(hexadecimal.starts_with("ba7816bf8f01cfea"));
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -54,8 +54,8 @@ impl Digest {
     }
 }
 
-/// The digest of some bytes.
-pub fn of(bytes: &[u8]) -> String {
+/// The SHA-256 of some bytes, as 64 hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
     let mut digest = Digest::new();
     digest.bytes(bytes);
     digest.finish()
@@ -68,8 +68,8 @@ mod tests {
     #[test]
     fn published_values() {
         // FIPS 180-2, appendix B.
-        assert_eq!(of(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-        assert_eq!(of(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+        assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }
 
     #[test]

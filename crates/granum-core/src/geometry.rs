@@ -35,6 +35,21 @@ pub fn invert(m: &Matrix) -> Matrix {
     std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / d))
 }
 
+/// Scalar product, summed in the order of the components.
+pub fn dot(a: &Vector, b: &Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector product.
+pub fn cross(a: &Vector, b: &Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Length of a vector.
+pub fn length(v: &Vector) -> f64 {
+    dot(v, v).sqrt()
+}
+
 /// Determinant of a 3 x 3 matrix.
 pub fn determinant(m: &Matrix) -> f64 {
     m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
@@ -44,6 +59,16 @@ pub fn determinant(m: &Matrix) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_vector_product_is_normal_to_both_and_has_the_area_as_its_length() {
+        let (a, b) = ([1.0, 2.0, 3.0], [-2.0, 0.5, 4.0]);
+        let product = cross(&a, &b);
+        assert_eq!(product, [6.5, -10.0, 4.5]);
+        assert_eq!((dot(&product, &a), dot(&product, &b)), (0.0, 0.0));
+        let area = (dot(&a, &a) * dot(&b, &b) - dot(&a, &b).powi(2)).sqrt();
+        assert!((length(&product) - area).abs() < 1e-14 * area);
+    }
 
     #[test]
     fn inverse_of_a_skew_cell() {

@@ -1,6 +1,6 @@
 //! Common types of granum: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
 //! named columns, [`quantity`] with units, the nearest name to one that is not
-//! known, one [`digest`], [`input`] files, [`json`] that can be read, [`parallel`] work, and one [`observer`] of long work.
+//! known, [`words`] in sentences, one [`digest`], [`input`] files, [`json`] that can be read, [`parallel`] work, and one [`observer`] of long work.
 //!
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
@@ -17,6 +17,7 @@ pub mod parallel;
 mod parts;
 pub mod quantity;
 mod table;
+pub mod words;
 
 pub use assembly::Assembly;
 pub use cell::Cell;

@@ -44,7 +44,7 @@ pub struct NamedValue {
 /// ```
 /// use granum_core::observer::Progress;
 ///
-/// let progress = Progress::new("training", "epochs", 25).of(100).part("stress_ratio").with("error", 1.5e-3, "");
+/// let progress = Progress::new("training", "epochs", 25).out_of(100).part("stress_ratio").with("error", 1.5e-3, "");
 /// assert_eq!(progress.completed(), Some(0.25));
 /// assert_eq!(progress.value("error"), Some(1.5e-3));
 /// assert_eq!(progress.to_string(), "training stress_ratio: 25 of 100 epochs, error 1.50e-3");
@@ -92,7 +92,7 @@ impl Progress {
     }
 
     /// Sets the largest number of pieces.
-    pub fn of(self, most: u64) -> Progress {
+    pub fn out_of(self, most: u64) -> Progress {
         Progress { of: Some(most), ..self }
     }
 

@@ -99,7 +99,7 @@ impl Part {
 /// ```
 /// use granum_core::{Part, Parts};
 ///
-/// let packing = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+/// let packing = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
 /// assert!(packing.has(Part::Radii));
 /// assert_eq!(packing.missing(&[Part::Radii, Part::Contacts]), [Part::Contacts]);
 /// ```
@@ -109,11 +109,11 @@ pub struct Parts(u32);
 impl Parts {
     /// Every part, as granum's own runs have them.
     pub fn all() -> Parts {
-        Parts::of(&Part::ALL)
+        Parts::new(&Part::ALL)
     }
 
     /// These parts.
-    pub fn of(parts: &[Part]) -> Parts {
+    pub fn new(parts: &[Part]) -> Parts {
         parts.iter().fold(Parts::default(), |set, part| set.with(*part))
     }
 

@@ -123,7 +123,7 @@ impl Work<'_> {
     pub fn report(&self) -> general::Progress {
         match self {
             Work::Placing { placed, count } => {
-                general::Progress::new(Phase::Placing.name(), "grains", *placed as u64).of(*count as u64)
+                general::Progress::new(Phase::Placing.name(), "grains", *placed as u64).out_of(*count as u64)
             }
             Work::Steps(progress) => progress.report(),
         }

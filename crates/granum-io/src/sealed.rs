@@ -30,7 +30,7 @@ pub struct Unsealed {
 pub fn seal(value: &impl Serialize) -> std::result::Result<String, serde_json::Error> {
     let text = serde_json::to_string_pretty(value)?;
     Ok(match text.strip_suffix("\n}") {
-        Some(body) => format!("{body}{SEAL}{}\"\n}}\n", digest::of(body.as_bytes())),
+        Some(body) => format!("{body}{SEAL}{}\"\n}}\n", digest::sha256(body.as_bytes())),
         None => text + "\n",
     })
 }
@@ -50,7 +50,7 @@ pub fn write_sealed(path: &Path, value: &impl Serialize) -> Result<()> {
 pub fn unseal(path: &Path, text: &str) -> Result<Unsealed> {
     let Some(at) = text.rfind(SEAL) else { return Ok(Unsealed { text: text.to_string(), checked: false }) };
     let (body, rest) = (&text[..at], &text[at + SEAL.len()..]);
-    if rest != format!("{}\"\n}}\n", digest::of(body.as_bytes())) {
+    if rest != format!("{}\"\n}}\n", digest::sha256(body.as_bytes())) {
         let message = "was changed or damaged: the SHA-256 at its end is not that of its text";
         return Err(Error::content(path, message));
     }

@@ -134,21 +134,21 @@ fn grain_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
 /// # Errors
 /// [`Error::Rule`] if a contact refers to a grain that does not exist.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
-    contact_rows(assembly, 0..assembly.contacts.len() + assembly.apart.len(), Parts::of(assembly))
+    contact_rows(assembly, 0..assembly.contacts.len() + assembly.apart.len(), FurtherColumns::new(assembly))
 }
 
 /// Which of the further columns a table of contacts has.
 #[derive(Clone, Copy)]
-struct Parts {
+struct FurtherColumns {
     rolling: bool,
     attraction: bool,
 }
 
-impl Parts {
-    fn of(assembly: &Assembly) -> Parts {
+impl FurtherColumns {
+    fn new(assembly: &Assembly) -> FurtherColumns {
         let attraction = !assembly.apart.is_empty()
             || assembly.contacts.iter().any(|contact| contact.attraction_energy != 0.0);
-        Parts { rolling: resists_rolling(assembly), attraction }
+        FurtherColumns { rolling: resists_rolling(assembly), attraction }
     }
 }
 
@@ -157,7 +157,7 @@ fn resists_rolling(assembly: &Assembly) -> bool {
     assembly.contacts.iter().any(|contact| contact.rolling_energy != 0.0)
 }
 
-fn contact_rows(assembly: &Assembly, rows: Range<usize>, parts: Parts) -> Result<Table> {
+fn contact_rows(assembly: &Assembly, rows: Range<usize>, further: FurtherColumns) -> Result<Table> {
     let id = |index: usize| {
         let grain = assembly.grains.get(index);
         grain
@@ -173,10 +173,10 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>, parts: Parts) -> Result
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
     let mut table = vec![whole_numbers("first", first), whole_numbers("second", second)];
     table.extend(columns(contacts, &CONTACT));
-    if parts.rolling {
+    if further.rolling {
         table.extend(columns(contacts, &ROLLING));
     }
-    if parts.attraction {
+    if further.attraction {
         table.extend(columns(contacts, &ATTRACTION));
         let touches = rows.map(|row| f64::from(u8::from(row < touching))).collect();
         table.push(Column::new(TOUCHING, "", touches).of_kind(ColumnKind::Boolean));
@@ -221,9 +221,9 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
     let path = part(folder, name, "grains.parquet");
     crate::formats::parquet::write_parts(&path, assembly.grains.len(), |rows| grain_rows(assembly, rows))?;
     let path = part(folder, name, "contacts.parquet");
-    let parts = Parts::of(assembly);
+    let further = FurtherColumns::new(assembly);
     crate::formats::parquet::write_parts(&path, assembly.contacts.len() + assembly.apart.len(), |rows| {
-        contact_rows(assembly, rows, parts)
+        contact_rows(assembly, rows, further)
     })?;
     let bare = Assembly {
         time: assembly.time,

@@ -154,7 +154,7 @@ fn checksum(text: &str, version: u64) -> String {
     if version <= LAST_WITH_SHORT_CHECKSUM {
         return fowler_noll_vo(text);
     }
-    granum_core::digest::of(text.as_bytes())
+    granum_core::digest::sha256(text.as_bytes())
 }
 
 /// The 64-bit hash of Fowler, Noll and Vo (variant 1a), in model files of earlier versions.

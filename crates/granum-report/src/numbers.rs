@@ -28,7 +28,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{mantissa} × 10^{{{}}}", fixed(exponent as f64, 0))
 }
 
-/// A fraction as a percentage with two significant digits and at most two decimals.
+/// A fraction as a percentage on a page, with two significant digits and at most two decimals.
 pub fn percent(share: f64) -> String {
     if !share.is_finite() {
         return "–".to_owned();
@@ -130,15 +130,6 @@ fn grouped(text: &str) -> String {
     out
 }
 
-/// A list of words: `a`, `a and b`, `a, b and c`.
-pub fn listed(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,11 +167,5 @@ mod tests {
         assert_eq!(points(PairedTest::new(&[0.01, 0.02, 0.03])), "2.00 ± 0.58 †");
         assert_eq!(points(PairedTest::new(&[-0.01])), "−1.00");
         assert_eq!(points(None), "–");
-    }
-
-    #[test]
-    fn lists_read_well() {
-        let words: Vec<String> = ["a", "b", "c"].map(String::from).to_vec();
-        assert_eq!([listed(&[]), listed(&words[..1]), listed(&words)], ["", "a", "a, b and c"]);
     }
 }

@@ -1,5 +1,6 @@
 //! The report of several runs: their curves over each other, and their results in a table.
 
+use granum_core::words::listed;
 use granum_io::case::SEED;
 use granum_io::formats::mixed::{MixedColumn, MixedTable, MixedValues};
 use granum_run::runs_table::{RunEntry, RunGroup, RunsTable, Selection, differing_keys, groups};
@@ -11,7 +12,7 @@ use super::data::RunReport;
 use super::figure::palette::{COLORS, GREY, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
 use super::forces::density;
-use super::numbers::{listed, quantity, trimmed};
+use super::numbers::{quantity, trimmed};
 use super::page::{Document, Page, Table, rich};
 use super::{path, strength, trust};
 

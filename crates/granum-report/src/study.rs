@@ -1,12 +1,13 @@
 //! The report of a study of surrogates of any columns.
 
 use granum_core::Table as Columns;
+use granum_core::words::listed;
 use granum_learn::study::{FitScores, MemberScores, PartScore, Role, StoredStudy, StudyFit};
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
-use super::numbers::{listed, percent, points, significant, whole};
+use super::numbers::{percent, points, significant, whole};
 use super::page::{Document, Page, Table, paragraphs, tiles};
 
 /// Most panels of a figure.

@@ -9,8 +9,9 @@ use super::figure::literal;
 use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::material::strain_axis;
-use super::numbers::{listed, percent, significant};
+use super::numbers::{percent, significant};
 use super::page::{Page, Table, rich};
+use granum_core::words::listed;
 
 /// Figure of the servo error, the inertial number and the unbalanced force.
 fn figure(run: &RunReport) -> (Figure, String) {

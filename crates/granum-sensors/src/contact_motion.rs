@@ -8,7 +8,7 @@
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Contact, Vector};
-use granum_core::geometry::apply;
+use granum_core::geometry::{apply, cross, dot};
 
 use crate::ratio::{mean, ratio};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
@@ -57,17 +57,12 @@ fn squares(assembly: &Assembly, contact: &Contact) -> Option<[f64; 2]> {
     let n = &contact.normal;
     let affine = apply(&assembly.velocity_gradient, contact.branch);
     let centres: Vector = std::array::from_fn(|a| j.velocity[a] - i.velocity[a] + affine[a]);
-    let along: f64 = (0..3).map(|a| centres[a] * n[a]).sum();
+    let along = dot(&centres, n);
     let spins = cross(&std::array::from_fn(|a| i.radius * i.spin[a] + j.radius * j.spin[a]), n);
     let slide: Vector = std::array::from_fn(|a| centres[a] - along * n[a] - spins[a]);
     let reduced = ratio(i.radius * j.radius, i.radius + j.radius);
     let roll = cross(&std::array::from_fn(|a| i.spin[a] - j.spin[a]), n).map(|x| reduced * x);
-    let square = |v: &Vector| v.iter().map(|x| x * x).sum::<f64>();
-    Some([square(&roll), square(&slide)])
-}
-
-fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    Some([dot(&roll, &roll), dot(&slide, &slide)])
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ fn rearrangements(cells: [&Matrix; 2], centres: [&[Vector]; 2], reach: f64) -> V
     let mut branches: Vec<[Vector; 2]> = Vec::new();
     for i in 0..places.len() {
         branches.clear();
-        neighbours.of(i, |j, before, _| {
+        neighbours.each_of(i, |j, before, _| {
             // The present image is the one nearest to the branch that follows the strain of the cell.
             let carried = apply(&back, before);
             let place = std::array::from_fn(|k| {

@@ -9,6 +9,7 @@
 
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
+use granum_core::geometry::dot;
 
 /// The sensor.
 pub struct Energy;
@@ -87,7 +88,7 @@ impl Sensor for Energy {
 
 /// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.
 pub fn kinetic_energy(observation: &Observation) -> f64 {
-    let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let square = |v| dot(v, v);
     observation
         .assembly
         .grains

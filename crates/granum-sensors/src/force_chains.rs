@@ -9,6 +9,7 @@
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix, Vector};
+use granum_core::geometry::dot;
 
 use crate::ratio::{mean, ratio};
 use crate::tensor::{add_dyad, principal, scaled};
@@ -147,10 +148,6 @@ fn grain_stresses(observation: &Observation) -> Vec<Matrix> {
     }
     let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
     sums.iter().zip(grains).map(|(sum, grain)| scaled(sum, ratio(1.0, volume(grain.radius)))).collect()
-}
-
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
 }
 
 #[cfg(test)]

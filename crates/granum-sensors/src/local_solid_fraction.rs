@@ -10,7 +10,7 @@
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::assembly::{Matrix, Vector};
-use granum_core::geometry::{apply, determinant, invert};
+use granum_core::geometry::{apply, cross, determinant, dot, invert};
 use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
@@ -147,7 +147,7 @@ struct Plane {
 /// The planes between a grain and its neighbours, the nearest first.
 fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
     let mut planes = Vec::new();
-    neighbours.of(i, |j, branch, distance| {
+    neighbours.each_of(i, |j, branch, distance| {
         // Spheres with one centre have no plane between them.
         if distance > 0.0 {
             let (own, other) = (radii[i], radii[j]);
@@ -253,14 +253,6 @@ fn area(polygon: &[Vector], normal: &Vector) -> f64 {
     0.5 * polygon.windows(2).map(triangle).sum::<f64>()
 }
 
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,7 +266,7 @@ mod tests {
     #[test]
     fn a_cell_that_is_nearly_empty_is_left_out_with_the_reason() {
         let mut assembly = lattice::simple_cubic(4, 1e-3, 0.0, 0.0);
-        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+        let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         let left_out = |assembly: &Assembly| {
             let measured = crate::Sensors::standard().measure(assembly, parts);
             let found = measured.left_out.iter().find(|left_out| left_out.sensor == "local_solid_fraction");

@@ -75,7 +75,7 @@ impl<'a> Neighbours<'a> {
 
     /// Calls `each` with every image of a grain whose centre lies nearer than the reach to that of grain `i`: its index, the
     /// branch to it and its length. The order is fixed. Of the grain itself only other images are neighbours.
-    pub(crate) fn of(&self, i: usize, mut each: impl FnMut(usize, Vector, f64)) {
+    pub(crate) fn each_of(&self, i: usize, mut each: impl FnMut(usize, Vector, f64)) {
         let [x, y, z] = self.spans;
         let around = (-x..=x).flat_map(|a| (-y..=y).flat_map(move |b| (-z..=z).map(move |c| [a, b, c])));
         for step in around {
@@ -110,7 +110,7 @@ mod tests {
             let neighbours = Neighbours::new(&lattice.cell, &positions, 2.1).unwrap();
             for i in 0..positions.len() {
                 let mut shells = [0; 5];
-                neighbours.of(i, |_, _, distance| shells[(distance * distance).round() as usize] += 1);
+                neighbours.each_of(i, |_, _, distance| shells[(distance * distance).round() as usize] += 1);
                 assert_eq!(shells, [0, 6, 12, 8, 6], "{n}");
             }
         }
@@ -130,7 +130,7 @@ mod tests {
         let neighbours = Neighbours::new(&assembly.cell, &positions, reach).unwrap();
         for i in 0..positions.len() {
             let mut found: Vec<(usize, i64)> = Vec::new();
-            neighbours.of(i, |j, _, distance| found.push((j, (1e9 * distance).round() as i64)));
+            neighbours.each_of(i, |j, _, distance| found.push((j, (1e9 * distance).round() as i64)));
             let mut plain = Vec::new();
             for (j, other) in positions.iter().enumerate() {
                 for image in 0..11 * 11 * 11 {

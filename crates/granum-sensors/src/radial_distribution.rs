@@ -59,7 +59,7 @@ impl Sensor for RadialDistribution {
         let per_width = 1.0 / (diameter * histogram.bin_width);
         for i in 0..positions.len() {
             // Each pair is found from both grains and counted once, and so are two opposite images of the grain itself.
-            neighbours.of(i, |j, branch, distance| {
+            neighbours.each_of(i, |j, branch, distance| {
                 if j > i || (j == i && is_upper(&branch)) {
                     histogram.add_in_widths(distance * per_width);
                 }

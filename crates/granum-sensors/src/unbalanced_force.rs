@@ -8,6 +8,7 @@
 use crate::ratio::{mean, ratio};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
+use granum_core::geometry::length;
 
 /// The sensor.
 pub struct UnbalancedForce;
@@ -40,13 +41,9 @@ impl Sensor for UnbalancedForce {
 pub fn unbalanced_force(observation: &Observation) -> f64 {
     let grains = &observation.assembly.grains;
     let contacts = &observation.assembly.contacts;
-    let resultant: f64 = grains.iter().map(|grain| norm(&grain.force)).sum();
-    let contact: f64 = contacts.iter().map(|contact| norm(&contact.force())).sum();
+    let resultant: f64 = grains.iter().map(|grain| length(&grain.force)).sum();
+    let contact: f64 = contacts.iter().map(|contact| length(&contact.force())).sum();
     ratio(mean(resultant, grains.len()), mean(contact, contacts.len()))
-}
-
-fn norm(v: &[f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 #[cfg(test)]

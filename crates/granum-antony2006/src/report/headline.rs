@@ -4,7 +4,8 @@ use crate::Verdict;
 use crate::summary::MappingSummary;
 
 use super::StudyReport;
-use granum_report::numbers::{factor, listed, percent, significant};
+use granum_core::words::listed;
+use granum_report::numbers::{factor, percent, significant};
 use granum_report::sample;
 use granum_report::symbols;
 

@@ -120,7 +120,7 @@ impl Case {
         if wanted("stage") {
             text.push_str(&self.stages_toml());
         }
-        digest::of(text.as_bytes())
+        digest::sha256(text.as_bytes())
     }
 }
 

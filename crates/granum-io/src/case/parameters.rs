@@ -147,7 +147,7 @@ fn add_path(all: &mut Vec<CaseParameter>, place: &str, path: &Preset, given: &Gi
             // A history has no single value; its rows are those of the file.
             (Some(PathValue::History(history)), _) => {
                 let text = super::history::toml(history);
-                let digest = granum_core::digest::of(text.as_bytes());
+                let digest = granum_core::digest::sha256(text.as_bytes());
                 ParameterValue::Word(format!("sha256:{digest}"))
             }
             // The strain rate replaces the default speed.

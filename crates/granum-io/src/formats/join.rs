@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_core::assembly::{Assembly, Contact, Grain, Vector};
-use granum_core::geometry::{apply, invert};
+use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
 use super::places;
@@ -254,10 +254,6 @@ fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector
         }
     }
     best.1
-}
-
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &[Pair]) -> Result<Parts> {

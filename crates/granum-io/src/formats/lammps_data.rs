@@ -10,7 +10,7 @@ use std::path::Path;
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
-use granum_core::geometry::apply;
+use granum_core::geometry::{apply, cross, length, multiply};
 
 use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
@@ -245,7 +245,7 @@ pub fn restricted(cell: &Matrix) -> (Matrix, Matrix) {
         let e3 = unit(cross(&e1, &column(1)));
         [e1, cross(&e3, &e1), e3]
     };
-    let mut edges = if upper { *cell } else { granum_core::geometry::multiply(&turn, cell) };
+    let mut edges = if upper { *cell } else { multiply(&turn, cell) };
     (edges[1][0], edges[2][0], edges[2][1]) = (0.0, 0.0, 0.0);
     for (edge, by) in [(2, 1), (1, 0), (2, 0)] {
         let times = (edges[by][edge] / edges[by][by]).round();
@@ -258,11 +258,7 @@ pub fn restricted(cell: &Matrix) -> (Matrix, Matrix) {
     (turn, edges)
 }
 
-fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 fn unit(v: Vector) -> Vector {
-    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = length(&v);
     v.map(|x| x / length)
 }

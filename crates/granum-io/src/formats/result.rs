@@ -255,7 +255,7 @@ impl Observation {
             materials: packing.materials.names.clone(),
             ..Assembly::default()
         };
-        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+        let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         Observation::new(assembly, parts, packing.origin)
     }
 }

@@ -49,7 +49,7 @@ impl ResultFormat for SnapshotJson {
         let mut frame = Frame { step: Some(assembly.step), time: Some(assembly.time), ..Frame::default() };
         frame.cell = Some(FrameCell { origin: [0.0; 3], edges: assembly.cell });
         frame.contacts = Some(assembly.contacts.iter().map(contact).collect());
-        frame.parts = Parts::of(&[
+        frame.parts = Parts::new(&[
             Part::Positions,
             Part::Radii,
             Part::Masses,

@@ -69,7 +69,7 @@ fn add_rates(observations: &mut [Observation], steps: &[Matrix]) {
 /// The parts without one of them.
 fn without(parts: Parts, gone: Part) -> Parts {
     let rest: Vec<Part> = Part::ALL.into_iter().filter(|part| *part != gone && parts.has(*part)).collect();
-    Parts::of(&rest)
+    Parts::new(&rest)
 }
 
 /// The logarithm of the deformation gradient from one cell to the next: the velocity gradient times the time, were it constant.
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn strains_add_up_and_velocities_of_a_moving_cell_are_not_known() {
-        let parts = Parts::of(&[Part::Cell, Part::Time, Part::Velocities]);
+        let parts = Parts::new(&[Part::Cell, Part::Time, Part::Velocities]);
         let at = |k: f64| {
             let mut assembly = granum_core::Assembly { time: 2.0 * k, ..Default::default() };
             assembly.cell = [[(-0.1 * k).exp(), 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, (0.05 * k).exp()]];

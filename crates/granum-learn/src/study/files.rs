@@ -90,7 +90,7 @@ pub fn save(folder: &Path, study: &Study, dataset: &Dataset) -> Result<StudyScor
         let text = crate::surrogate::to_json(member.surrogate.as_ref())?;
         let name = member_file(&member.name);
         write_atomically(&folder.join(&name), |file| file.write_all(text.as_bytes()))?;
-        files.insert(name, digest::of(text.as_bytes()));
+        files.insert(name, digest::sha256(text.as_bytes()));
     }
     let unseen = dataset.split(&study.definition.split)?.unseen;
     if unseen.rows() > 0 {

@@ -71,14 +71,14 @@ pub(crate) fn sealed(text: &str) -> String {
     // The digest is inserted before the closing brace of the document.
     let text = text.trim_end();
     let body = text.strip_suffix('}').unwrap_or(text).trim_end();
-    format!("{body}{DIGEST}{}\"\n}}\n", digest::of(body.as_bytes()))
+    format!("{body}{DIGEST}{}\"\n}}\n", digest::sha256(body.as_bytes()))
 }
 
 /// True if the last entry of a document is the SHA-256 of the text before it.
 pub(crate) fn is_whole(text: &str) -> bool {
     let body = text.rfind(DIGEST).map(|at| (&text[..at], &text[at + DIGEST.len()..]));
     let whole =
-        |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::of(body.as_bytes()));
+        |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::sha256(body.as_bytes()));
     body.is_some_and(whole)
 }
 

@@ -109,7 +109,7 @@ pub(crate) fn check_columns(model: &dyn Differentiable, data: &Data) -> Result<(
 /// assert_eq!((progress.done, progress.value("error")), (25, Some(1.5e-3)));
 /// ```
 pub fn training_progress(epoch: u64, epochs: u64, error: f64, validation_error: Option<f64>) -> Progress {
-    let progress = Progress::new("training", "epochs", epoch).of(epochs).with("error", error, "");
+    let progress = Progress::new("training", "epochs", epoch).out_of(epochs).with("error", error, "");
     match validation_error {
         Some(error) => progress.with("validation_error", error, ""),
         None => progress,

@@ -5,7 +5,7 @@
 //! drawn at both of its images, each cut off where it leaves the cell, so that no line runs across the whole picture.
 
 use granum_core::assembly::{Assembly, Contact, Matrix, Vector};
-use granum_core::geometry::determinant;
+use granum_core::geometry::{apply, determinant, invert};
 
 use super::clip::{self, Rect};
 use super::palette::{GREY, INK, TICK_SIZE, sequential};
@@ -94,13 +94,13 @@ impl ForceChains {
             return ForceChains::default();
         };
         let project = |s: Vector| -> Point {
-            let x = product(&assembly.cell, &s);
+            let x = apply(&assembly.cell, s);
             [x[right], x[up]]
         };
         let inside = |s: &Vector| view.slice.is_none_or(|[low, high]| s[depth] >= low && s[depth] <= high);
         let places: Vec<Option<Vector>> = (assembly.grains.iter())
             .map(|grain| {
-                let s = product(&inverse, &grain.position).map(|s| s - s.floor());
+                let s = apply(&inverse, grain.position).map(|s| s - s.floor());
                 s.iter().all(|s| s.is_finite()).then_some(s)
             })
             .collect();
@@ -126,7 +126,7 @@ impl ForceChains {
             degree[contact.i] += 1;
             degree[contact.j] += 1;
             let shown = inside(i) && inside(j) && force.is_finite() && force >= view.smallest_force;
-            let branch = product(&inverse, &contact.branch);
+            let branch = apply(&inverse, contact.branch);
             if !shown || !branch.iter().all(|b| b.is_finite()) {
                 continue;
             }
@@ -384,10 +384,6 @@ fn mean_radius(assembly: &Assembly) -> f64 {
     assembly.grains.iter().map(|grain| grain.radius).sum::<f64>() / assembly.grains.len().max(1) as f64
 }
 
-fn product(m: &Matrix, v: &Vector) -> Vector {
-    std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
-}
-
 fn edge_length(cell: &Matrix, edge: usize) -> f64 {
     (0..3).map(|i| cell[i][edge] * cell[i][edge]).sum::<f64>().sqrt()
 }
@@ -395,14 +391,7 @@ fn edge_length(cell: &Matrix, edge: usize) -> f64 {
 /// Inverse of a 3 x 3 matrix; `None` if the matrix is singular.
 fn inverse(m: &Matrix) -> Option<Matrix> {
     let d = determinant(m);
-    if !d.is_finite() || d == 0.0 {
-        return None;
-    }
-    let cofactor = |i: usize, j: usize| {
-        let (a, b, c, e) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
-        m[a][c] * m[b][e] - m[a][e] * m[b][c]
-    };
-    Some(std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / d)))
+    (d.is_finite() && d != 0.0).then(|| invert(m))
 }
 
 #[cfg(test)]
@@ -446,7 +435,7 @@ mod tests {
         assembly.cell[1][0] = 0.3;
         let picture = ForceChains::new(&assembly, View::strong());
         assert_eq!(picture.outline, [[0.0, 0.0], [1.0, 0.0], [1.3, 1.0], [0.3, 1.0]]);
-        let identity = product(&inverse(&assembly.cell).unwrap(), &product(&assembly.cell, &[0.1, 0.2, 0.3]));
+        let identity = apply(&inverse(&assembly.cell).unwrap(), apply(&assembly.cell, [0.1, 0.2, 0.3]));
         assert!((0..3).all(|k| (identity[k] - [0.1, 0.2, 0.3][k]).abs() < 1e-12));
     }
 

@@ -139,7 +139,7 @@ impl LammpsDeck {
         // The box is centred on the origin, about which LAMMPS strains it.
         let edges = &self.assembly.cell;
         let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
-        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
+        let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
         let observation = Observation::new(self.assembly.clone(), parts, origin);
         LammpsData.write(&folder.file(DATA), &[observation])?;
         write_atomically(&folder.file(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;

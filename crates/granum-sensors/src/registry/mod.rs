@@ -109,7 +109,7 @@ impl Known {
 /// use granum_sensors::Sensors;
 ///
 /// // The sensors that can be evaluated on spheres with known positions, and the reasons why the others cannot.
-/// let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+/// let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
 /// let measured = Sensors::standard().measure(&Assembly::default(), parts);
 /// assert_eq!(measured.value("solid_fraction"), Some(0.0));
 /// let fabric = measured.left_out.iter().find(|left_out| left_out.sensor == "fabric").unwrap();
@@ -358,7 +358,7 @@ impl Sensors {
     /// use granum_sensors::Sensors;
     ///
     /// let grains = Assembly::default();
-    /// let parts = Parts::of(&[Part::Cell, Part::Radii]);
+    /// let parts = Parts::new(&[Part::Cell, Part::Radii]);
     /// let series = Sensors::standard().measure_series(&[(&grains, parts), (&grains, parts)]);
     /// assert_eq!(series.values("solid_fraction"), Some([0.0, 0.0].as_slice()));
     /// assert!(series.left_out.iter().any(|left_out| left_out.sensor == "fabric"));
@@ -374,7 +374,7 @@ impl Sensors {
         recording: &Recording,
     ) -> MeasuredSeries {
         let every = |part: &Part| observations.iter().all(|(_, parts)| parts.has(*part));
-        let parts = Parts::of(&Part::ALL.into_iter().filter(every).collect::<Vec<Part>>());
+        let parts = Parts::new(&Part::ALL.into_iter().filter(every).collect::<Vec<Part>>());
         let observations: Vec<Observation> = observations
             .iter()
             .map(|(assembly, _)| Observation::new(assembly).with_recording(recording))

@@ -70,7 +70,7 @@ fn a_sensor_needs_what_it_says_and_nothing_else() {
     for known in &STANDARD.0 {
         let mut wanted: Vec<Part> = known.description.needs.clone();
         wanted.extend(known.description.columns.iter().flat_map(|column| column.needs));
-        let parts = Parts::of(&wanted);
+        let parts = Parts::new(&wanted);
         let part = STANDARD.measure(&with_only(&whole, parts), parts);
         for column in &known.description.columns {
             assert_eq!(part.value(column.name), all.value(column.name), "{}", column.name);
@@ -117,7 +117,7 @@ fn with_only(whole: &Assembly, parts: Parts) -> Assembly {
 
 #[test]
 fn what_the_data_lack_is_named() {
-    let packing = Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
+    let packing = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
     let measured = STANDARD.measure(&lattice::simple_cubic(3, 1e-4, 1e-4, 0.0), packing);
     assert_eq!(measured.value("coordination_number"), Some(6.0));
     assert_eq!(measured.value("mean_stress"), None);

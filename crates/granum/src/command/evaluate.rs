@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use super::evaluate_study;
 use super::records::{self, Recorded};
 use super::relation::Relation;
-use super::scores::{SensorRow, percent, sensor_table};
+use super::scores::{SensorRow, percent_or_dash, sensor_table};
 use super::study_folder;
 use super::whole::note_study;
 use crate::context::Context;
@@ -165,9 +165,10 @@ fn table(run: &Recorded, relation: &Relation, scores: &[RunScore]) -> String {
         ),
     ];
     let r2 = |score: &Score| some(score).map_or("-".to_string(), |score| format!("{:.4}", score.r2));
-    let relative = |score: &Score| percent(some(score).map(|score| score.relative_rmse));
-    let baseline =
-        |score: &Option<Score>| percent(score.as_ref().and_then(some).map(|score| score.relative_rmse));
+    let relative = |score: &Score| percent_or_dash(some(score).map(|score| score.relative_rmse));
+    let baseline = |score: &Option<Score>| {
+        percent_or_dash(score.as_ref().and_then(some).map(|score| score.relative_rmse))
+    };
     for score in scores {
         lines.push(format!(
             "{:<8} {:>13} {:>8}   {:>13} {:>8}   {} {:>18} {:>10}   {:>7} {:>8}",

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::records::{self, Recorded};
 use super::relation::Relation;
-use super::scores::percent;
+use super::scores::percent_or_dash;
 use super::study_scores::{use_as_json, use_line};
 use super::train_study::dataset;
 use crate::context::Context;
@@ -69,7 +69,7 @@ fn table(run: &str, relation: &Relation, scores: &[(&str, PartScore)]) -> Vec<St
     let line = |(name, part): &(&str, PartScore)| {
         let Score { relative_rmse, r2, states, .. } = part.score;
         let held = part.coverage.map_or("-".into(), |share| format!("{:.0} %", 100.0 * share));
-        let error = percent(Some(relative_rmse));
+        let error = percent_or_dash(Some(relative_rmse));
         format!("{name:<width$} {error:>13} {r2:>9.4} {held:>11} {states:>7} {:>8}", part.outside)
     };
     let mut lines = vec![format!("{run}: {}", relation.kind()), head];

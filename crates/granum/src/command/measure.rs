@@ -158,7 +158,7 @@ impl Measure {
     fn packing(&self, context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
         let Some(case) = &self.case else { return packing_alone(context, path) };
         let packing = context.formats().read_packing(path)?;
-        let mut parts = Parts::of(&OF_PACKING);
+        let mut parts = Parts::new(&OF_PACKING);
         let case = Case::read_as(case, context.reading())?;
         parts = parts.with(Part::Masses).with(Part::NormalForces);
         if case.grains.material.friction == 0.0 && case.grains.mixture.is_empty() {
@@ -178,7 +178,7 @@ pub fn packing_alone(context: &Context, path: &Path) -> Result<(Assembly, Parts)
     let packing = context.formats().read_packing(path)?;
     let material = Material::default().with(|material| material.interface_energy = 0.0);
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), Parts::of(&OF_PACKING)))
+    Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), Parts::new(&OF_PACKING)))
 }
 
 fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {

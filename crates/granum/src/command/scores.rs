@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use granum_antony2006::summary::MappingSummary;
+use granum_core::words::percentage;
 use granum_learn::student_t::PairedTest;
 
-/// A fraction as a percentage, or a dash if there is none.
-pub fn percent(share: Option<f64>) -> String {
-    share.map_or_else(|| format!("{:>8}", "-"), |share| format!("{:6.2} %", 100.0 * share))
+/// A fraction as a percentage, or a dash if there is none, to the right of a column.
+pub fn percent_or_dash(share: Option<f64>) -> String {
+    format!("{:>8}", share.map_or("-".to_owned(), percentage))
 }
 
 /// A mean difference and its standard error in percentage points.
@@ -30,12 +31,12 @@ pub fn lines(mappings: &BTreeMap<String, MappingSummary>, spread: &str) -> Vec<S
         format!(
             "{name} {:<31} {} {} {:>11} {} {:>10} {:>12}",
             m.formula,
-            percent(Some(m.relative_rmse.held_out)),
-            percent(m.relative_rmse.unseen),
-            percent(Some(m.relative_rmse.strain_only)),
-            percent(m.ridge),
-            percent(m.mean_curve),
-            percent(m.seed_scatter),
+            percent_or_dash(Some(m.relative_rmse.held_out)),
+            percent_or_dash(m.relative_rmse.unseen),
+            percent_or_dash(Some(m.relative_rmse.strain_only)),
+            percent_or_dash(m.ridge),
+            percent_or_dash(m.mean_curve),
+            percent_or_dash(m.seed_scatter),
         )
     };
     let mut lines: Vec<String> = std::iter::once(heading).chain(mappings.iter().map(line)).collect();
@@ -82,9 +83,9 @@ pub fn sensor_table(rows: &[SensorRow]) -> Vec<String> {
         format!(
             "{:<8} {} {:>11} {}   {:>15} {:>15}   {}",
             row.name,
-            percent(row.own),
-            percent(row.with_other),
-            percent(row.permuted),
+            percent_or_dash(row.own),
+            percent_or_dash(row.with_other),
+            percent_or_dash(row.permuted),
             points(row.lost),
             points(row.help),
             row.verdict,

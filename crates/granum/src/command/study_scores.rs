@@ -4,7 +4,7 @@ use granum_learn::input_use::InputUse;
 use granum_learn::study::{FitScores, StudyScores};
 use serde_json::{Value, json};
 
-use super::scores::{percent, points};
+use super::scores::{percent_or_dash, points};
 
 /// The scores of each fit, then the use of inputs.
 pub fn lines(scores: &StudyScores) -> Vec<String> {
@@ -16,7 +16,7 @@ pub fn lines(scores: &StudyScores) -> Vec<String> {
     )];
     for member in scores.fits.iter().flat_map(|fit| &fit.members) {
         let some = |part: &granum_learn::study::PartScore| {
-            percent((part.score.states > 0).then_some(part.score.relative_rmse))
+            percent_or_dash((part.score.states > 0).then_some(part.score.relative_rmse))
         };
         let unseen = &member.unseen;
         let r2 = if unseen.score.states > 0 { format!("{:.4}", unseen.score.r2) } else { "-".into() };
@@ -39,7 +39,7 @@ pub fn lines(scores: &StudyScores) -> Vec<String> {
 /// `y-ridge uses its inputs and gains by it: relative RMSE 1.0 % with its own inputs, 3.0 % with those of another run, ...`.
 pub fn use_line(name: &str, used: &InputUse) -> String {
     let error = |score: Option<granum_learn::Score>| {
-        percent(score.map(|score| score.relative_rmse)).trim().to_owned()
+        percent_or_dash(score.map(|score| score.relative_rmse)).trim().to_owned()
     };
     let runs = used.runs.len();
     let plural = if runs == 1 { "" } else { "s" };
