@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
-use granum_io::shell::recordable;
+use granum_io::recordable;
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};

@@ -3,9 +3,7 @@
 //!
 //! The name of a file can have any bytes. Bytes that are not UTF-8 are shown as `\xff`.
 
-use std::path::{Path, PathBuf};
-
-use crate::error::{Error, Result};
+use std::path::Path;
 
 /// A word in the form that a shell requires: unchanged if it contains nothing special to a shell, otherwise in quotes.
 pub fn quoted(word: &str) -> String {
@@ -50,20 +48,6 @@ impl ShowPath for Path {
 /// A path as text, for JSON: as it is if it is UTF-8, and otherwise as it is [shown].
 pub fn path_text(path: &Path) -> String {
     path.to_str().map_or_else(|| shown(path), str::to_string)
-}
-
-/// The absolute path of a file or folder that a record is to name.
-///
-/// # Errors
-/// [`Error::Content`] if it is not UTF-8 text, which a record in JSON needs; [`Error::File`] if the working directory no longer exists.
-pub fn recordable(path: &Path) -> Result<PathBuf> {
-    let absolute = std::path::absolute(path).map_err(Error::file("resolve the path", path))?;
-    if absolute.to_str().is_some() {
-        return Ok(absolute);
-    }
-    let message = "has a name with bytes that are not UTF-8 text, which the record of a run cannot hold: rename it, or give a link to it \
-                   with another name";
-    Err(Error::content(&absolute, message))
 }
 
 /// The text of a path with `\n`, `\u{1b}` and `\xff` for what cannot be shown, and with a backslash before what `special` says.

@@ -142,7 +142,7 @@ impl Workspace {
     }
 
     /// A workspace with one row for every residual: with several targets, each row is repeated for each target.
-    pub(crate) fn of_residuals(isa: Isa, network: &Network, data: &Data) -> Workspace {
+    pub(crate) fn for_residuals(isa: Isa, network: &Network, data: &Data) -> Workspace {
         if data.target_columns == 1 {
             return Workspace::new(isa, network, data);
         }

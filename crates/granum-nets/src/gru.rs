@@ -7,6 +7,7 @@ use rand_chacha::rand_core::SeedableRng;
 use crate::data::Data;
 use crate::differentiable::{Batch, Differentiable};
 use crate::gru_batch::{GruBatch, GruRows};
+use crate::gru_shape::GruShape;
 use crate::initialisation::uniform;
 use crate::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
 use crate::sequences::Sequences;
@@ -15,55 +16,6 @@ use crate::trainer::trainer_trait::check_columns;
 
 /// Initial bias of the update gates, with which a new cell remembers (Jozefowicz, Zaremba and Sutskever 2015).
 const REMEMBER: f64 = 1.0;
-
-/// Numbers of inputs, start values, hidden neurons and outputs, from which the places of the weights follow.
-///
-/// All weights of a neuron are stored together, with its bias between the weights of the inputs and those of the state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct GruShape {
-    pub inputs: usize,
-    pub starts: usize,
-    pub hidden: usize,
-    pub outputs: usize,
-}
-
-impl GruShape {
-    /// Number of weights of a neuron of the gates: inputs, bias, state.
-    pub fn gate_row(&self) -> usize {
-        self.inputs + 1 + self.hidden
-    }
-
-    /// Number of weights of a neuron that receives the state: bias, state.
-    pub fn state_row(&self) -> usize {
-        1 + self.hidden
-    }
-
-    /// First weight of the part of the candidate that receives the inputs; before it are those of the reset gates and the
-    /// update gates.
-    pub fn candidate_inputs(&self) -> usize {
-        2 * self.hidden * self.gate_row()
-    }
-
-    /// First weight of the part of the candidate that receives the state.
-    pub fn candidate_state(&self) -> usize {
-        self.candidate_inputs() + self.hidden * (self.inputs + 1)
-    }
-
-    /// First weight of the read-out.
-    pub fn read_out(&self) -> usize {
-        self.candidate_state() + self.hidden * self.state_row()
-    }
-
-    /// First weight of the first state, whose neurons have the weights of the start values and then the bias.
-    pub fn first_state(&self) -> usize {
-        self.read_out() + self.outputs * self.state_row()
-    }
-
-    /// Number of weights.
-    pub fn weights(&self) -> usize {
-        self.first_state() + self.hidden * (self.starts + 1)
-    }
-}
 
 /// A gated recurrent unit (Cho et al. 2014, with the reset gate behind the product as in common libraries) with a linear
 /// read-out. With the inputs `x_t` of a row, the state `h_t`, and the start vector `s` of the sequence:
@@ -386,7 +338,7 @@ mod tests {
         let gru = Gru::new(2, 1, 5, 1, 3).unwrap();
         let together = gru.answer(Isa::detect(), data.inputs(), data.sequences()).unwrap();
         for (member, rows) in data.sequences().unwrap().ranges().into_iter().enumerate() {
-            let own = data.of_members(&[member]).unwrap();
+            let own = data.only_members(&[member]).unwrap();
             let alone = gru.answer(Isa::detect(), own.inputs(), own.sequences()).unwrap();
             assert_eq!(alone, together[rows]);
         }

@@ -8,7 +8,7 @@
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, sigmoid, tanh};
 
 use crate::differentiable::Batch;
-use crate::gru::GruShape;
+use crate::gru_shape::GruShape;
 use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, panels, scalar_times_lanes};
 use crate::sequences::Sequences;
 use crate::trainer::error::TrainingError;

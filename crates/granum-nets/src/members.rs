@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use crate::data::{Data, DataError};
+use crate::data::Data;
+use crate::data_error::DataError;
 use crate::sequences::Sequences;
 
 impl Data {
@@ -16,7 +17,7 @@ impl Data {
     ///
     /// # Errors
     /// If none is chosen, or one does not exist.
-    pub fn of_members(&self, chosen: &[usize]) -> Result<Data, DataError> {
+    pub fn only_members(&self, chosen: &[usize]) -> Result<Data, DataError> {
         if chosen.is_empty() {
             return Err(DataError::Shape("a part of a table needs at least one of its members".into()));
         }
@@ -84,8 +85,8 @@ impl Data {
         let members = self.block_of_members();
         let (kept, others): (Vec<usize>, Vec<usize>) =
             (0..members.len()).partition(|&member| !blocks.contains(&members[member]));
-        let validation = self.of_members(&others)?;
-        self.of_members(&kept)?.with_validation(validation)
+        let validation = self.only_members(&others)?;
+        self.only_members(&kept)?.with_validation(validation)
     }
 }
 
@@ -97,24 +98,24 @@ mod tests {
     fn members_are_sequences_or_observations() {
         let inputs: Vec<f64> = (0..12).map(f64::from).collect();
         let data = Data::new(inputs, 2, (0..6).map(f64::from).collect()).unwrap();
-        let part = data.of_members(&[4, 0]).unwrap();
+        let part = data.only_members(&[4, 0]).unwrap();
         assert_eq!((part.inputs(), part.targets()), (&[8.0, 9.0, 0.0, 1.0][..], &[4.0, 0.0][..]));
 
         let sequences = Sequences::new(vec![1, 3, 2]).unwrap().with_starts(vec![0.1, 0.2, 0.3], 1).unwrap();
         let sequences = data.clone().with_weights(vec![1.0; 6]).unwrap().with_sequences(sequences).unwrap();
         assert_eq!((data.members(), sequences.members()), (6, 3));
-        let part = sequences.of_members(&[2, 1]).unwrap();
+        let part = sequences.only_members(&[2, 1]).unwrap();
         assert_eq!(part.targets(), [4.0, 5.0, 1.0, 2.0, 3.0]);
         assert_eq!(part.sequences().unwrap().lengths(), [2, 3]);
         assert_eq!(part.sequences().unwrap().starts(), [0.3, 0.2]);
         assert_eq!((part.observations(), part.weights()), (5.0, Some(&[1.0; 5][..])));
-        assert!(sequences.of_members(&[3]).unwrap_err().to_string().contains("no member 3 of 3"));
-        assert!(sequences.of_members(&[]).is_err());
+        assert!(sequences.only_members(&[3]).unwrap_err().to_string().contains("no member 3 of 3"));
+        assert!(sequences.only_members(&[]).is_err());
         assert!(data.clone().with_sequences(Sequences::new(vec![5]).unwrap()).is_err());
 
         let points = Data::new((0..6).map(f64::from).collect(), 1, vec![0.0; 6]).unwrap();
         let points = points.with_points(2).unwrap().with_blocks(vec![7, 8, 7]).unwrap();
-        let part = points.of_members(&[2, 1]).unwrap();
+        let part = points.only_members(&[2, 1]).unwrap();
         assert_eq!((part.inputs(), part.blocks()), (&[4.0, 5.0, 2.0, 3.0][..], &[7, 8][..]));
         assert_eq!(part.observations(), 2.0);
     }

@@ -1,6 +1,6 @@
 //! The errors of models.
 
-use crate::data::DataError;
+use crate::data_error::DataError;
 use crate::network::NetworkError;
 use crate::trainer::error::TrainingError;
 

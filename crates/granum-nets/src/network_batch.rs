@@ -53,7 +53,7 @@ impl Differentiable for Network {
         if bytes > MEMORY {
             return Err(TrainingError::Memory { rows, weights, bytes, limit: MEMORY });
         }
-        let workspace = Workspace::of_residuals(isa, self, data);
+        let workspace = Workspace::for_residuals(isa, self, data);
         Ok(Some(Box::new(Linearised {
             curvature: Curvature::new(&workspace, weights),
             residuals: vec![Row8::default(); blocks(workspace.observations())],

@@ -5,7 +5,7 @@ use std::ops::Range;
 use granum_core::digest::Digest;
 use serde::{Deserialize, Serialize};
 
-use crate::data::DataError;
+use crate::data_error::DataError;
 
 /// Consecutive sequences of rows, such as the states of whole runs, and the vectors from which a model with memory makes its
 /// state before the first row of each.

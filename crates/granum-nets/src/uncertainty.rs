@@ -55,7 +55,7 @@ impl TrainingRows {
         Ok(())
     }
 
-    fn data(&self, network: &Network) -> Result<Data, crate::data::DataError> {
+    fn data(&self, network: &Network) -> Result<Data, crate::data_error::DataError> {
         let rows = self.inputs.len() / network.inputs();
         let data = Data::new(self.inputs.clone(), network.inputs(), vec![0.0; rows])?;
         match &self.weights {

@@ -28,7 +28,7 @@ fn engineering(strain: &f64) -> f64 {
 
 impl RunCurves {
     /// The curves of the test proper of a record with these stages ([`Curves::test_rows`]); strains count from its start.
-    pub fn of(name: &str, record: &Record, stages: &[Stage]) -> RunCurves {
+    pub fn from_record(name: &str, record: &Record, stages: &[Stage]) -> RunCurves {
         let of = Curves::new(record, stages);
         let rows = of.test_rows();
         let take = |values: &[f64]| values.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec);

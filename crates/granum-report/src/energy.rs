@@ -21,7 +21,7 @@ struct Balance {
 }
 
 impl Balance {
-    fn of(record: &Record) -> Option<Balance> {
+    fn from_record(record: &Record) -> Option<Balance> {
         let rows = record.series.rows();
         let since_start = |name: &str| -> Option<Vec<f64>> {
             let values = column(record, name);
@@ -62,7 +62,7 @@ impl Balance {
 
 /// Largest error of the energy balance over the total boundary work; `None` if the balance was not recorded.
 pub fn closure(record: &Record) -> Option<f64> {
-    let balance = Balance::of(record)?;
+    let balance = Balance::from_record(record)?;
     let work = balance.work.last().copied().filter(|work| work.abs() > 0.0)?;
     let residual = balance.residual();
     let all_finite = residual.iter().all(|r| r.is_finite());
@@ -71,7 +71,7 @@ pub fn closure(record: &Record) -> Option<f64> {
 
 /// Shares of the boundary work at the end by mechanism, in decreasing order.
 pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
-    let Some(balance) = Balance::of(record) else { return Vec::new() };
+    let Some(balance) = Balance::from_record(record) else { return Vec::new() };
     let Some(work) = balance.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
     let mut shares: Vec<(&str, f64)> = (balance.parts.iter())
         .filter_map(|(name, values)| Some((*name, values.last()? / work)))
@@ -83,7 +83,7 @@ pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
 
 /// Figure of the energy by mechanism and of the error of the energy balance.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
-    let balance = Balance::of(&run.record)?;
+    let balance = Balance::from_record(&run.record)?;
     let axis = || strain_axis(std::slice::from_ref(run));
     let strain = run.strain();
     let points =

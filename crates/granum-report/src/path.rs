@@ -33,7 +33,7 @@ pub struct Traits {
 
 impl Traits {
     /// Those of the stages of a test.
-    pub fn of(stages: &[Stage]) -> Traits {
+    pub fn from_stages(stages: &[Stage]) -> Traits {
         let mut found = Traits::default();
         let mut senses = Vec::new();
         for stage in stages.iter().filter(|stage| !stage.is_mark()) {
@@ -128,7 +128,7 @@ struct Deviator {
 }
 
 impl Deviator {
-    fn of(run: &RunReport) -> Deviator {
+    fn for_run(run: &RunReport) -> Deviator {
         let stages = run.case.test_stages();
         let curves = Curves::new(&run.record, &stages);
         let (symbol, what) = match curves.axis() {
@@ -147,7 +147,7 @@ fn curve(run: &RunReport, x: &str, y: &str, k: usize) -> Layer {
 
 /// The figures of a run along any path.
 pub fn behaviour(page: &mut Page, run: &RunReport) -> Markup {
-    let traits = Traits::of(&run.case.test_stages());
+    let traits = Traits::from_stages(&run.case.test_stages());
     let mut figures = Vec::new();
     if traits.probes {
         figures.extend(probes(run).map(|figure| ("probes", figure)));
@@ -182,7 +182,7 @@ pub fn behaviour(page: &mut Page, run: &RunReport) -> Markup {
 fn is_compression_alone(run: &RunReport) -> bool {
     run.case.test_stages().iter().filter(|stage| !stage.is_mark()).all(|stage| {
         let one = std::slice::from_ref(stage);
-        Traits::of(one).compression || matches!(stage.control.components[0], Drive::Stress(_))
+        Traits::from_stages(one).compression || matches!(stage.control.components[0], Drive::Stress(_))
     })
 }
 
@@ -192,7 +192,7 @@ type Drawn = (Figure, String);
 fn stress_and_volume(run: &RunReport, traits: &Traits) -> Drawn {
     let one = std::slice::from_ref(run);
     let strain = run.strain();
-    let deviator = Deviator::of(run);
+    let deviator = Deviator::for_run(run);
     let Deviator { symbol, what, ratio, .. } = &deviator;
     let line = |values: &[f64]| Layer::line(lines(run, &strain, values), color(0));
     let plot = Plot::new(strain_axis(one), Axis::new(&format!("Stress ratio {symbol}/*p*")).including(0.0))
@@ -216,7 +216,7 @@ fn stress_and_volume(run: &RunReport, traits: &Traits) -> Drawn {
 
 /// The path of the stress, and the void ratio over the logarithm of p where no other figure has it.
 fn stress_path(run: &RunReport, traits: &Traits) -> Drawn {
-    let Deviator { symbol, what, stress: deviator, .. } = Deviator::of(run);
+    let Deviator { symbol, what, stress: deviator, .. } = Deviator::for_run(run);
     let p = run.column("mean_stress");
     let path = Plot::new(
         Axis::new("Mean stress *p*").unit("Pa").including(0.0),
@@ -332,7 +332,7 @@ fn simple_shear(run: &RunReport, traits: &Traits) -> Drawn {
 /// q against axial strain, and volume or pore pressure along the way.
 fn loops(run: &RunReport, traits: &Traits) -> Drawn {
     let strain = run.strain_and_label().0;
-    let Deviator { symbol, what: which, stress, .. } = Deviator::of(run);
+    let Deviator { symbol, what: which, stress, .. } = Deviator::for_run(run);
     let deviator = Plot::new(
         Axis::new("Axial strain *ε*_{1}"),
         Axis::new(&format!("Deviator stress {symbol}")).unit("Pa"),
@@ -433,7 +433,7 @@ mod tests {
 
     fn traits(path: &str, more: &str) -> Traits {
         let text = format!("[[stage]]\npath = \"{path}\"\n{more}");
-        Traits::of(&Case::parse(&text, "case.toml").unwrap().test_stages())
+        Traits::from_stages(&Case::parse(&text, "case.toml").unwrap().test_stages())
     }
 
     /// What a report shows follows from what the stages control.

@@ -102,7 +102,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         tile(measure("peak_stress_ratio"), "peak *q*/*p*", where_peak.clone()),
         tile(measure("peak_von_mises_ratio"), "peak *q*_{vM}/*p*", where_peak),
     ];
-    if !path::Traits::of(&run.case.test_stages()).goes_to_and_fro() {
+    if !path::Traits::from_stages(&run.case.test_stages()).goes_to_and_fro() {
         let remark = || "mean over the last quarter of the strain".to_owned();
         out.push(tile(measure("late_stress_ratio"), "late *q*/*p*", remark()));
         out.push(tile(measure("late_von_mises_ratio"), "late *q*_{vM}/*p*", remark()));

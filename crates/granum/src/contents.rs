@@ -18,7 +18,7 @@ const REPORT_FILE: &str = "report.html";
 
 /// The purpose of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FolderKind {
     /// A sample or a test, whose record does not say which.
     Run,
     /// A sample.
@@ -33,16 +33,16 @@ pub enum Kind {
     Runs,
 }
 
-impl Kind {
+impl FolderKind {
     /// Description with an article.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Run => "a sample or test",
-            Kind::Sample => "a sample",
-            Kind::Test => "a test",
-            Kind::Training => "a training",
-            Kind::Reproduction => "a reproduction",
-            Kind::Runs => "several runs",
+            FolderKind::Run => "a sample or test",
+            FolderKind::Sample => "a sample",
+            FolderKind::Test => "a test",
+            FolderKind::Training => "a training",
+            FolderKind::Reproduction => "a reproduction",
+            FolderKind::Runs => "several runs",
         }
     }
 }
@@ -53,7 +53,7 @@ impl Kind {
 /// use granum::contents::Contents;
 ///
 /// let nowhere = std::path::Path::new("there is no such folder");
-/// assert_eq!(Contents::of(nowhere)?.name(), "nothing");
+/// assert_eq!(Contents::read(nowhere)?.name(), "nothing");
 /// # Ok::<(), granum_learn::LearnError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +110,7 @@ impl Contents {
     /// # Errors
     /// If the description of a reproduction or a list of runs cannot be read, or a folder, a pipe, a device or a broken link is in the
     /// place of the file that tells what the folder is.
-    pub fn of(folder: &Path) -> Result<Contents> {
+    pub fn read(folder: &Path) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
         let of = Reproduction::read(folder)?;
         let unsaid = || OutputFolder::is_granums(folder) && is_real_folder(&folder.join(RUNS));
@@ -136,15 +136,15 @@ impl Contents {
     }
 
     /// The purpose of the folder, if it was written by granum.
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<FolderKind> {
         match self {
             Contents::Nothing | Contents::Other => None,
-            Contents::Run(None) => Some(Kind::Run),
-            Contents::Run(Some(record)) if record.kind == "prepare" => Some(Kind::Sample),
-            Contents::Run(Some(_)) => Some(Kind::Test),
-            Contents::Training { .. } => Some(Kind::Training),
-            Contents::Reproduction { .. } => Some(Kind::Reproduction),
-            Contents::Runs { .. } => Some(Kind::Runs),
+            Contents::Run(None) => Some(FolderKind::Run),
+            Contents::Run(Some(record)) if record.kind == "prepare" => Some(FolderKind::Sample),
+            Contents::Run(Some(_)) => Some(FolderKind::Test),
+            Contents::Training { .. } => Some(FolderKind::Training),
+            Contents::Reproduction { .. } => Some(FolderKind::Reproduction),
+            Contents::Runs { .. } => Some(FolderKind::Runs),
         }
     }
 
@@ -267,12 +267,13 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
 ///
 /// # Errors
 /// [`LearnError::Taken`] with the command line that continues from the existing results.
-pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
-    let contents = Contents::of(folder)?;
+pub fn check_free(folder: &Path, wanted: FolderKind, force: bool) -> Result<()> {
+    let contents = Contents::read(folder)?;
     let Some(kind) = contents.kind() else { return Ok(()) };
     // Where the record cannot be read, states are those of a test.
-    let unknown = kind == Kind::Run
-        && (wanted == Kind::Test || wanted == Kind::Sample && !folder.join("series.parquet").exists());
+    let unknown = kind == FolderKind::Run
+        && (wanted == FolderKind::Test
+            || wanted == FolderKind::Sample && !folder.join("series.parquet").exists());
     let same = kind == wanted || unknown;
     if (same && force) || OutputFolder::is_in_use(folder) {
         return Ok(());
@@ -347,7 +348,7 @@ mod tests {
         for name in names {
             let folder = tempfile::tempdir().unwrap();
             std::fs::create_dir(folder.path().join(name)).unwrap();
-            let error = Contents::of(folder.path()).unwrap_err().to_string();
+            let error = Contents::read(folder.path()).unwrap_err().to_string();
             assert!(error.contains(name) && error.contains("is not a regular file"), "{error}");
         }
     }

@@ -9,7 +9,6 @@ use granum_run::{Flow, Registry};
 use crate::failure::{Failure, Interrupted};
 use crate::messages;
 use crate::progress::Progress;
-use crate::unwritten::Unwritten;
 
 /// The global options, and the flag for an interruption by the user.
 #[derive(Clone)]
@@ -72,12 +71,6 @@ impl Context {
     /// Returns an error if the user interrupted the program; `left` describes what has been written so far.
     pub fn check_stopped(&self, left: impl FnOnce() -> String) -> Result<(), Failure> {
         if self.stopped() { Err(Interrupted { left: left() }.into()) } else { Ok(()) }
-    }
-
-    /// Until the returned value is dropped, an interruption ends the program soon, whatever it is doing, since nothing has been
-    /// written. With a name the work is shown once it has taken a while; without, it has a display of its own.
-    pub fn nothing_written(&self, work: Option<&'static str>) -> Unwritten {
-        Unwritten::new(self.clone(), work)
     }
 
     /// A display of progress that suits the terminal and the options.

@@ -29,6 +29,14 @@ pub struct Unwritten {
     watch: Option<thread::JoinHandle<()>>,
 }
 
+impl Context {
+    /// Until the returned value is dropped, an interruption ends the program soon, whatever it is doing, since nothing has been
+    /// written. With a name the work is shown once it has taken a while; without, it has a display of its own.
+    pub fn nothing_written(&self, work: Option<&'static str>) -> Unwritten {
+        Unwritten::new(self.clone(), work)
+    }
+}
+
 impl Unwritten {
     pub fn new(context: Context, work: Option<&'static str>) -> Unwritten {
         let (end, ended) = mpsc::channel::<()>();

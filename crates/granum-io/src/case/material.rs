@@ -14,6 +14,7 @@ use super::field::{Field, Value};
 use super::fields::Fields;
 use super::suggestion::meant;
 use crate::error::{Error, Result};
+use crate::material_name::is_material_name;
 use granum_core::quantity::format_number;
 
 /// Section whose keys a material has.
@@ -41,12 +42,6 @@ pub(super) fn fields(all: &Fields) -> impl Iterator<Item = Arc<Field>> + '_ {
 /// The fields that a pair of materials may have.
 pub(super) fn pair_fields(all: &Fields) -> impl Iterator<Item = Arc<Field>> + '_ {
     fields(all).filter(|field| field.is_of_law() || OF_PAIR.contains(&field.key))
-}
-
-/// True for a name that a material can have.
-pub(crate) fn is_name(name: &str) -> bool {
-    let usual = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    !name.is_empty() && name.len() <= 60 && name.chars().all(usual)
 }
 
 /// The same case with a material and parameters of laws in place of its own, through which the fields of a case reach them.
@@ -310,7 +305,9 @@ impl Case {
     /// Checks materials and pairs: names, shares and the bounds of all values.
     pub(super) fn check_materials(&self) -> Result<()> {
         let mixture = &self.grains.mixture;
-        if let Some(component) = mixture.components.iter().find(|component| !is_name(&component.name)) {
+        if let Some(component) =
+            mixture.components.iter().find(|component| !is_material_name(&component.name))
+        {
             return Err(Error::Rule(format!(
                 "the name {:?} of a material must be of letters, digits, - and _",
                 component.name

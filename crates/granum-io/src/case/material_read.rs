@@ -9,10 +9,11 @@ use toml::de::{DeTable, DeValue};
 
 use super::definition::Case;
 use super::field::Field;
-use super::material::{SMALLEST_SHARE, fields, is_name, means_nothing, pair_fields, put, put_into_pair};
+use super::material::{SMALLEST_SHARE, fields, means_nothing, pair_fields, put, put_into_pair};
 use super::material_table::{MaterialTable, PairTable, Values};
 use super::reader::{Reader, scalar};
 use super::suggestion::meant;
+use crate::material_name::is_material_name;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value with its position in the file.
@@ -122,7 +123,7 @@ impl Reader<'_> {
             return None;
         };
         match node.get_ref() {
-            DeValue::String(name) if is_name(name) => Some(name.to_string()),
+            DeValue::String(name) if is_material_name(name) => Some(name.to_string()),
             _ => {
                 let shown = self.shown(&node.span());
                 let message = format!("{place}.name = {shown} must be text of letters, digits, - and _");

@@ -45,7 +45,6 @@ pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
 pub use field::{Field, Value};
 pub use fields::{Fields, field};
-pub(crate) use material::is_name as is_material_name;
 pub use parameters::{CaseParameter, ParameterValue};
 pub use reading::Reading;
 pub use test_definition::TestDefinition;

@@ -92,7 +92,8 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
     if let Some(text) = value(&comment, "Step").or(value(&comment, "Timestep")) {
         frame.step = Some(numbers::<1>(words, "Step", text)?[0] as u64);
     }
-    let layout = Layout::of(words, value(&comment, "Properties").unwrap_or("species:S:1:pos:R:3"))?;
+    let layout =
+        Layout::from_properties(words, value(&comment, "Properties").unwrap_or("species:S:1:pos:R:3"))?;
     let mut known = vec![Part::Positions];
     let parts = [Part::Radii, Part::Masses, Part::Velocities, Part::Spins, Part::ResultantForces];
     let places =
@@ -125,7 +126,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(words: &Words, text: &str) -> Result<Layout> {
+    fn from_properties(words: &Words, text: &str) -> Result<Layout> {
         let fields: Vec<&str> = text.split(':').collect();
         let mut places: Vec<(String, usize, usize)> = Vec::new();
         let mut columns = 0;

@@ -16,6 +16,7 @@ use std::path::Path;
 use granum_core::assembly::{Grain, Vector};
 use granum_core::{Part, Table};
 
+use super::beginning::{extension, head};
 use super::column_names;
 use super::packing_csv::{self, PackingCsv};
 use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
@@ -194,17 +195,17 @@ struct Source<'a> {
 
 impl<'a> Source<'a> {
     fn open(path: &'a Path, options: &ReadOptions) -> Result<Source<'a>> {
-        if super::head(path)?.starts_with(MAGIC) || super::extension(path) == PARQUET {
+        if head(path)?.starts_with(MAGIC) || extension(path) == PARQUET {
             let table = parquet::read(path, None)?;
             let names = table.names().map(str::to_string).collect();
-            return Source::of(path, options, names, None, |_| Ok(table));
+            return Source::from_columns(path, options, names, None, |_| Ok(table));
         }
         let (cell, names) = packing_csv::cell_and_names(path)?;
-        Source::of(path, options, names, cell, |wanted| csv::read(path, Some(wanted)))
+        Source::from_columns(path, options, names, cell, |wanted| csv::read(path, Some(wanted)))
     }
 
     /// Names the columns as the options say, and reads those that are needed.
-    fn of(
+    fn from_columns(
         path: &'a Path,
         options: &ReadOptions,
         own: Vec<String>,

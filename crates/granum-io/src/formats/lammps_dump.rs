@@ -207,7 +207,7 @@ fn read_rows(
                 .error("--columns: this line names the columns of the atoms; name those of a dump local"));
         }
         let columns = Columns(names);
-        let layout = GrainLayout::of(words, &columns)?;
+        let layout = GrainLayout::from_words(words, &columns)?;
         frame.knows(&layout.parts());
         for _ in 0..rows {
             words.need("an atom")?;
@@ -217,7 +217,7 @@ fn read_rows(
         }
     } else {
         let columns = Columns(options.columns.clone().unwrap_or(names));
-        let layout = PairLayout::of(words, &columns)?;
+        let layout = PairLayout::from_words(words, &columns)?;
         let mut pairs = Vec::with_capacity(rows.min(1 << 20));
         for _ in 0..rows {
             words.need("a contact")?;
@@ -270,7 +270,7 @@ struct GrainLayout {
 }
 
 impl GrainLayout {
-    fn of(words: &Words, columns: &Columns) -> Result<GrainLayout> {
+    fn from_words(words: &Words, columns: &Columns) -> Result<GrainLayout> {
         let missing = |what: &str| {
             let help = "write them with dump custom";
             words.error(format!("the atoms have no {what}, only {}; {help}", columns.0.join(" ")))
@@ -344,7 +344,7 @@ struct PairLayout {
 }
 
 impl PairLayout {
-    fn of(words: &Words, columns: &Columns) -> Result<PairLayout> {
+    fn from_words(words: &Words, columns: &Columns) -> Result<PairLayout> {
         let first = columns.place(&["patom1", "natom1", "id1", "first"]);
         let second = columns.place(&["patom2", "natom2", "id2", "second"]);
         let (Some(first), Some(second)) = (first, second) else {

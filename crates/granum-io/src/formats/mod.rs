@@ -8,15 +8,16 @@
 //! assert_eq!(names, ["CSV", "Parquet"]);
 //! ```
 
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use granum_core::Table;
 
+use self::beginning::{extension, head};
 use crate::error::{Error, Result};
 use crate::packing::Packing;
 
+mod beginning;
 mod column_names;
 pub mod csv;
 pub mod extended_xyz;
@@ -30,11 +31,13 @@ pub mod mercury_fstat;
 pub mod mercury_restart;
 pub mod mixed;
 pub mod packing_csv;
+mod packing_format;
 pub mod parquet;
 mod places;
 mod result;
 mod snapshot_json;
 mod strain;
+mod table_format;
 pub mod vtk_legacy;
 pub mod vtk_xml;
 pub mod vtp;
@@ -42,48 +45,9 @@ mod words;
 pub mod yade_text;
 
 pub use join::JoinOptions;
+pub use packing_format::PackingFormat;
 pub use result::{Frame, FrameCell, Observation, Pair, ReadOptions, ResultFormat};
-
-/// Number of leading bytes of a file by which a format may be recognised.
-const HEAD: u64 = 4096;
-
-/// A format of tables of numbers.
-pub trait TableFormat: Send + Sync {
-    /// Its name, e.g. "Parquet".
-    fn name(&self) -> &'static str;
-    /// The extensions of its files, in lower case and without the dot.
-    fn extensions(&self) -> &'static [&'static str];
-    /// Reads the named columns in the requested order, or all numeric ones.
-    ///
-    /// # Errors
-    /// If the file cannot be read or is not of this format; if a column is missing, with the nearest name.
-    fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table>;
-    /// Writes a table under a temporary name and renames it. Equal tables give equal bytes.
-    ///
-    /// # Errors
-    /// If the table cannot be represented in this format, or the file cannot be written.
-    fn write(&self, path: &Path, table: &Table) -> Result<()>;
-}
-
-/// A format of packings: grains in a periodic cell.
-pub trait PackingFormat: Send + Sync {
-    /// Its name, e.g. "granum packing".
-    fn name(&self) -> &'static str;
-    /// The extensions of its files, in lower case and without the dot.
-    fn extensions(&self) -> &'static [&'static str];
-    /// True if a file with this beginning is of this format, whatever its name.
-    fn recognises(&self, head: &[u8]) -> bool;
-    /// Reads and checks a packing; [`Packing::checked`] contains the checks that all formats share.
-    ///
-    /// # Errors
-    /// If the file cannot be read or does not contain a packing, with line and grain.
-    fn read(&self, path: &Path) -> Result<Packing>;
-    /// Writes a packing under a temporary name and renames it.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    fn write(&self, path: &Path, packing: &Packing) -> Result<()>;
-}
+pub use table_format::TableFormat;
 
 /// The formats that a program supports.
 #[derive(Clone)]
@@ -335,21 +299,9 @@ impl Formats {
     }
 }
 
-/// The beginning of a file, by which its format may be recognised.
-fn head(path: &Path) -> Result<Vec<u8>> {
-    let mut head = Vec::new();
-    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
-    file.take(HEAD).read_to_end(&mut head).map_err(Error::file("read", path))?;
-    Ok(head)
-}
-
 /// A name without capitals and blanks: "LAMMPS data" and "lammps-data" are one.
 fn short_name(name: &str) -> String {
     name.to_lowercase().replace([' ', '_'], "-")
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 /// ".csv or .parquet", each once.

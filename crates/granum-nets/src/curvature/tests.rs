@@ -27,7 +27,7 @@ fn example(isa: Isa, layers: &[usize], observations: usize, points: usize, seed:
     let targets = (0..rows).map(|k| 0.5 + 0.4 * ((k / points) as f64 * 0.9).cos()).collect();
     let data = Data::new(inputs, layers[0], targets).unwrap().with_points(points).unwrap();
     let data = data.with_observations(0.6 * observations as f64).unwrap();
-    let mut workspace = Workspace::of_residuals(isa, &network, &data);
+    let mut workspace = Workspace::for_residuals(isa, &network, &data);
     let mut weights = network.weights().to_vec();
     let mut jacobian = vec![vec![0.0; weights.len()]; observations];
     for k in 0..weights.len() {

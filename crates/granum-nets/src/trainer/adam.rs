@@ -295,7 +295,7 @@ impl<'a> Descent<'a> {
         let (mut sum, mut all, mut length) = (0.0, 0.0, f64::INFINITY);
         for chosen in order.chunks(size) {
             let part =
-                self.data.of_members(chosen).map_err(|error| TrainingError::Rows(error.to_string()))?;
+                self.data.only_members(chosen).map_err(|error| TrainingError::Rows(error.to_string()))?;
             let values = part.observations() * part.target_columns() as f64;
             if values <= 0.0 {
                 continue;

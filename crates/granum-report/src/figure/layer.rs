@@ -9,14 +9,14 @@ use super::svg::{Point, Stroke, Svg};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Kind of the layer, with its data.
-    pub kind: Kind,
+    pub kind: LayerKind,
     /// Marked-up name in the legend; `None` if the layer is not in the legend.
     pub label: Option<String>,
 }
 
 /// The kinds of layers. Values that are not finite, or not positive on a logarithmic axis, leave a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum LayerKind {
     /// A line through points.
     Line {
         /// x and y.
@@ -63,7 +63,7 @@ pub enum Kind {
 }
 
 impl Layer {
-    fn of(kind: Kind) -> Self {
+    fn new(kind: LayerKind) -> Self {
         Layer { kind, label: None }
     }
 
@@ -74,37 +74,37 @@ impl Layer {
 
     /// A line with a given stroke.
     pub fn stroked(points: Vec<Point>, stroke: Stroke) -> Self {
-        Layer::of(Kind::Line { points, stroke })
+        Layer::new(LayerKind::Line { points, stroke })
     }
 
     /// Open points.
     pub fn points(points: Vec<Point>, shape: Shape, color: &str) -> Self {
-        Layer::of(Kind::Points { points, shape, radius: 2.7, color: color.to_owned(), filled: false })
+        Layer::new(LayerKind::Points { points, shape, radius: 2.7, color: color.to_owned(), filled: false })
     }
 
     /// Filled points.
     pub fn dots(points: Vec<Point>, shape: Shape, radius: f64, color: &str) -> Self {
-        Layer::of(Kind::Points { points, shape, radius, color: color.to_owned(), filled: true })
+        Layer::new(LayerKind::Points { points, shape, radius, color: color.to_owned(), filled: true })
     }
 
     /// A pale area between two curves: x, lower y, upper y.
     pub fn band(points: Vec<[f64; 3]>, color: &str) -> Self {
-        Layer::of(Kind::Band { points, color: color.to_owned(), opacity: 0.2 })
+        Layer::new(LayerKind::Band { points, color: color.to_owned(), opacity: 0.2 })
     }
 
     /// An area with a given opacity.
     pub fn area(points: Vec<[f64; 3]>, color: &str, opacity: f64) -> Self {
-        Layer::of(Kind::Band { points, color: color.to_owned(), opacity })
+        Layer::new(LayerKind::Band { points, color: color.to_owned(), opacity })
     }
 
     /// A thin dashed horizontal line.
     pub fn horizontal(at: f64, color: &str) -> Self {
-        Layer::of(Kind::Horizontal { at, stroke: Stroke::new(color, 1.0).dashed(&[5.0, 3.0]) })
+        Layer::new(LayerKind::Horizontal { at, stroke: Stroke::new(color, 1.0).dashed(&[5.0, 3.0]) })
     }
 
     /// A thin dashed vertical line.
     pub fn vertical(at: f64, color: &str) -> Self {
-        Layer::of(Kind::Vertical { at, stroke: Stroke::new(color, 1.0).dashed(&[2.0, 3.0]) })
+        Layer::new(LayerKind::Vertical { at, stroke: Stroke::new(color, 1.0).dashed(&[2.0, 3.0]) })
     }
 
     /// Sets the name in the legend.
@@ -121,48 +121,48 @@ impl Layer {
             }
         };
         match &self.kind {
-            Kind::Line { points, .. } | Kind::Points { points, .. } => {
+            LayerKind::Line { points, .. } | LayerKind::Points { points, .. } => {
                 points.iter().for_each(|&[x, y]| pair(x, y));
             }
-            Kind::Band { points, .. } => points.iter().for_each(|&[x, low, high]| {
+            LayerKind::Band { points, .. } => points.iter().for_each(|&[x, low, high]| {
                 pair(x, low);
                 pair(x, high);
             }),
-            Kind::Horizontal { at, .. } if usable(*at, log[1]) => see([None, Some(*at)]),
-            Kind::Vertical { at, .. } if usable(*at, log[0]) => see([Some(*at), None]),
-            Kind::Horizontal { .. } | Kind::Vertical { .. } => {}
+            LayerKind::Horizontal { at, .. } if usable(*at, log[1]) => see([None, Some(*at)]),
+            LayerKind::Vertical { at, .. } if usable(*at, log[0]) => see([Some(*at), None]),
+            LayerKind::Horizontal { .. } | LayerKind::Vertical { .. } => {}
         }
     }
 
     /// Draws the layer in a frame.
     pub fn draw(&self, svg: &mut Svg, frame: &Rect, x: &Scale, y: &Scale) {
         match &self.kind {
-            Kind::Line { stroke, .. } => {
+            LayerKind::Line { stroke, .. } => {
                 for part in self.runs(x, y) {
                     for piece in clip::polyline(&part, frame) {
                         svg.path(&piece, false, None, Some(stroke));
                     }
                 }
             }
-            Kind::Points { shape, radius, color, filled, .. } => {
+            LayerKind::Points { shape, radius, color, filled, .. } => {
                 let inside = self.runs(x, y).into_iter().flatten().filter(|p| frame.contains(*p, 0.5));
                 let data: String = inside.map(|p| shape.path(p, *radius)).collect();
                 if !data.is_empty() {
                     mark(svg, &data, *shape, color, *filled);
                 }
             }
-            Kind::Band { color, opacity, .. } => {
+            LayerKind::Band { color, opacity, .. } => {
                 for outline in self.runs(x, y) {
                     let area = clip::polygon(&outline, frame);
                     svg.path(&area, true, Some((color, *opacity)), None);
                 }
             }
-            Kind::Horizontal { at, stroke } => {
+            LayerKind::Horizontal { at, stroke } => {
                 if let Some(at) = y.at(*at).filter(|at| (frame.top..=frame.bottom).contains(at)) {
                     svg.line([frame.left, at], [frame.right, at], stroke);
                 }
             }
-            Kind::Vertical { at, stroke } => {
+            LayerKind::Vertical { at, stroke } => {
                 if let Some(at) = x.at(*at).filter(|at| (frame.left..=frame.right).contains(at)) {
                     svg.line([at, frame.bottom], [at, frame.top], stroke);
                 }
@@ -173,10 +173,10 @@ impl Layer {
     /// The pieces between gaps, in positions on the page: lines, points, or outlines of areas.
     pub fn runs(&self, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
         match &self.kind {
-            Kind::Line { points, .. } | Kind::Points { points, .. } => {
+            LayerKind::Line { points, .. } | LayerKind::Points { points, .. } => {
                 gapless(points.iter().map(|p| Some([x.at(p[0])?, y.at(p[1])?])))
             }
-            Kind::Band { points, .. } => {
+            LayerKind::Band { points, .. } => {
                 let bottom = gapless(points.iter().map(|p| {
                     y.at(p[2])?;
                     // On a logarithmic axis, a lower edge of a band at or below zero is moved to the end of the axis.
@@ -191,7 +191,7 @@ impl Layer {
                     })
                     .collect()
             }
-            Kind::Horizontal { .. } | Kind::Vertical { .. } => Vec::new(),
+            LayerKind::Horizontal { .. } | LayerKind::Vertical { .. } => Vec::new(),
         }
     }
 }

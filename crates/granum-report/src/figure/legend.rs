@@ -1,7 +1,7 @@
 //! Legends: inside a frame if they hide nothing there, otherwise above it.
 
 use super::clip::Rect;
-use super::layer::{self, Kind, Layer};
+use super::layer::{self, Layer, LayerKind};
 use super::palette::{INK, TICK_SIZE};
 use super::rich::{Rich, TextStyle, text};
 use super::svg::{Anchor, Point, Stroke, Svg};
@@ -19,7 +19,7 @@ const PAD: f64 = 5.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     label: String,
-    samples: Vec<Kind>,
+    samples: Vec<LayerKind>,
 }
 
 /// The entries of layers; layers with the same name share an entry.
@@ -38,13 +38,13 @@ pub fn entries<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<Entry> {
 }
 
 /// A kind of layer without its data.
-fn bare(kind: &Kind) -> Kind {
+fn bare(kind: &LayerKind) -> LayerKind {
     let mut kind = kind.clone();
     match &mut kind {
-        Kind::Line { points, .. } | Kind::Points { points, .. } => points.clear(),
-        Kind::Band { points, .. } => points.clear(),
-        Kind::Horizontal { stroke, .. } | Kind::Vertical { stroke, .. } => {
-            return Kind::Line { points: Vec::new(), stroke: stroke.clone() };
+        LayerKind::Line { points, .. } | LayerKind::Points { points, .. } => points.clear(),
+        LayerKind::Band { points, .. } => points.clear(),
+        LayerKind::Horizontal { stroke, .. } | LayerKind::Vertical { stroke, .. } => {
+            return LayerKind::Line { points: Vec::new(), stroke: stroke.clone() };
         }
     }
     kind
@@ -145,14 +145,16 @@ fn draw_entry(svg: &mut Svg, corner: Point, entry: &Entry) {
     let middle = corner[1] + 0.5 * ROW - 1.0;
     for sample in &entry.samples {
         match sample {
-            Kind::Band { color, opacity, .. } => {
+            LayerKind::Band { color, opacity, .. } => {
                 svg.rectangle([corner[0], middle - 4.5], [SAMPLE, 9.0], Some((color, *opacity)), None);
             }
-            Kind::Points { shape, radius, color, filled, .. } => {
+            LayerKind::Points { shape, radius, color, filled, .. } => {
                 let data = shape.path([corner[0] + 0.5 * SAMPLE, middle], radius.min(4.0));
                 layer::mark(svg, &data, *shape, color, *filled);
             }
-            Kind::Line { stroke, .. } | Kind::Horizontal { stroke, .. } | Kind::Vertical { stroke, .. } => {
+            LayerKind::Line { stroke, .. }
+            | LayerKind::Horizontal { stroke, .. }
+            | LayerKind::Vertical { stroke, .. } => {
                 let stroke = Stroke { width: stroke.width.min(3.0), ..stroke.clone() };
                 svg.line([corner[0], middle], [corner[0] + SAMPLE, middle], &stroke);
             }

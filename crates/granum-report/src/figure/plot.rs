@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Scale};
 use super::clip::Rect;
-use super::layer::{Kind, Layer};
+use super::layer::{Layer, LayerKind};
 use super::legend;
 use super::palette::{GREY, INK, LABEL_SIZE, TICK_SIZE};
 use super::rich::{Rich, TextStyle, text};
@@ -140,7 +140,7 @@ impl Plot {
     pub fn is_empty(&self) -> bool {
         let mut empty = true;
         for layer in &self.layers {
-            if !matches!(layer.kind, Kind::Horizontal { .. } | Kind::Vertical { .. }) {
+            if !matches!(layer.kind, LayerKind::Horizontal { .. } | LayerKind::Vertical { .. }) {
                 layer.visit([self.x.log, self.y.log], |_| empty = false);
             }
         }
@@ -187,10 +187,10 @@ impl Plot {
         let mut lines: Vec<Vec<Point>> = self.layers.iter().flat_map(|layer| layer.runs(&x, &y)).collect();
         for layer in &self.layers {
             match &layer.kind {
-                Kind::Horizontal { at, .. } => {
+                LayerKind::Horizontal { at, .. } => {
                     lines.extend(y.at(*at).map(|at| vec![[frame.left, at], [frame.right, at]]));
                 }
-                Kind::Band { points, .. } => {
+                LayerKind::Band { points, .. } => {
                     // The interior of a band counts as well.
                     lines.extend(points.iter().filter_map(|p| {
                         let x = x.at(p[0])?;

@@ -1,7 +1,7 @@
 //! A rose: a polar histogram of directions without sign, measured from the vertical.
 
 use super::clip::Rect;
-use super::layer::{Kind, Layer};
+use super::layer::{Layer, LayerKind};
 use super::palette::{GREY, INK, PALE, TICK_SIZE};
 use super::plot::plain;
 use super::rich::text;
@@ -85,7 +85,7 @@ impl Rose {
                 svg.path_of(&data, None, Some(&Stroke::new(&series.color, 1.8)));
             }
         }
-        if let (Some(value), Kind::Line { stroke, .. }) = (self.reference, reference_kind()) {
+        if let (Some(value), LayerKind::Line { stroke, .. }) = (self.reference, reference_kind()) {
             svg.circle(centre, scale * value, None, Some(&stroke));
         }
         for k in 1..=circles {
@@ -128,8 +128,8 @@ impl Rose {
 /// Opacity of the filled series.
 const FILL: f64 = 0.42;
 
-fn reference_kind() -> Kind {
-    Kind::Line { points: Vec::new(), stroke: Stroke::new(INK, 1.0).dashed(&[4.0, 3.0]) }
+fn reference_kind() -> LayerKind {
+    LayerKind::Line { points: Vec::new(), stroke: Stroke::new(INK, 1.0).dashed(&[4.0, 3.0]) }
 }
 
 /// The point at an angle in degrees, clockwise from the vertical.

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use granum_io::recordable;
 use granum_io::run::{self, RunSource};
-use granum_io::shell::recordable;
 
 use super::laboratory_error::LaboratoryError;
 

@@ -51,7 +51,7 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    fn of(text: &str) -> Result<Setting<'_>, Failure> {
+    fn parse(text: &str) -> Result<Setting<'_>, Failure> {
         let Some((key, value)) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
             return Err(Failure::new(format!(
                 "--set {text:?}: a key and its value are needed, e.g. --set grains.material.friction=0.2"
@@ -67,7 +67,7 @@ impl Setting<'_> {
 
 impl SetFlags {
     fn settings(&self) -> Result<Vec<Setting<'_>>, Failure> {
-        self.set.iter().map(|text| Setting::of(text)).collect()
+        self.set.iter().map(|text| Setting::parse(text)).collect()
     }
 
     /// Sets keys in the given sections of the case. Keys of other sections have no effect on the command and are refused, as

@@ -93,7 +93,7 @@ impl Compare {
                 check_common(&runs, &tests)?;
                 unlike_stresses(&runs, &tests).iter().for_each(|remark| context.warn(remark));
                 let pairs = (runs.iter())
-                    .flat_map(|run| tests.iter().map(|test| Pair::of(run, test)).collect::<Vec<_>>())
+                    .flat_map(|run| tests.iter().map(|test| Pair::new(run, test)).collect::<Vec<_>>())
                     .collect();
                 self.draw(&runs, &tests)?;
                 let entries =
@@ -107,13 +107,13 @@ impl Compare {
                     let message = "give two runs or more, or runs and the laboratory's file last";
                     return Err(Failure::new(message));
                 };
-                let pairs: Vec<Pair> = others.iter().map(|run| Pair::of(run, &first.curves)).collect();
+                let pairs: Vec<Pair> = others.iter().map(|run| Pair::new(run, &first.curves)).collect();
                 self.draw(&runs, &[])?;
                 (runs, pairs, entries)
             }
         };
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-        let strength = Strength::of(&entries, &runs);
+        let strength = Strength::from_runs(&entries, &runs);
         output::say(context, &as_json(&pairs, &names, &strength, &self.output), || {
             let lines = [vec![text(&pairs)], strength.lines()].concat();
             format!("{}\nwrote {}", lines.join("\n"), self.output.shown())
@@ -197,7 +197,7 @@ fn curves(context: &Context, folder: &Path) -> Result<RunCurves, Failure> {
     let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
     let (case, record) = (run.case()?, read_record(&run)?);
     let measures = granum_run::strength::of_run(&case, &about, &record);
-    Ok(RunCurves { measures, ..RunCurves::of(&name, &record, &case.test_stages()) })
+    Ok(RunCurves { measures, ..RunCurves::from_record(&name, &record, &case.test_stages()) })
 }
 
 /// The strength of runs, with the scatter of those that differ in their seeds alone, and the critical state line through them.
@@ -209,7 +209,7 @@ struct Strength {
 }
 
 impl Strength {
-    fn of(entries: &[RunEntry], runs: &[RunCurves]) -> Strength {
+    fn from_runs(entries: &[RunEntry], runs: &[RunCurves]) -> Strength {
         let measures: Vec<Measures> = runs.iter().map(|run| run.measures.clone()).collect();
         let states: Vec<LateState> = measures.iter().filter_map(late_state).collect();
         let cases: Vec<&Case> = entries.iter().map(|entry| &entry.case).collect();
@@ -280,7 +280,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn of(run: &RunCurves, other: &LaboratoryTest) -> Pair {
+    fn new(run: &RunCurves, other: &LaboratoryTest) -> Pair {
         Pair { run: run.name.clone(), other: other.name.clone(), errors: errors(run, other) }
     }
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::contents::{Contents, Kind, taken};
+use granum::contents::{Contents, FolderKind, taken};
 use granum_antony2006::figures::figures;
 use granum_antony2006::files::load_study;
 use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
@@ -102,7 +102,7 @@ impl Report {
     fn check_place(&self, out: &Path) -> Result<(), Failure> {
         let same =
             |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let contents = Contents::of(out)?;
+        let contents = Contents::read(out)?;
         let its_own = matches!(&self.data[..], [one] if same(out, one));
         if contents.kind().is_none() || its_own {
             return Ok(());
@@ -160,7 +160,7 @@ impl Report {
 
 /// True for a folder that is no run itself and contains several.
 fn is_of_several(folder: &Path) -> Result<bool, Failure> {
-    Ok(match Contents::of(folder)? {
+    Ok(match Contents::read(folder)? {
         Contents::Runs { .. } => true,
         Contents::Other => find_runs(&[folder.to_path_buf()]).is_ok(),
         _ => false,
@@ -220,8 +220,8 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
         let study = study(folder, &runs, &models)?;
         return Ok((study_report(&study), Some(study)));
     }
-    let contents = Contents::of(folder)?;
-    if contents.kind() == Some(Kind::Reproduction) {
+    let contents = Contents::read(folder)?;
+    if contents.kind() == Some(FolderKind::Reproduction) {
         let (name, next) = (folder.shown(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }

@@ -60,7 +60,7 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
 
 /// The stresses of the test in a folder.
 fn stresses(folder: &Path) -> Option<Stresses> {
-    Stresses::of(&Run::at(folder).ok()?)
+    Stresses::read(&Run::at(folder).ok()?)
 }
 
 fn text(folder: &Path, record: &RunRecord) -> String {

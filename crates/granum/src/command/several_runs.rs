@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use granum::contents::{Kind, check_free};
+use granum::contents::{FolderKind, check_free};
 use granum_io::OutputFolder;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -32,7 +32,7 @@ pub fn run(
     source: &Source,
     out: &Path,
 ) -> Result<(), Failure> {
-    check_free(out, Kind::Runs, true)?;
+    check_free(out, FolderKind::Runs, true)?;
     let runs = cases.into_iter().map(|case| planned(kind, case, source, out)).collect();
     let queue = Queue::with_shared_samples(runs, &out.join(SAMPLES))?;
     // A mistake in any run leaves nothing behind.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum::contents::{Kind, check_free};
+use granum::contents::{FolderKind, check_free};
 use granum_io::{Case, RunFolder};
 use granum_run::Laboratory;
 use granum_run::laboratory::Source;
@@ -23,8 +23,8 @@ pub fn run(
     out: &Path,
 ) -> Result<(), Failure> {
     let wanted = match kind {
-        RunKind::Prepare => Kind::Sample,
-        RunKind::Shear => Kind::Test,
+        RunKind::Prepare => FolderKind::Sample,
+        RunKind::Shear => FolderKind::Test,
     };
     check_free(out, wanted, context.force)?;
     // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does

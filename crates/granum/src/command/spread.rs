@@ -16,7 +16,7 @@ pub struct Spread {
 
 impl Spread {
     /// `differences` are those other than the seed.
-    pub fn of(differences: &[Difference]) -> Spread {
+    pub fn new(differences: &[Difference]) -> Spread {
         Spread { differences: differences.iter().map(|found| found.key.clone()).collect() }
     }
 

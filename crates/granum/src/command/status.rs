@@ -30,7 +30,7 @@ pub struct Status {
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("checking the files"));
-        match Contents::of(&self.folder)? {
+        match Contents::read(&self.folder)? {
             Contents::Training { finished } => self.training(context, finished),
             contents @ (Contents::Reproduction { .. } | Contents::Runs { .. }) => {
                 self.several(context, &contents)
@@ -49,7 +49,7 @@ impl Status {
         let (mut all, mut lines) = (Vec::new(), Vec::new());
         let mut faults = whole::faults(&self.folder, contents)?;
         for folder in contents.runs(&self.folder) {
-            if Contents::of(&folder)? == Contents::Nothing {
+            if Contents::read(&folder)? == Contents::Nothing {
                 all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
                 lines.push(format!("{}: not begun", folder.shown()));
                 continue;

@@ -30,7 +30,7 @@ pub struct Stresses {
 
 impl Stresses {
     /// Of a run; none if it is a preparation, or if its series cannot be read.
-    pub fn of(run: &Run) -> Option<Stresses> {
+    pub fn read(run: &Run) -> Option<Stresses> {
         if !run.has_series() {
             return None;
         }

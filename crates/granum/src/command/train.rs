@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use granum::contents::{Kind, check_free};
+use granum::contents::{FolderKind, check_free};
 use granum_antony2006::files::save_study;
 use granum_antony2006::layout::{PLAN_FILE, STUDY_FILE};
 use granum_antony2006::mapping::{PAPER_STRAIN, paper_mappings_to};
@@ -299,7 +299,7 @@ impl Train {
     fn folder(&self, context: &Context, plan: &TrainingManifest) -> Result<OutputFolder, Failure> {
         let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
         if !unfinished || context.force {
-            check_free(&self.out, Kind::Training, context.force)?;
+            check_free(&self.out, FolderKind::Training, context.force)?;
         } else {
             let folder = OutputFolder::open(&self.out)?;
             let differences = TrainingManifest::read(&self.out)?.differences(plan);
@@ -326,7 +326,7 @@ impl Train {
         dataset: &StudyData,
         differences: &[Difference],
     ) -> Result<(), Failure> {
-        let spread = Spread::of(differences);
+        let spread = Spread::new(differences);
         let mappings: BTreeMap<String, MappingSummary> = study
             .evaluate(dataset)?
             .iter()

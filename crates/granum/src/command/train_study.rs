@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
-use granum::contents::{Kind, check_free};
+use granum::contents::{FolderKind, check_free};
 use granum_io::run::RunRecord;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run};
@@ -202,7 +202,7 @@ fn folder(context: &Context, out: &Path, plan: &StudyPlan) -> Result<OutputFolde
             quoted_path(out)
         )));
     }
-    check_free(out, Kind::Training, context.force)?;
+    check_free(out, FolderKind::Training, context.force)?;
     let folder = OutputFolder::create(out, context.force)?;
     folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
     plan.write(folder.path())?;

@@ -21,20 +21,20 @@ const FREE: u64 = 32 << 20;
 
 /// The type of the numbers of a chunk.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ChunkType {
     U32,
     U64,
     F32,
     F64,
 }
 
-impl Kind {
+impl ChunkType {
     fn code(self) -> u8 {
         match self {
-            Kind::U32 => 3,
-            Kind::U64 => 4,
-            Kind::F32 => 9,
-            Kind::F64 => 10,
+            ChunkType::U32 => 3,
+            ChunkType::U64 => 4,
+            ChunkType::F32 => 9,
+            ChunkType::F64 => 10,
         }
     }
 }
@@ -197,7 +197,7 @@ impl Writer {
     }
 
     /// Adds a chunk of rows of `columns` numbers to the present frame.
-    pub(super) fn chunk(&mut self, name: &str, kind: Kind, columns: u32, values: &[f64]) {
+    pub(super) fn chunk(&mut self, name: &str, kind: ChunkType, columns: u32, values: &[f64]) {
         let known = self.names.iter().position(|known| known == name);
         let id = known.unwrap_or_else(|| {
             self.names.push(name.to_string());
@@ -206,10 +206,10 @@ impl Writer {
         let place = self.data.len();
         for value in values {
             match kind {
-                Kind::U32 => self.data.extend((*value as u32).to_le_bytes()),
-                Kind::U64 => self.data.extend((*value as u64).to_le_bytes()),
-                Kind::F32 => self.data.extend((*value as f32).to_le_bytes()),
-                Kind::F64 => self.data.extend(value.to_le_bytes()),
+                ChunkType::U32 => self.data.extend((*value as u32).to_le_bytes()),
+                ChunkType::U64 => self.data.extend((*value as u64).to_le_bytes()),
+                ChunkType::F32 => self.data.extend((*value as f32).to_le_bytes()),
+                ChunkType::F64 => self.data.extend(value.to_le_bytes()),
             }
         }
         let rows = values.len() as u64 / u64::from(columns.max(1));

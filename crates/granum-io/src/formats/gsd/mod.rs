@@ -18,7 +18,7 @@ use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 use granum_core::geometry::apply;
 
-use self::layout::{File, Kind, Writer};
+use self::layout::{ChunkType, File, Writer};
 use super::lammps_data::restricted;
 use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
 use crate::atomic::write_atomically;
@@ -137,26 +137,26 @@ fn add(writer: &mut Writer, observation: &Observation) {
     };
     let (lx, ly, lz) = (edges[0][0], edges[1][1], edges[2][2]);
     let cell = [lx, ly, lz, edges[0][1] / ly, edges[0][2] / lz, edges[1][2] / lz];
-    writer.chunk("configuration/step", Kind::U64, 1, &[assembly.step as f64]);
-    writer.chunk("configuration/box", Kind::F32, 1, &cell);
-    writer.chunk("particles/N", Kind::U32, 1, &[assembly.grains.len() as f64]);
+    writer.chunk("configuration/step", ChunkType::U64, 1, &[assembly.step as f64]);
+    writer.chunk("configuration/box", ChunkType::F32, 1, &cell);
+    writer.chunk("particles/N", ChunkType::U32, 1, &[assembly.grains.len() as f64]);
     let places: Vec<f64> = assembly.grains.iter().flat_map(place).collect();
-    writer.chunk("particles/position", Kind::F32, 3, &places);
-    writer.chunk(EXACT[0], Kind::F64, 3, &places);
+    writer.chunk("particles/position", ChunkType::F32, 3, &places);
+    writer.chunk(EXACT[0], ChunkType::F64, 3, &places);
     if parts.has(Part::Radii) {
         let radii: Vec<f64> = assembly.grains.iter().map(|grain| grain.radius).collect();
         let diameters: Vec<f64> = radii.iter().map(|radius| 2.0 * radius).collect();
-        writer.chunk("particles/diameter", Kind::F32, 1, &diameters);
-        writer.chunk(EXACT[1], Kind::F64, 1, &radii);
+        writer.chunk("particles/diameter", ChunkType::F32, 1, &diameters);
+        writer.chunk(EXACT[1], ChunkType::F64, 1, &radii);
     }
     if parts.has(Part::Masses) {
         let masses: Vec<f64> = assembly.grains.iter().map(|grain| grain.mass).collect();
-        writer.chunk("particles/mass", Kind::F32, 1, &masses);
+        writer.chunk("particles/mass", ChunkType::F32, 1, &masses);
     }
     if parts.has(Part::Velocities) {
         let velocities: Vec<f64> =
             assembly.grains.iter().flat_map(|grain| apply(&turn, grain.velocity)).collect();
-        writer.chunk("particles/velocity", Kind::F32, 3, &velocities);
+        writer.chunk("particles/velocity", ChunkType::F32, 3, &velocities);
     }
     writer.end_frame();
 }

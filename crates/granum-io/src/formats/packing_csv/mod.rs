@@ -18,10 +18,10 @@ use std::path::Path;
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
-use crate::case::is_material_name;
 use crate::error::{Error, Result};
 use crate::formats::csv::{Lines, names, number, position};
 use crate::formats::{FrameCell, PackingFormat};
+use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
 
 /// The format.

@@ -1,7 +1,7 @@
 //! The structures of Parquet's metadata as the format defines them (parquet-format 2.12, `parquet.thrift`).
 
+use super::thrift::FieldType::{self, Bytes, Double, Flag, I8, I16, I32, I64, List, Struct};
 use super::thrift::Fields;
-use super::thrift::Kind::{self, Bytes, Double, Flag, I8, I16, I32, I64, List, Struct};
 
 /// The footer of a file.
 pub(super) const FILE_METADATA: Fields = &[
@@ -28,9 +28,9 @@ pub(super) const PAGE_HEADER: Fields = &[
     (8, Struct(&[(1, I32), (2, I32), (3, I32), (4, I32), (5, I32), (6, I32), (7, Flag), (8, STATISTICS)])),
 ];
 
-const NOTHING: Kind = Struct(&[]);
-const KEY_VALUE: Kind = Struct(&[(1, Bytes), (2, Bytes)]);
-const ENCRYPTION: Kind = Struct(&[(1, Bytes), (2, Bytes), (3, Flag)]);
+const NOTHING: FieldType = Struct(&[]);
+const KEY_VALUE: FieldType = Struct(&[(1, Bytes), (2, Bytes)]);
+const ENCRYPTION: FieldType = Struct(&[(1, Bytes), (2, Bytes), (3, Flag)]);
 
 const SCHEMA_ELEMENT: Fields = &[
     (1, I32),
@@ -66,7 +66,7 @@ const LOGICAL_TYPE: Fields = &[
     (19, NOTHING),
 ];
 
-const TIME: Kind = Struct(&[(1, Flag), (2, Struct(&[(1, NOTHING), (2, NOTHING), (3, NOTHING)]))]);
+const TIME: FieldType = Struct(&[(1, Flag), (2, Struct(&[(1, NOTHING), (2, NOTHING), (3, NOTHING)]))]);
 
 const ROW_GROUP: Fields = &[
     (1, List(&Struct(COLUMN_CHUNK))),
@@ -110,7 +110,7 @@ const COLUMN_METADATA: Fields = &[
     (17, Struct(&[(1, Struct(BOUNDING_BOX)), (2, List(&I32))])),
 ];
 
-const STATISTICS: Kind = Struct(&[
+const STATISTICS: FieldType = Struct(&[
     (1, Bytes),
     (2, Bytes),
     (3, I64),

@@ -15,7 +15,7 @@ pub(super) enum Flaw {
 
 /// The type of a field.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Kind {
+pub(super) enum FieldType {
     Flag,
     I8,
     I16,
@@ -23,26 +23,26 @@ pub(super) enum Kind {
     I64,
     Double,
     Bytes,
-    List(&'static Kind),
+    List(&'static FieldType),
     Struct(Fields),
 }
 
 /// The fields of a structure with their numbers. Others are skipped according to the type that they declare.
-pub(super) type Fields = &'static [(i16, Kind)];
+pub(super) type Fields = &'static [(i16, FieldType)];
 
-impl Kind {
+impl FieldType {
     /// True for the type code found in the bytes.
     fn is(self, wire_type: u8) -> bool {
         match self {
-            Kind::Flag => matches!(wire_type, 1 | 2),
-            Kind::I8 => wire_type == 3,
-            Kind::I16 => wire_type == 4,
-            Kind::I32 => wire_type == 5,
-            Kind::I64 => wire_type == 6,
-            Kind::Double => wire_type == 7,
-            Kind::Bytes => wire_type == 8,
-            Kind::List(_) => wire_type == 9,
-            Kind::Struct(_) => wire_type == 12,
+            FieldType::Flag => matches!(wire_type, 1 | 2),
+            FieldType::I8 => wire_type == 3,
+            FieldType::I16 => wire_type == 4,
+            FieldType::I32 => wire_type == 5,
+            FieldType::I64 => wire_type == 6,
+            FieldType::Double => wire_type == 7,
+            FieldType::Bytes => wire_type == 8,
+            FieldType::List(_) => wire_type == 9,
+            FieldType::Struct(_) => wire_type == 12,
         }
     }
 }
@@ -88,7 +88,7 @@ impl Walker<'_> {
         }
     }
 
-    fn value(&mut self, wire_type: u8, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
+    fn value(&mut self, wire_type: u8, known: Option<FieldType>, depth: usize) -> Result<(), Flaw> {
         if known.is_some_and(|kind| !kind.is(wire_type)) {
             return Err(Flaw::Wrong);
         }
@@ -106,16 +106,15 @@ impl Walker<'_> {
                 self.skip(length)
             }
             9 | 10 => self.list(known, depth),
-            12 => {
-                self.structure(if let Some(Kind::Struct(fields)) = known { fields } else { &[] }, depth + 1)
-            }
+            12 => self
+                .structure(if let Some(FieldType::Struct(fields)) = known { fields } else { &[] }, depth + 1),
             13 => self.skip(16),
             // The format has no maps.
             _ => Err(Flaw::Wrong),
         }
     }
 
-    fn list(&mut self, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
+    fn list(&mut self, known: Option<FieldType>, depth: usize) -> Result<(), Flaw> {
         let head = self.byte()?;
         let size = if head >> 4 == 15 { self.variable()? } else { u64::from(head >> 4) };
         // No list here contains booleans, and the decoder would iterate over any number of them without consuming a byte.
@@ -125,7 +124,7 @@ impl Walker<'_> {
         if size > self.rest.len() as u64 {
             return Err(Flaw::TooShort);
         }
-        let element = if let Some(Kind::List(element)) = known { Some(*element) } else { None };
+        let element = if let Some(FieldType::List(element)) = known { Some(*element) } else { None };
         for _ in 0..size {
             self.value(head & 15, element, depth + 1)?;
         }
@@ -188,7 +187,8 @@ mod tests {
 
     #[test]
     fn a_known_field_has_its_type() {
-        const FIELDS: Fields = &[(1, Kind::I32), (2, Kind::List(&Kind::Struct(&[(1, Kind::Flag)])))];
+        const FIELDS: Fields =
+            &[(1, FieldType::I32), (2, FieldType::List(&FieldType::Struct(&[(1, FieldType::Flag)])))];
         let take = |bytes: &[u8]| walk(bytes, FIELDS, &mut |_, _| {});
         assert_eq!(take(&[0x15, 2, 0x19, 0x1c, 0x11, 0, 0x18, 0, 0]), Ok(9));
         for wrong in [&[0x16, 2, 0][..], &[0x29, 0x15, 2, 0], &[0x29, 0x1c, 0x15, 2, 0, 0], &[0x2c, 0, 0]] {

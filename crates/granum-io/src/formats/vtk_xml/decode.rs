@@ -24,7 +24,7 @@ pub(super) struct Layout {
 
 /// Type of the numbers of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Kind {
+pub(super) struct NumberType {
     bytes: usize,
     class: Class,
 }
@@ -36,9 +36,9 @@ enum Class {
     Float,
 }
 
-impl Kind {
+impl NumberType {
     /// `Float64`, `Int8` and the like.
-    pub(super) fn named(name: &str) -> Option<Kind> {
+    pub(super) fn named(name: &str) -> Option<NumberType> {
         let at = name.find(|c: char| c.is_ascii_digit())?;
         let class = match &name[..at] {
             "Int" => Class::Signed,
@@ -53,7 +53,7 @@ impl Kind {
             ("64", _) => 8,
             _ => return None,
         };
-        Some(Kind { bytes, class })
+        Some(NumberType { bytes, class })
     }
 
     /// The number that a word is, rounded to this type: text and bytes of one array are the same numbers.
@@ -91,7 +91,7 @@ pub(super) fn binary(
     at: usize,
     encoding: Encoding,
     layout: Layout,
-    kind: Kind,
+    kind: NumberType,
     room: &Cell<usize>,
 ) -> Result<Vec<f64>, String> {
     let bytes = if layout.compressed {
@@ -242,13 +242,13 @@ mod tests {
 
     #[test]
     fn numbers_of_every_type_are_read() {
-        let number = |name: &str, bytes: &[u8], big| Kind::named(name).unwrap().number(bytes, big);
+        let number = |name: &str, bytes: &[u8], big| NumberType::named(name).unwrap().number(bytes, big);
         assert_eq!(number("Int16", &[0xFE, 0xFF], false), -2.0);
         assert_eq!(number("UInt16", &[0xFE, 0xFF], false), 65534.0);
         assert_eq!(number("Float32", &[0x3F, 0x80, 0, 0], true), 1.0);
         assert_eq!(number("Int64", &(-3_i64).to_le_bytes(), false), -3.0);
         assert_eq!(number("Float64", &2.5_f64.to_be_bytes(), true), 2.5);
-        assert!(Kind::named("Float16").is_none() && Kind::named("String").is_none());
+        assert!(NumberType::named("Float16").is_none() && NumberType::named("String").is_none());
     }
 
     /// Zeros are packed a thousand times smaller: two megabytes are two gigabytes.
@@ -260,7 +260,7 @@ mod tests {
         let mut bytes: Vec<u8> = head.flat_map(u32::to_le_bytes).collect();
         (0..blocks).for_each(|_| bytes.extend(&packed));
         let layout = Layout { big_endian: false, header: 4, compressed: true };
-        let kind = Kind::named("Float64").unwrap();
+        let kind = NumberType::named("Float64").unwrap();
         let room = room(bytes.len());
         let error = binary(&bytes, 0, Encoding::Raw, layout, kind, &room).unwrap_err();
         assert!(error.starts_with("claims 3145728000 bytes, far more"), "{error}");
@@ -279,7 +279,7 @@ mod tests {
         ) {
             let layout = Layout { big_endian: false, header: if wide { 8 } else { 4 }, compressed };
             let encoding = if raw { Encoding::Raw } else { Encoding::Base64 };
-            let _ = binary(&bytes, at, encoding, layout, Kind::named("Float64").unwrap(), &room(bytes.len()));
+            let _ = binary(&bytes, at, encoding, layout, NumberType::named("Float64").unwrap(), &room(bytes.len()));
         }
     }
 }

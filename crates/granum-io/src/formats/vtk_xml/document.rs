@@ -8,7 +8,7 @@ use std::path::Path;
 use granum_core::assembly::Vector;
 use roxmltree::{Document as Xml, Node};
 
-use super::decode::{self, Encoding, Kind, Layout};
+use super::decode::{self, Encoding, Layout, NumberType};
 use crate::error::{Error, InputError, Result};
 use crate::shell::ShowPath;
 
@@ -256,8 +256,8 @@ impl File<'_> {
         let name = node.attribute("Name").unwrap_or("Points").to_string();
         let wrong = |what: String| self.error(node, format!("the array {name} {what}"));
         let type_name = node.attribute("type").unwrap_or("");
-        let kind =
-            Kind::named(type_name).ok_or_else(|| wrong(format!("has the unknown type {type_name:?}")))?;
+        let kind = NumberType::named(type_name)
+            .ok_or_else(|| wrong(format!("has the unknown type {type_name:?}")))?;
         let components = match node.attribute("NumberOfComponents").map(str::parse::<usize>) {
             None => 1,
             Some(Ok(count)) if count > 0 => count,
@@ -292,7 +292,7 @@ impl File<'_> {
     }
 }
 
-fn text_values(text: &str, kind: Kind) -> std::result::Result<Vec<f64>, String> {
+fn text_values(text: &str, kind: NumberType) -> std::result::Result<Vec<f64>, String> {
     let number = |word: &str| {
         let shown = || word.chars().take(40).collect::<String>();
         kind.parse(word).ok_or_else(|| format!("has the value {:?}, which is no number", shown()))

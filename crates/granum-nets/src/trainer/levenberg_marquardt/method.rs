@@ -30,7 +30,7 @@ impl Method {
     }
 
     /// Reads it from a state; refuses values with which the search for a step would not terminate.
-    pub fn of(state: &TrainerState, weights: usize) -> Result<Method, TrainingError> {
+    pub fn from_state(state: &TrainerState, weights: usize) -> Result<Method, TrainingError> {
         let start = state.values("start").map(|_| state.vector("start", weights)).transpose()?;
         let evidence = state.vector("evidence", 3)?;
         let method = Method {

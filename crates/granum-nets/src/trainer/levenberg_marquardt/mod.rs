@@ -267,7 +267,7 @@ impl<'a> Search<'a> {
             method.into_state(TrainerState::new(LevenbergMarquardt::NAME, model.weights().to_vec()))
         });
         state.check(LevenbergMarquardt::NAME, model)?;
-        let Method { damping, evidence, start, ceiling, settled, quiet } = Method::of(&state, count)?;
+        let Method { damping, evidence, start, ceiling, settled, quiet } = Method::from_state(&state, count)?;
         let mut search = Search {
             rule,
             problem,

@@ -134,7 +134,7 @@ struct Load {
 }
 
 impl Load {
-    fn of(simulation: &Simulation) -> Load {
+    fn measure(simulation: &Simulation) -> Load {
         let state = simulation.state();
         Load {
             contacts_per_grain: state.contacts() as f64 / state.grains() as f64,
@@ -292,7 +292,7 @@ fn figures(
     measurement: &Measurement,
 ) -> Result<Vec<Figure>, Failure> {
     let mut from = sheared(law, packing, measurement)?;
-    let before = Load::of(&from);
+    let before = Load::measure(&from);
     let first = hardware.first().copied().unwrap_or_default();
     from.set_hardware(first);
     if let Some(wanted) = measurement.segment {
@@ -332,7 +332,7 @@ fn figures(
         made += steps;
         from = end.unwrap_or(from);
     }
-    let load = Load::of(&from).check(before)?;
+    let load = Load::measure(&from).check(before)?;
     let grains = packing.grains.len() as f64;
     let figure = |k: usize| Figure {
         normal: law.0.normal.name(),
@@ -391,7 +391,7 @@ fn one_segment(
             // With a single segment there are no pauses in which the arithmetic could be measured.
             arithmetic_speed_up: None,
             steps: wanted.steps,
-            load: Load::of(&simulation).check(Load::of(from))?,
+            load: Load::measure(&simulation).check(Load::measure(from))?,
         });
     }
     Ok(figures)

@@ -5,7 +5,6 @@ mod dem;
 mod nets;
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 use granum_dem::Isa;
@@ -139,21 +138,4 @@ impl Bench {
             strain_rate: self.strain_rate,
         })
     }
-}
-
-/// Shortest time of one call, s, measured for about `seconds`.
-fn best(
-    context: &Context,
-    seconds: f64,
-    mut call: impl FnMut() -> Result<(), Failure>,
-) -> Result<f64, Failure> {
-    let clock = Instant::now();
-    let mut least = f64::INFINITY;
-    while least.is_infinite() || clock.elapsed().as_secs_f64() < seconds {
-        context.check_stopped(|| "nothing was written".into())?;
-        let start = Instant::now();
-        call()?;
-        least = least.min(start.elapsed().as_secs_f64());
-    }
-    Ok(least)
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use granum::contents::{Contents, Kind, check_free, taken};
+use granum::contents::{Contents, FolderKind, check_free, taken};
 use granum_antony2006::Summary;
 use granum_antony2006::layout::TIMES_FILE;
 use granum_antony2006::reproduction::{
@@ -112,8 +112,8 @@ impl Reproduce {
     /// reproduction.
     fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
         let wanted = Reproduction::new(self.options(), plan.names());
-        let Contents::Reproduction { .. } = Contents::of(&self.out)? else {
-            check_free(&self.out, Kind::Reproduction, context.force)?;
+        let Contents::Reproduction { .. } = Contents::read(&self.out)? else {
+            check_free(&self.out, FolderKind::Reproduction, context.force)?;
             let folder = OutputFolder::create(&self.out, context.force)?;
             wanted.write(folder.path())?;
             return Ok(folder);
@@ -128,7 +128,7 @@ impl Reproduce {
         if !context.force {
             // The lock must be released first, since otherwise the folder would appear to be in use.
             drop(folder);
-            let mut refusal = taken(&self.out, &Contents::of(&self.out)?, "this one", true);
+            let mut refusal = taken(&self.out, &Contents::read(&self.out)?, "this one", true);
             if let LearnError::Taken { holds, .. } = &mut refusal {
                 holds.push_str(&difference);
             }

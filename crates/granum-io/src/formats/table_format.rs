@@ -1,0 +1,25 @@
+//! What a format of tables provides.
+
+use std::path::Path;
+
+use granum_core::Table;
+
+use crate::error::Result;
+
+/// A format of tables of numbers.
+pub trait TableFormat: Send + Sync {
+    /// Its name, e.g. "Parquet".
+    fn name(&self) -> &'static str;
+    /// The extensions of its files, in lower case and without the dot.
+    fn extensions(&self) -> &'static [&'static str];
+    /// Reads the named columns in the requested order, or all numeric ones.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not of this format; if a column is missing, with the nearest name.
+    fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table>;
+    /// Writes a table under a temporary name and renames it. Equal tables give equal bytes.
+    ///
+    /// # Errors
+    /// If the table cannot be represented in this format, or the file cannot be written.
+    fn write(&self, path: &Path, table: &Table) -> Result<()>;
+}
