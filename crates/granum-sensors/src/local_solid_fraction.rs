@@ -10,11 +10,11 @@
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::assembly::{Matrix, Vector};
-use granum_core::geometry::{apply, cross, determinant, dot, invert};
+use granum_core::geometry::{cross, dot};
 use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::ratio::{mean, ratio};
 use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
@@ -47,18 +47,19 @@ impl Sensor for LocalSolidFraction {
         vec![Bins::new("local_solid_fractions", "solid_fraction", "1").width(0.01).range(0.0, 1.0)]
     }
 
-    /// The search widens until it has crossed the widest layer of the cell without a centre.
+    /// The first reach; the search widens where much of the cell is empty, and gives up where that takes too long.
     fn reach(&self, assembly: &Assembly) -> f64 {
-        let first =
-            FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest));
-        first.max(widest_gap(assembly))
+        FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest))
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let grains = &observation.assembly.grains;
         let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
         let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
-        let cells = radical_voronoi(&observation.assembly.cell, &positions, &radii);
+        let mut work = Work(most_work(grains.len()));
+        let Some(cells) = tessellation(&observation.assembly.cell, &positions, &radii, &mut work) else {
+            return values.give_up(TOO_MUCH_WORK);
+        };
         let solid = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
         // A small grain amid large ones may have no cell at all.
         let fractions: Vec<f64> = (cells.iter().zip(&radii))
@@ -74,26 +75,6 @@ impl Sensor for LocalSolidFraction {
         values.extend([average, square.sqrt(), mean(faces as f64, cells.len()), gap]);
         values.count(0, fractions);
     }
-}
-
-/// Thickness of the widest layer between two faces of the periodic cell that contains no centre, m.
-fn widest_gap(assembly: &Assembly) -> f64 {
-    if determinant(&assembly.cell) == 0.0 {
-        return 0.0;
-    }
-    let inverse = invert(&assembly.cell);
-    let gap = |axis: usize| {
-        let height = 1.0 / inverse[axis].iter().map(|x| x * x).sum::<f64>().sqrt();
-        let place = |position: Vector| {
-            let place = apply(&inverse, position)[axis];
-            place - place.floor()
-        };
-        let mut places: Vec<f64> = assembly.grains.iter().map(|grain| place(grain.position)).collect();
-        places.sort_by(f64::total_cmp);
-        let across = places.first().zip(places.last()).map_or(1.0, |(first, last)| first + 1.0 - last);
-        height * places.windows(2).map(|pair| pair[1] - pair[0]).fold(across, f64::max)
-    };
-    (0..3).map(gap).fold(0.0, f64::max)
 }
 
 /// The cell of a grain.
@@ -117,24 +98,45 @@ pub struct VoronoiCell {
 /// assert_eq!(cells[0].faces, 6);
 /// ```
 pub fn radical_voronoi(cell: &Matrix, centres: &[Vector], radii: &[f64]) -> Vec<VoronoiCell> {
+    tessellation(cell, centres, radii, &mut Work(f64::INFINITY)).unwrap_or_default()
+}
+
+/// Steps of work that are left.
+struct Work(f64);
+
+impl Work {
+    /// Takes steps; `None` if there are not as many left.
+    fn take(&mut self, steps: f64) -> Option<()> {
+        self.0 -= steps;
+        (self.0 >= 0.0).then_some(())
+    }
+}
+
+/// As [`radical_voronoi`]; `None` if it would take more work.
+fn tessellation(
+    cell: &Matrix,
+    centres: &[Vector],
+    radii: &[f64],
+    work: &mut Work,
+) -> Option<Vec<VoronoiCell>> {
     let largest = radii.iter().fold(0.0f64, |largest, radius| largest.max(*radius));
     let mut cells = vec![None; centres.len().min(radii.len())];
     let mut reach = FIRST_REACH * largest;
     // Beyond the sum of the edges even a single sphere has all of its images as neighbours.
     for _ in 0..40 {
-        let Some(neighbours) = Neighbours::new(cell, centres, reach) else { return Vec::new() };
-        for i in 0..cells.len() {
-            if cells[i].is_none() {
-                let planes = planes_of(i, &neighbours, radii);
-                cells[i] = cell_of(&planes, reach, [radii[i], largest]);
-            }
+        let Some(neighbours) = Neighbours::new(cell, centres, reach) else { return Some(Vec::new()) };
+        let open: Vec<usize> = (0..cells.len()).filter(|&i| cells[i].is_none()).collect();
+        work.take(neighbours.work(open.iter().copied(), work.0))?;
+        for i in open {
+            let planes = planes_of(i, &neighbours, radii);
+            cells[i] = cell_of(&planes, reach, [radii[i], largest], work)?;
         }
         if cells.iter().all(Option::is_some) {
             break;
         }
         reach *= 1.5;
     }
-    cells.into_iter().map(Option::unwrap_or_default).collect()
+    Some(cells.into_iter().map(Option::unwrap_or_default).collect())
 }
 
 /// A plane `x . normal = height`; the cell lies below it.
@@ -162,13 +164,22 @@ fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
 /// Planes of which a first, larger cell is made.
 const NEAREST: usize = 20;
 
+/// Work of cutting a face by a plane, in steps.
+const STEPS_OF_A_CUT: f64 = 10.0;
+
 /// Planes that are taken at once, without a try of fewer.
 const MANY: usize = 8 * NEAREST;
 
-/// The cell below all planes, which are sorted by distance; `None` if a sphere beyond the reach might cut it.
-fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<VoronoiCell> {
+/// The cell below all planes, which are sorted by distance; `Some(None)` if a sphere beyond the reach might cut it, `None` if it would
+/// take more work.
+fn cell_of(
+    planes: &[Plane],
+    reach: f64,
+    [own, largest]: [f64; 2],
+    work: &mut Work,
+) -> Option<Option<VoronoiCell>> {
     let mut count = planes.len().min(NEAREST);
-    let (mut found, mut farthest) = intersection(&planes[..count], reach);
+    let (mut found, mut farthest) = intersection(&planes[..count], reach, work)?;
     // Planes beyond all corners of the cell of the nearest planes cannot cut it.
     loop {
         let near = planes.iter().position(|plane| plane.height > farthest).unwrap_or(planes.len());
@@ -178,15 +189,15 @@ fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<Vor
         // Where the nearest planes close no cell, as for a grain at the side of a cluster, nearly all planes are near; their number
         // squared is the cost.
         count = if near <= MANY { near } else { near.min(4 * count) };
-        (found, farthest) = intersection(&planes[..count], reach);
+        (found, farthest) = intersection(&planes[..count], reach, work)?;
     }
     // The nearest plane that a sphere beyond the reach can give.
     let nearest = 0.5 * (reach * reach + own * own - largest * largest) / reach;
-    (farthest <= nearest).then_some(found)
+    Some((farthest <= nearest).then_some(found))
 }
 
-/// The part of space below some planes, and the distance of its farthest corner.
-fn intersection(planes: &[Plane], reach: f64) -> (VoronoiCell, f64) {
+/// The part of space below some planes, and the distance of its farthest corner; `None` if it would take more work.
+fn intersection(planes: &[Plane], reach: f64, work: &mut Work) -> Option<(VoronoiCell, f64)> {
     let mut found = VoronoiCell::default();
     let mut farthest = if planes.len() < 4 { f64::INFINITY } else { 0.0f64 };
     let mut face = Vec::new();
@@ -194,6 +205,7 @@ fn intersection(planes: &[Plane], reach: f64) -> (VoronoiCell, f64) {
     for (k, plane) in planes.iter().enumerate() {
         square(plane, 4.0 * reach, &mut face);
         for other in planes.iter().enumerate().filter(|(m, _)| *m != k).map(|(_, other)| other) {
+            work.take(STEPS_OF_A_CUT)?;
             clip(&face, other, &mut clipped);
             std::mem::swap(&mut face, &mut clipped);
             if face.is_empty() {
@@ -208,7 +220,7 @@ fn intersection(planes: &[Plane], reach: f64) -> (VoronoiCell, f64) {
             farthest = face.iter().fold(farthest, |far, x| far.max(dot(x, x).sqrt()));
         }
     }
-    (found, farthest)
+    Some((found, farthest))
 }
 
 /// A square in the plane with corners at a distance `size` along two directions of it.
@@ -262,21 +274,43 @@ mod tests {
     use granum_core::{Part, Parts};
     use proptest::prelude::*;
 
+    fn left_out(assembly: &Assembly) -> Option<String> {
+        let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
+        let measured = crate::Sensors::standard().measure(assembly, parts);
+        let found = measured.left_out.iter().find(|left_out| left_out.sensor == "local_solid_fraction");
+        found.map(ToString::to_string)
+    }
+
     /// A damaged cell: grains of a millimetre in a slab of 671 m. The search would look at all their images up to that distance.
     #[test]
     fn a_cell_that_is_nearly_empty_is_left_out_with_the_reason() {
         let mut assembly = lattice::simple_cubic(4, 1e-3, 0.0, 0.0);
-        let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
-        let left_out = |assembly: &Assembly| {
-            let measured = crate::Sensors::standard().measure(assembly, parts);
-            let found = measured.left_out.iter().find(|left_out| left_out.sensor == "local_solid_fraction");
-            found.map(ToString::to_string)
-        };
         assert_eq!(left_out(&assembly), None);
-        assert!((widest_gap(&assembly) - 1e-3).abs() < 1e-12);
         assembly.cell[0][0] = 671.0;
-        assert!((widest_gap(&assembly) - 671.0).abs() < 0.01);
         assert!(left_out(&assembly).is_some_and(|reason| reason.contains("leave so much of the cell empty")));
+    }
+
+    /// A block of grains amid nothing, and rows of grains along three edges of a cell, no layer of which is empty: the tessellation took
+    /// hours. It ends with the work that it is given; the limit of the sensor is the same.
+    #[test]
+    fn clusters_in_empty_cells_end_with_their_work() {
+        let cell = [[0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.3]];
+        let block: Vec<Vector> =
+            lattice::simple_cubic(10, 1e-3, 0.0, 0.0).grains.iter().map(|grain| grain.position).collect();
+        let row =
+            |k: usize| std::array::from_fn(|axis| if axis == k % 3 { 9e-4 * (k / 3) as f64 } else { 0.15 });
+        let rows: Vec<Vector> = (0..1000).map(row).collect();
+        for centres in [block, rows] {
+            let mut work = Work(1e6);
+            assert!(tessellation(&cell, &centres, &[5e-4; 1000], &mut work).is_none());
+            assert!(work.0 > -1e5, "{}", work.0);
+        }
+        let lattice = lattice::simple_cubic(10, 1e-3, 0.0, 0.0);
+        let positions: Vec<Vector> = lattice.grains.iter().map(|grain| grain.position).collect();
+        let mut work = Work(20_000.0 * 1000.0);
+        assert!(tessellation(&lattice.cell, &positions, &[5e-4; 1000], &mut work).is_some());
+        // The limit is several times what equal grains need.
+        assert!(work.0 > 10_000.0 * 1000.0, "{}", work.0);
     }
 
     /// A sheet of grains in a wide cell, whose nearest neighbours close no cell.

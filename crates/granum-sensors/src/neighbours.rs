@@ -4,16 +4,21 @@
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
-/// Largest number of neighbours, in the mean over the grains, that a search looks at: its cost is at most this multiple of the number of
-/// grains. Equal grains have some hundreds within five diameters; only grains that differ in size by a factor above ten have more.
-pub(crate) const MOST_NEIGHBOURS: f64 = 50_000.0;
+/// Most work, in steps of some nanoseconds, that a sensor does in searches for neighbours: this number for each grain, and for few grains
+/// [`LEAST_WORK`]. Equal grains in a dense packing take some hundreds of steps a grain within two diameters and some thousands within five;
+/// more is taken where grains differ in size by a factor above ten, or are clustered in a cell that is otherwise empty.
+pub(crate) const WORK_OF_A_GRAIN: f64 = 20_000.0;
+/// Work that is done for any number of grains.
+pub(crate) const LEAST_WORK: f64 = 2e8;
 
-/// Mean number of neighbours, their images included, within a reach in a cell that they fill evenly; zero without a volume.
-pub(crate) fn expected(cell: &Matrix, grains: usize, reach: f64) -> f64 {
-    let volume = determinant(cell).abs();
-    let sphere = 4.0 / 3.0 * std::f64::consts::PI * reach * reach * reach;
-    if volume > 0.0 { grains as f64 * sphere / volume } else { 0.0 }
+/// The most work for a number of grains.
+pub(crate) fn most_work(grains: usize) -> f64 {
+    LEAST_WORK.max(WORK_OF_A_GRAIN * grains as f64)
 }
+
+/// Why a sensor is left out that would do more.
+pub(crate) const TOO_MUCH_WORK: &str = "the grains differ so much in size, or leave so much of the cell empty, that the search for \
+                                        neighbours would take more than 20000 steps for each of them, and more than 2e8 in all";
 
 /// The grains of an assembly, sorted into bins.
 pub(crate) struct Neighbours<'a> {
@@ -73,17 +78,46 @@ impl<'a> Neighbours<'a> {
         ((a * self.counts[1] + b) * self.counts[2] + c) as usize
     }
 
+    /// Steps that [`Neighbours::each_of`] takes for some grains: one for each bin and for each grain in it. The count ends as soon as it is
+    /// above the most.
+    pub(crate) fn work(&self, grains: impl Iterator<Item = usize>, most: f64) -> f64 {
+        let bins: f64 = self.spans.iter().map(|span| 2.0 * *span as f64 + 1.0).product();
+        let mut known: Vec<Option<f64>> = vec![None; self.starts.len().saturating_sub(1)];
+        let mut sum = 0.0;
+        for i in grains {
+            // Bins alone may be too many to be visited.
+            if sum + bins > most {
+                return sum + bins;
+            }
+            let number = self.number(self.bins[i]);
+            let counted =
+                || bins + self.around(i).map(|(_, number)| self.members_of(number).len() as f64).sum::<f64>();
+            sum += *known[number].get_or_insert_with(counted);
+        }
+        sum
+    }
+
+    /// The bins that the reach can touch from a grain, images included: the image of the cell, and the number of the bin.
+    fn around(&self, i: usize) -> impl Iterator<Item = (Vector, usize)> {
+        let [x, y, z] = self.spans;
+        let steps = (-x..=x).flat_map(move |a| (-y..=y).flat_map(move |b| (-z..=z).map(move |c| [a, b, c])));
+        steps.map(move |step| {
+            let bin: [i64; 3] = std::array::from_fn(|k| self.bins[i][k] + step[k]);
+            let image = std::array::from_fn(|k| bin[k].div_euclid(self.counts[k]) as f64);
+            (image, self.number(std::array::from_fn(|k| bin[k].rem_euclid(self.counts[k]))))
+        })
+    }
+
+    fn members_of(&self, number: usize) -> &[usize] {
+        &self.members[self.starts[number]..self.starts[number + 1]]
+    }
+
     /// Calls `each` with every image of a grain whose centre lies nearer than the reach to that of grain `i`: its index, the
     /// branch to it and its length. The order is fixed. Of the grain itself only other images are neighbours.
     pub(crate) fn each_of(&self, i: usize, mut each: impl FnMut(usize, Vector, f64)) {
-        let [x, y, z] = self.spans;
-        let around = (-x..=x).flat_map(|a| (-y..=y).flat_map(move |b| (-z..=z).map(move |c| [a, b, c])));
-        for step in around {
-            let bin: [i64; 3] = std::array::from_fn(|k| self.bins[i][k] + step[k]);
-            let image: Vector = std::array::from_fn(|k| bin[k].div_euclid(self.counts[k]) as f64);
-            let number = self.number(std::array::from_fn(|k| bin[k].rem_euclid(self.counts[k])));
+        for (image, number) in self.around(i) {
             let shift = apply(self.cell, image);
-            for &j in &self.members[self.starts[number]..self.starts[number + 1]] {
+            for &j in self.members_of(number) {
                 let branch: Vector =
                     std::array::from_fn(|a| self.centres[j][a] + shift[a] - self.centres[i][a]);
                 let distance = branch.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -149,11 +183,22 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_neighbours_is_known_before_they_are_searched() {
+    fn the_work_is_known_before_it_is_done() {
         let lattice = lattice::simple_cubic(6, 1.0, 0.0, 0.0);
-        // Up to a distance of 2.1 there are 32 and the grain itself; a sphere of this radius has a volume of 38.8.
-        assert!((expected(&lattice.cell, lattice.grains.len(), 2.1) - 38.8).abs() < 0.1);
-        assert_eq!(expected(&[[0.0; 3]; 3], 10, 1.0), 0.0);
+        let positions: Vec<Vector> = lattice.grains.iter().map(|grain| grain.position).collect();
+        // Five bins along each edge, of which the reach spans two on both sides: each grain visits every bin and every grain once.
+        let neighbours = Neighbours::new(&lattice.cell, &positions, 2.1).unwrap();
+        let all = |most| neighbours.work(0..positions.len(), most);
+        assert_eq!(all(f64::INFINITY), 216.0 * (125.0 + 216.0));
+        assert!(all(1000.0) > 1000.0 && all(1000.0) < 2000.0);
+        // All grains in one place of a wide cell, where an even distribution would have next to no neighbours.
+        let cell = [[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
+        let neighbours = Neighbours::new(&cell, &positions, 20.0).unwrap();
+        assert!(neighbours.work(0..216, f64::INFINITY) > 216.0 * 216.0);
+        // A reach of many cells.
+        let neighbours =
+            Neighbours::new(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &positions, 1e4).unwrap();
+        assert!(neighbours.work(0..216, 1e9) > 1e9);
     }
 
     #[test]

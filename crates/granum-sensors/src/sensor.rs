@@ -180,7 +180,8 @@ pub trait Sensor: Send + Sync {
     }
 
     /// The distance, m, up to which the sensor searches the neighbours of every grain of an assembly; zero if it searches none. A sensor
-    /// that would have to look at more than 50,000 of them a grain is left out.
+    /// for which this would take more than 20,000 steps a grain, and more than 2e8 in all, is left out of a measurement, and in a record
+    /// its values are not a number.
     fn reach(&self, assembly: &Assembly) -> f64 {
         let _ = assembly;
         0.0
@@ -194,11 +195,23 @@ pub trait Sensor: Send + Sync {
 pub struct Values<'a> {
     row: &'a mut Vec<f64>,
     histograms: &'a mut [Histogram],
+    why_not: Option<&'static str>,
 }
 
 impl<'a> Values<'a> {
     pub(crate) fn new(row: &'a mut Vec<f64>, histograms: &'a mut [Histogram]) -> Values<'a> {
-        Values { row, histograms }
+        Values { row, histograms, why_not: None }
+    }
+
+    /// Says that the sensor cannot measure this assembly, and why, e.g. because it would take too long. Its columns are left out, or not a
+    /// number in a record.
+    pub fn give_up(&mut self, why: &'static str) {
+        self.why_not = Some(why);
+    }
+
+    /// Why the sensor gave up, if it did.
+    pub(crate) fn why_not(&self) -> Option<&'static str> {
+        self.why_not
     }
 
     /// The value of the next column.

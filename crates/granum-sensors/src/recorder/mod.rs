@@ -234,8 +234,10 @@ impl Recorder {
             let columns = row.len() + known.description.columns.len();
             let end = (first + bins.len()).min(sums.histograms.len());
             let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
-            known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
-            // A sensor with too many or too few values must not shift the columns of the sensors after it.
+            if known.costs_too_much(assembly).is_none() {
+                known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
+            }
+            // A sensor that measured nothing, or has too many or too few values, must not shift the columns of the sensors after it.
             row.resize(columns, f64::NAN);
             first = end;
         }

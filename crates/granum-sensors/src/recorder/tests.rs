@@ -191,6 +191,22 @@ fn nothing_looked_at_is_an_empty_record() {
     assert!(recorder.record().forces().is_empty());
 }
 
+/// The limit of neighbours holds while a run records as well: what would never end is not a number.
+#[test]
+fn a_sensor_that_would_take_too_long_records_no_number() {
+    let recording = Recording::default().with(|recording| {
+        recording.sensors = ["radial_distribution", "void_ratio"].map(String::from).to_vec();
+    });
+    let mut recorder = recorder(&recording, 0.3);
+    let mut assembly = at(0.0);
+    assembly.grains[0].radius = 1e3;
+    recorder.observe(&assembly);
+    let series = recorder.record().series;
+    let first = |column: &str| series.column(column).unwrap()[0];
+    assert!(first("grains").is_nan() && first("cell_volume_in_diameters").is_nan());
+    assert!(first("void_ratio").is_finite(), "the columns of other sensors are as before");
+}
+
 /// A recorder that is saved and restored during a test continues with the same bits, also where a sensor compares
 /// observations.
 #[test]

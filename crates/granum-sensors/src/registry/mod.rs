@@ -3,13 +3,14 @@
 
 use std::sync::{Arc, LazyLock};
 
+use granum_core::assembly::Vector;
 use granum_core::names::suggestion;
 use granum_core::{Assembly, Part, Parts};
 use granum_dem::config::{RecordedColumns, Recording};
 
 use crate::declared::{self, DeclaredParameter, OWN_KEYS};
 use crate::histogram::{Bins, Histogram};
-use crate::neighbours::{MOST_NEIGHBOURS, expected};
+use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use crate::{
     anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
@@ -92,13 +93,15 @@ impl Known {
     }
 
     /// The reason if the sensor would have to look at too many neighbours.
-    fn costs_too_much(&self, assembly: &Assembly) -> Option<String> {
-        let neighbours = expected(&assembly.cell, assembly.grains.len(), self.sensor.reach(assembly));
-        (neighbours > MOST_NEIGHBOURS).then(|| {
-            "the grains differ so much in size, or leave so much of the cell empty, that it would look at more than 50000 \
-             neighbours of each of them"
-                .into()
-        })
+    pub(crate) fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
+        let (grains, reach) = (&assembly.grains, self.sensor.reach(assembly));
+        if reach <= 0.0 {
+            return None;
+        }
+        let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
+        let neighbours = Neighbours::new(&assembly.cell, &positions, reach)?;
+        let most = most_work(grains.len());
+        (neighbours.work(0..grains.len(), most) > most).then_some(TOO_MUCH_WORK)
     }
 }
 
@@ -322,7 +325,7 @@ impl Sensors {
         for known in &self.0 {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
-            let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly));
+            let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly).map(String::from));
             if *remembers || !missing.is_empty() || lacks.is_some() {
                 found.left_out.push(LeftOut {
                     sensor: name,
@@ -335,7 +338,12 @@ impl Sensors {
             }
             let bins = known.sensor.histograms(recording);
             let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
-            known.sensor.measure(&observation, &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
+            let mut values = Values::new(&mut row, &mut counts);
+            known.sensor.measure(&observation, &mut Memory::new(), &mut values);
+            if let Some(why) = values.why_not() {
+                found.left_out.push(LeftOut::whole(name, why));
+                continue;
+            }
             for (column, value) in columns.iter().zip(row) {
                 match parts.missing(column.needs) {
                     missing if missing.is_empty() => found.columns.push((*column, value)),
@@ -384,7 +392,8 @@ impl Sensors {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;
-            let costly = || observations.iter().find_map(|one| known.costs_too_much(one.assembly));
+            let costly =
+                || observations.iter().find_map(|one| known.costs_too_much(one.assembly).map(String::from));
             let lacks = known.lacks(recording).or_else(costly);
             if alone || !missing.is_empty() || lacks.is_some() {
                 let columns = Vec::new();
@@ -394,10 +403,20 @@ impl Sensors {
             let bins = known.sensor.histograms(recording);
             let mut memory = Memory::new();
             let mut rows = Vec::with_capacity(observations.len());
+            let mut why_not = None;
             for observation in &observations {
                 let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
-                known.sensor.measure(observation, &mut memory, &mut Values::new(&mut row, &mut counts));
+                let mut values = Values::new(&mut row, &mut counts);
+                known.sensor.measure(observation, &mut memory, &mut values);
+                why_not = values.why_not();
+                if why_not.is_some() {
+                    break;
+                }
                 rows.push(row);
+            }
+            if let Some(why) = why_not {
+                left_out.left_out.push(LeftOut::whole(name, why));
+                continue;
             }
             for (k, column) in columns.iter().enumerate() {
                 match parts.missing(column.needs) {
@@ -488,6 +507,19 @@ pub struct LeftOut {
     pub remembers: bool,
     /// The parameter that it needs and the recording does not have, or why it would take too long.
     pub lacks: Option<String>,
+}
+
+impl LeftOut {
+    /// A sensor of which nothing could be measured.
+    fn whole(sensor: &'static str, why: &'static str) -> LeftOut {
+        LeftOut {
+            sensor,
+            columns: Vec::new(),
+            missing: Vec::new(),
+            remembers: false,
+            lacks: Some(why.into()),
+        }
+    }
 }
 
 /// `fabric (strong_fraction): the data have no normal forces`.
