@@ -6,7 +6,7 @@ use clap::Args;
 use granum_core::parallel;
 use granum_io::formats::mixed::{MixedTable, MixedValues};
 use granum_io::shell::ShowPath;
-use granum_io::{RunStatus, check_output_file};
+use granum_io::{Run, RunStatus, check_output_file};
 use granum_run::runs_table::{RunEntry, RunsTable, Selection, find_runs};
 use serde_json::{Map, Value, json};
 
@@ -75,7 +75,8 @@ impl Table {
 fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<RunEntry, Failure> {
     context.check_stopped(|| "nothing was written".into())?;
     let run = RunEntry::read(folder)?.with_strength()?;
-    let has_results = run.record.kind == "prepare" || folder.join("series.parquet").is_file();
+    // A series that is missing but was written must not pass for a test that has not begun.
+    let has_results = run.record.kind == "prepare" || Run::at(folder)?.has_series();
     Ok(if digest && has_results { run.with_digest()? } else { run })
 }
 

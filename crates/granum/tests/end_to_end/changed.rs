@@ -30,7 +30,7 @@ fn the_series_of_another_run_is_refused_by_every_command() {
     let series = here.join("run-2/series.parquet");
     let good = fs::read(&series).unwrap();
     fs::copy(here.join("run-1/series.parquet"), &series).unwrap();
-    for command in [
+    let readers = [
         &["status", "run-2"][..],
         &["digest", "run-2"],
         &["report", "run-2"],
@@ -46,11 +46,17 @@ fn the_series_of_another_run_is_refused_by_every_command() {
         &["measure", "run-2/snapshots/end.json"],
         &["stiffness", "run-2"],
         &["shear", "case.toml", "--sample", "run-2", "--out", "sheared"],
-    ] {
-        let told = refused(here, 1, command);
-        assert!(told.contains("series.parquet") && told.contains("SHA-256"), "{command:?}: {told}");
-        for name in ["series.csv", "grains.vtp", "deck", "other", "compare.svg", "table.csv", "sheared"] {
-            assert!(!here.join(name).exists(), "{command:?} left {name}");
+    ];
+    for (word, is_removed) in [("SHA-256", false), ("is missing", true)] {
+        if is_removed {
+            fs::remove_file(&series).unwrap();
+        }
+        for command in readers {
+            let told = refused(here, 1, command);
+            assert!(told.contains("series.parquet") && told.contains(word), "{command:?}: {told}");
+            for name in ["series.csv", "grains.vtp", "deck", "other", "compare.svg", "table.csv", "sheared"] {
+                assert!(!here.join(name).exists(), "{command:?} left {name}");
+            }
         }
     }
     // The checkpoint has all states: the table is written again, to the same bytes.
