@@ -266,6 +266,11 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let contacts = part(folder, name, "contacts.parquet");
     let pairs = state.contacts.saturating_add(state.apart);
     assembly.contacts = read_contacts(&contacts, pairs, &assembly.grains)?;
+    let ids = |contact: &Contact| {
+        [contact.i, contact.j].map(|k| assembly.grains.get(k).map_or(0, |grain| grain.id))
+    };
+    let branches = assembly.contacts.iter().map(|contact| (ids(contact), contact.branch));
+    plausible::check_branches(&contacts.shown(), &assembly.cell, branches)?;
     assembly.apart = assembly.contacts.split_off(state.contacts);
     Ok(assembly)
 }

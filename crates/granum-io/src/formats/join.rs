@@ -294,6 +294,9 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
             ..Contact::default()
         });
     }
+    let branches =
+        contacts.iter().map(|contact| ([grains[contact.i].id, grains[contact.j].id], contact.branch));
+    plausible::check_branches(&path.shown(), &assembly.cell, branches)?;
     // A part is known where every contact has it.
     let every = |known: &dyn Fn(&Pair) -> bool| pairs.iter().all(known);
     parts = parts.with(Part::Contacts);

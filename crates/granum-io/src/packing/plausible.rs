@@ -19,6 +19,10 @@ pub const FARTHEST: f64 = 1e6;
 /// images of a grain within a given distance are counted through many others where it is large.
 pub const MOST_SKEWED: f64 = 1e4;
 
+/// Largest length of the branch of a contact along an edge of the cell, in edges: grains that touch are at most one apart, and programs
+/// that give places in different images a few.
+pub const LONGEST_BRANCH: f64 = 10.0;
+
 /// A grain as a file has it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
@@ -43,6 +47,34 @@ pub(crate) fn check(file: &str, cell: Option<(Vector, Matrix)>, grains: &[Found]
         None => check_together(file, grains)?,
     }
     check_radii(file, grains)
+}
+
+/// Checks the branches of contacts, each with the ids of its grains, in a cell with these edges. Without a cell, whose edges are zero, they
+/// must be finite.
+///
+/// # Errors
+/// [`Error::Content`] for a branch that is not finite or longer than [`LONGEST_BRANCH`] cells.
+pub(crate) fn check_branches(
+    file: &str,
+    edges: &Matrix,
+    contacts: impl Iterator<Item = ([u64; 2], Vector)>,
+) -> Result<()> {
+    let inverse = invert(edges);
+    let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
+    for ([first, second], branch) in contacts {
+        let square: f64 = branch.iter().map(|x| x * x).sum();
+        let is_near = |step: &f64| step.abs() <= LONGEST_BRANCH;
+        if square.is_finite() && (!is_cell || apply(&inverse, branch).iter().all(is_near)) {
+            continue;
+        }
+        let [x, y, z] = branch;
+        let message = format!(
+            "the contact of the grains {first} and {second} has the branch ({x:e}, {y:e}, {z:e}) m between their centres, which is no \
+             distance of two grains that touch: it must be finite, and at most 10 cells long"
+        );
+        return Err(Error::content(file.as_ref(), message));
+    }
+    Ok(())
 }
 
 fn check_numbers(file: &str, grain: &Found) -> Result<()> {
@@ -183,6 +215,20 @@ mod tests {
         change(&mut grains[3]);
         let cell = cell.then_some(([0.0; 3], EDGES));
         check("p.txt", cell, &grains).err().map_or_else(String::new, |error| error.to_string())
+    }
+
+    #[test]
+    fn a_contact_across_the_world_is_refused() {
+        let told = |edges: &Matrix, x: f64| {
+            let contacts = [([1, 2], [1e-4, 0.0, 0.0]), ([4, 7], [0.0, x, 1e-4])];
+            check_branches("p.vtp", edges, contacts.into_iter()).err().map(|error| error.to_string())
+        };
+        for x in [-1e308, 1.0, f64::NAN] {
+            let found = told(&EDGES, x).unwrap();
+            assert!(found.contains("p.vtp") && found.contains("the grains 4 and 7"), "{found}");
+        }
+        assert!(told(&[[0.0; 3]; 3], -1e308).is_some());
+        assert_eq!((told(&EDGES, 1.9e-3), told(&[[0.0; 3]; 3], 1.0)), (None, None));
     }
 
     #[test]

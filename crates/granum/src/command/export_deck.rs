@@ -52,6 +52,7 @@ impl DeckFlags {
         let [source] = data else {
             return Err(Failure::new("--to lammps takes one run folder or one case file"));
         };
+        let reading = context.nothing_written(Some("reading the sample"));
         let (file, packing, confinement) = if source.is_dir() {
             if self.packing.is_some() {
                 return Err(Failure::new("--packing goes with a case file: a run folder has its own sample"));
@@ -72,6 +73,8 @@ impl DeckFlags {
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
         let case = self.flags.read_with_path(context, &file, true, path)?;
         let deck = LammpsDeck::new(&case, &packing, confinement)?;
+        // The deck has two files, which belong together.
+        drop(reading);
         deck.write(folder, context.force)?;
         let (grains, shown) = (deck.grains(), folder.shown());
         output::say(

@@ -41,9 +41,11 @@ impl Table {
         if let Some(path) = &self.output {
             check_output_file(path, context.force)?;
         }
+        let reading = context.nothing_written(Some("reading the runs"));
         let folders = find_runs(&self.folders)?;
         let all = self.output.is_some() || self.all || context.json;
         let mut runs = parallel::map(folders.len(), 0, |k| read(context, &folders[k], all))?;
+        drop(reading);
         // Runs of different studies may have the same name.
         let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
         for run in &mut runs {
