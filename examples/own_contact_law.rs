@@ -1,24 +1,37 @@
-//! A user-defined contact law with a parameter: spheres on an elastic foundation (Winkler), whose pressure at each point is
-//! proportional to the local displacement.
+//! A user-defined contact law with a parameter, a memory and an energy channel: spheres on an elastic foundation (Winkler), whose
+//! pressure at each point is proportional to the local displacement, with asperities that are crushed by the first loading.
 //!
-//! With the foundation modulus `kappa E*/R*`: contact radius `a = sqrt(2 R* alpha)`, force `N = pi kappa E* alpha^2`,
-//! stiffness `dN/dalpha = 2 pi kappa E* alpha` (Johnson 1985, section 4.3).
+//! With the foundation modulus `kappa E*/R*` and `K = pi kappa E*`, first loading has the force `N = K alpha^2` (Johnson 1985, section
+//! 4.3). Below the largest overlap m so far it is `N = K alpha^3 / m`: the contact stores `K alpha^4 / 4 m`, and of the work
+//! `K m^3 / 3` of first loading, `K m^3 / 12` has been lost where asperities were crushed.
 
-use std::f64::consts::PI;
-
-use granum::dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
+use granum::law::*;
 use granum::prelude::*;
-use granum::simd::Real;
 
 #[derive(Clone, Copy)]
-struct Foundation;
+struct CrushedFoundation;
 
-impl NormalLaw for Foundation {
-    const DESCRIPTION: Description = Description::new(
-        "elastic-foundation",
-        "elastic foundation",
-        "spheres on an elastic foundation (Winkler)",
-        &[Parameter::new(
+law_constants! {
+    /// What is prepared for a pair.
+    pub struct CrushedFoundationConstants<R> {
+        /// `K = pi kappa E*`, Pa.
+        modulus: R,
+        /// `2 R*`, m.
+        diameter: R,
+    }
+}
+
+/// What is remembered: the largest overlap, m.
+const LARGEST: usize = 0;
+/// The place of the energy lost by crushing among the channels.
+const CRUSHING: usize = 0;
+
+impl NormalLaw for CrushedFoundation {
+    const DESCRIPTION: LawDescription = LawDescription::new(
+        "crushed-foundation",
+        "elastic foundation that is crushed",
+        "spheres on an elastic foundation (Winkler) with asperities that are crushed by the first loading",
+        &[LawParameter::new(
             "foundation_modulus",
             Unit::NUMBER,
             1.0,
@@ -26,20 +39,43 @@ impl NormalLaw for Foundation {
             "Modulus of the foundation over E*/R*",
         )],
     );
+    type Constants<R: Real> = CrushedFoundationConstants<R>;
+    const CHANNELS: &'static [EnergyChannel] = &[EnergyChannel::dissipated(
+        "crushing_loss",
+        "crushed asperities",
+        "energy lost where asperities are crushed",
+    )];
+    const HISTORY: usize = 1;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[0] = PI * parameters[0] * pair.effective_modulus;
-        c[1] = 2.0 * pair.effective_radius;
-        c
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> CrushedFoundationConstants<f64> {
+        let modulus = std::f64::consts::PI * parameters[0] * pair.effective_modulus;
+        CrushedFoundationConstants { modulus, diameter: 2.0 * pair.effective_radius }
+    }
+
+    /// First loading.
+    #[inline(always)]
+    fn evaluate<R: Real>(c: &CrushedFoundationConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
+        let (zero, energies) = (R::zero(), &mut [R::zero(); 2]);
+        Self::update(c, overlap, touched, &mut [zero; MAX_NORMAL_HISTORY], energies)
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, _touched: R::Mask) -> Normal<R> {
-        let alpha = overlap.max(R::zero());
-        let force = c[0] * alpha * alpha;
-        let stiffness = (c[0] + c[0]) * alpha;
-        let radius = (c[1] * alpha).sqrt();
+    fn update<R: Real>(
+        c: &CrushedFoundationConstants<R>,
+        overlap: R,
+        _touched: R::Mask,
+        history: &mut [R; MAX_NORMAL_HISTORY],
+        energies: &mut LawEnergies<R>,
+    ) -> Normal<R> {
+        let (alpha, before) = (overlap.max(R::zero()), history[LARGEST]);
+        let largest = before.max(alpha);
+        history[LARGEST] = largest;
+        let cube = |x: R| x * x * x;
+        energies[CRUSHING] = c.modulus * (cube(largest) - cube(before)) * R::splat(1.0 / 12.0);
+        let share = alpha / largest.max(R::splat(1e-200));
+        let force = c.modulus * alpha * alpha * share;
+        let stiffness = R::splat(3.0) * c.modulus * alpha * share;
+        let radius = (c.diameter * alpha).sqrt();
         Normal {
             force,
             radius,
@@ -53,29 +89,48 @@ impl NormalLaw for Foundation {
     }
 
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
-        let constants = Self::prepare(pair, parameters);
-        Self::evaluate(&constants, (load / constants[0]).sqrt(), true)
+        let c = Self::prepare(pair, parameters);
+        Self::evaluate(&c, (load / c.modulus).sqrt(), true)
     }
 
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+    /// What first loading stores.
+    fn energy<R: Real>(c: &CrushedFoundationConstants<R>, overlap: R) -> R {
         let alpha = overlap.max(R::zero());
-        c[0] * alpha * alpha * alpha / R::splat(3.0)
+        R::splat(0.25) * c.modulus * alpha * alpha * alpha
+    }
+
+    fn stored<R: Real>(
+        c: &CrushedFoundationConstants<R>,
+        overlap: R,
+        history: &[R; MAX_NORMAL_HISTORY],
+    ) -> R {
+        let alpha = overlap.max(R::zero());
+        let share = alpha / history[LARGEST].max(R::splat(1e-200));
+        R::splat(0.25) * c.modulus * alpha * alpha * alpha * share
     }
 }
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Case files that are read with this registry can refer to the law by its name.
-    let registry = Registry::standard().with_law(NormalKind::new(&Foundation))?;
+    // Case files that are read with this registry can refer to the law by its name, and its energy channel is a column of their series.
+    let registry = Registry::standard().with_law(NormalKind::new(&CrushedFoundation))?;
     let case = registry.parse_case(
-        "grains.count = 150\ngrains.material.interface_energy = 0\ncontact.normal = \"elastic-foundation\"\n\
+        "grains.count = 150\ngrains.material.interface_energy = 0\ncontact.normal = \"crushed-foundation\"\n\
          contact.tangential = \"no-slip\"\npreparation.solid_fraction = \"none\"\npreparation.unbalanced_force = 0.01\n\
          shear.deviator_strain = 0.03\nshear.inertial_number = 0.005\nrecording.states = 6",
         "case",
     )?;
     let test = Laboratory::here().with_registry(registry).test(&case)?;
-    let ratio = test.record.series.column("stress_ratio")?;
+    let [ratio, work, crushing] =
+        test.record.series.select(["stress_ratio", "boundary_work", "crushing_loss"])?;
     println!("q/p: {ratio:.3?}");
     assert!(ratio.iter().any(|ratio| *ratio > 0.3));
+    let share = crushing[crushing.len() - 1] / work[work.len() - 1];
+    println!("{:.1} % of the work crushed asperities", 100.0 * share);
+    assert!(share > 0.01);
+    // What the law puts into its channel is a part of the energy balance: without it the gap would be as large as this share.
+    let gap = test.about.quality.iter().find(|flag| flag.name == "energy_gap").map_or(1.0, |flag| flag.value);
+    println!("gap of the energy balance: {:.2} %", 100.0 * gap);
+    assert!(gap < 0.3 * share && gap < 0.01);
     Ok(())
 }

@@ -3,6 +3,8 @@
 //! It is built from `&Simulation`, so that observation cannot disturb a run; it can equally be filled from the files of
 //! another code.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::determinant;
@@ -80,7 +82,7 @@ impl Contact {
 }
 
 /// Energy by mechanism since the start of the phase, J. `boundary_work = sum of the rest + change of stored energy`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
     /// Work done on the grains by the deformation of the cell.
     pub boundary_work: f64,
@@ -105,9 +107,16 @@ pub struct EnergyBalance {
     /// Lost where attractions beyond touch begin or end: bridges that rupture.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub attraction_loss: f64,
-    /// Lost by plastic deformation of contacts.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub plastic_loss: f64,
+    /// Energies in the channels that contact laws declare, by key; those without energy are left out.
+    #[serde(flatten)]
+    pub channels: BTreeMap<String, f64>,
+}
+
+impl EnergyBalance {
+    /// Energy in the channel of a law, J; zero if there is none.
+    pub fn channel(&self, key: &str) -> f64 {
+        self.channels.get(key).copied().unwrap_or(0.0)
+    }
 }
 
 /// Where the liquid of wet grains is.

@@ -7,9 +7,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use granum_dem::config::Material;
-use granum_dem::contact::interaction::{Kinematics, Memory, interact};
+use granum_dem::contact::evaluation::interaction::{Kinematics, interact};
+use granum_dem::contact::evaluation::memory::Memory;
+use granum_dem::contact::evaluation::set::Compiled;
 use granum_dem::contact::normal::{Hertz, Jkr};
-use granum_dem::contact::set::Compiled;
 use granum_dem::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 use granum_dem::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, Twice, dispatch};
@@ -193,7 +194,7 @@ struct Measure {
 }
 
 impl Measure {
-    fn of<N: NormalLaw, T: TangentialLaw>(self) -> f64 {
+    fn run_laws<N: NormalLaw, T: TangentialLaw>(self) -> f64 {
         let material = Material::default();
         let side = (&material, 0.5 * DIAMETER);
         let constants = Compiled::<N, T>::constants(&PairProperties::new(side, side, 0.1), [&[]; 4]);
@@ -227,11 +228,11 @@ fn main() {
     println!();
     type Law = (&'static str, &'static str, fn(Measure) -> f64);
     let laws: [Law; 5] = [
-        ("hertz", "no-slip", Measure::of::<Hertz, NoSlip>),
-        ("hertz", "mindlin-deresiewicz", Measure::of::<Hertz, MindlinDeresiewicz>),
-        ("jkr", "no-slip", Measure::of::<Jkr, NoSlip>),
-        ("jkr", "mindlin-deresiewicz", Measure::of::<Jkr, MindlinDeresiewicz>),
-        ("jkr", "peeling", Measure::of::<Jkr, Peeling>),
+        ("hertz", "no-slip", Measure::run_laws::<Hertz, NoSlip>),
+        ("hertz", "mindlin-deresiewicz", Measure::run_laws::<Hertz, MindlinDeresiewicz>),
+        ("jkr", "no-slip", Measure::run_laws::<Jkr, NoSlip>),
+        ("jkr", "mindlin-deresiewicz", Measure::run_laws::<Jkr, MindlinDeresiewicz>),
+        ("jkr", "peeling", Measure::run_laws::<Jkr, Peeling>),
     ];
     for (normal, tangential, measure) in laws {
         print!("{normal:8}{tangential:22}");

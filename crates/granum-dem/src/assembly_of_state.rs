@@ -6,8 +6,8 @@ use granum_core::geometry::invert;
 use granum_simd::{LANES, Row8, fused, prefetch};
 
 use crate::assembly::{Assembly, Contact, Grain, Matrix};
-use crate::contact::constants::PairConstants;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::evaluation::constants::PairConstants;
 use crate::images::{self, NO_IMAGE, image_vector};
 use crate::observed_pairs::{Observing, TOGETHER};
 use crate::state::State;
@@ -70,7 +70,7 @@ impl State {
         out.arc_length = self.arc_length();
         out.target_mean_stress = self.target_mean_stress();
         out.liquid = self.liquid(laws, &order);
-        out.energy = self.energy_balance;
+        out.energy = self.ledger.named(laws);
     }
 
     /// The contacts of the pairs in these slots, in the order of the ranks of their grains.

@@ -10,7 +10,7 @@ use std::ops::Range;
 use granum_simd::{LANES, Portable, Row8};
 
 use crate::cell::Cell;
-use crate::contact::interaction::Memory;
+use crate::contact::evaluation::memory::Memory;
 use crate::images::{NO_IMAGE, REACH, image_code, image_vector};
 use crate::pairs::{Block, Marks, Pairs, resultant};
 use crate::search::{Near, is_near};
@@ -45,7 +45,7 @@ pub(crate) fn rebuild(
     columns: [usize; 4],
 ) -> Pairs {
     let grains = particles.len();
-    let mut kept = Kept::of(&old, near, change, grains);
+    let mut kept = Kept::find(&old, near, change, grains);
     drop(old);
     let images: Vec<[f64; 3]> =
         (0..crate::images::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
@@ -219,7 +219,7 @@ struct Kept {
 }
 
 impl Kept {
-    fn of(old: &Pairs, near: &[Near], change: &Change, grains: usize) -> Kept {
+    fn find(old: &Pairs, near: &[Near], change: &Change, grains: usize) -> Kept {
         let mut kept = Kept {
             from: vec![0; near.len()],
             memories: Vec::with_capacity(old.contacts()),

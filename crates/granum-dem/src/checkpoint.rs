@@ -1,7 +1,8 @@
 //! The complete state of a simulation in bytes, so that a run can be resumed and gives the same bits as one that was never
 //! interrupted: grains, neighbour list in its order, contact histories, forces of the last step, servo, time step.
 //!
-//! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian.
+//! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian. The body ends with the
+//! energies in the channels of all laws where there are others than that of the normal law's first channel.
 
 use std::io::Write;
 
@@ -9,7 +10,7 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::registry::Laws;
+use crate::contact::choice::registry::Laws;
 use crate::images::IMAGES;
 use crate::pairs::{Marks, NORMAL_COLUMNS, Pairs};
 use crate::properties::Properties;
@@ -111,7 +112,10 @@ impl BodyOf<'_> {
     /// Writes the body; returns its length and checksum.
     fn write(&self, out: impl Write) -> std::io::Result<(u64, u32)> {
         let mut stream = Stream { out, length: 0, sum: crc32fast::Hasher::new(), error: None };
-        let written = postcard::serialize_with_flavor(self, &mut stream);
+        let mut written = postcard::serialize_with_flavor(self, &mut stream);
+        if let (Ok(()), Some(channels)) = (&written, self.state.ledger.further_channels()) {
+            written = postcard::serialize_with_flavor(channels, &mut stream);
+        }
         match (written, stream.error) {
             (_, Some(error)) => Err(error),
             (Err(error), None) => Err(std::io::Error::other(error)),
@@ -156,8 +160,16 @@ impl Simulation {
 
     /// The same as [`Simulation::restore`], with laws that are among those of a program.
     pub fn restore_among(bytes: &[u8], laws: &Laws) -> Result<(Simulation, String), CheckpointError> {
-        let body: Body = postcard::from_bytes(checked_body(bytes)?)
-            .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
+        let unreadable = |e: postcard::Error| CheckpointError::Inconsistent(e.to_string());
+        let (mut body, rest): (Body, &[u8]) =
+            postcard::take_from_bytes(checked_body(bytes)?).map_err(unreadable)?;
+        if !rest.is_empty() {
+            let (channels, rest) = postcard::take_from_bytes(rest).map_err(unreadable)?;
+            if !rest.is_empty() {
+                return Err(inconsistent("there is more than a state"));
+            }
+            body.state.ledger.channels = channels;
+        }
         check_numbers(&body)?;
         check_state(&body.state)?;
         let properties = body.properties.among(laws).map_err(CheckpointError::Inconsistent)?;

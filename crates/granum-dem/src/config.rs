@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::contact::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
-pub use crate::contact::parameters::ParameterValues;
-pub use crate::contact::selection::ContactModel;
+pub use crate::contact::choice::contact_model::ContactModel;
+pub use crate::contact::choice::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+pub use crate::contact::choice::parameters::ParameterValues;
 pub use crate::material::Material;
 pub use crate::mixture::{Component, Mixture, PairRule};
 pub use crate::sizes::{Grains, SizeKind, Sizes};

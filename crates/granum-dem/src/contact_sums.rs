@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::law::energy_channel::{LAWS, SetEnergies};
+use crate::contact::law::limits::LAW_CHANNELS;
+
 /// Sums over the contacts of a block (or of all blocks).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
@@ -26,8 +29,9 @@ pub struct ContactSums {
     pub moment_loss: f64,
     /// Lost in this step where attractions beyond touch begin or end, J.
     pub attraction_loss: f64,
-    /// Lost in this step by plastic deformation, J.
-    pub plastic_loss: f64,
+    /// Energies in the channels of the laws in this step, J. A checkpoint has the first only: the ledger has them all.
+    #[serde(with = "first_channel")]
+    pub channels: SetEnergies<f64>,
     /// Power that the deformation of the cell supplies to the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -36,6 +40,22 @@ pub struct ContactSums {
     pub normal_force: f64,
     /// Largest `k_t / m` of a contact, with the smaller mass of the two, 1/s2.
     pub fastest: f64,
+}
+
+/// The first channel of the normal law, as a number.
+mod first_channel {
+    use super::{Deserialize, LAW_CHANNELS, LAWS, Serialize, SetEnergies};
+    use serde::{Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(channels: &SetEnergies<f64>, to: S) -> Result<S::Ok, S::Error> {
+        channels[0][0].serialize(to)
+    }
+
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<SetEnergies<f64>, D::Error> {
+        let mut channels = [[0.0; LAW_CHANNELS]; LAWS];
+        channels[0][0] = f64::deserialize(from)?;
+        Ok(channels)
+    }
 }
 
 impl ContactSums {
@@ -55,7 +75,9 @@ impl ContactSums {
             t.moment_work += c.moment_work;
             t.moment_loss += c.moment_loss;
             t.attraction_loss += c.attraction_loss;
-            t.plastic_loss += c.plastic_loss;
+            for (to, from) in t.channels.iter_mut().flatten().zip(c.channels.iter().flatten()) {
+                *to += from;
+            }
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;

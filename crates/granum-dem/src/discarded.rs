@@ -6,7 +6,7 @@
 
 use granum_simd::{LANES, Lanes, Row8};
 
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::law::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::kernel::laws::StageLaws;
 
 /// Numbers that are collected for a contact: the constants of the law, the stiffness and the history.
@@ -96,8 +96,9 @@ mod tests {
     use super::*;
     use crate::config::Material;
     use crate::contact::PairProperties;
+    use crate::contact::evaluation::set::Compiled;
+    use crate::contact::law::constants::{columns, named};
     use crate::contact::normal::Hertz;
-    use crate::contact::set::Compiled;
     use crate::contact::tangential::MindlinDeresiewicz as Law;
     use crate::contact::{NormalTraits, TangentialLaw};
     use crate::kernel::laws::InLoop;
@@ -119,7 +120,8 @@ mod tests {
     fn constants() -> [f64; LAW_CONSTANTS] {
         let material = Material::default();
         let normal = NormalTraits { name: "hertz", contact_area: true, adhesive: false };
-        Law::prepare(&PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.1), &normal, &[])
+        let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.1);
+        columns(Law::prepare(&pair, &normal, &[]))
     }
 
     fn bits(batch: usize) -> u16 {
@@ -148,7 +150,7 @@ mod tests {
 
     #[test]
     fn eight_by_eight_is_what_each_would_have_lost() {
-        let each = |k: usize| Law::discarded(&constants(), STIFFNESS, &history(k));
+        let each = |k: usize| Law::discarded(&named(&constants()), STIFFNESS, &history(k));
         // A loading curve stores no energy beyond itself.
         assert!(each(3).abs() < 1e-12 * each(4).abs());
         let put = (0..BATCHES * LANES).filter(|k| bits(k / LANES) >> (k % LANES) & 1 == 1);

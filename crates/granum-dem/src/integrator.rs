@@ -7,13 +7,14 @@ use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::MOST_CONTACTS;
-use crate::contact::constants::PairConstants;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
 use crate::hardware::Hardware;
 use crate::images::{self, IMAGES};
 use crate::inner_list::{InnerList, Nearness};
-use crate::kernel::{Stages, Views};
+use crate::kernel::{ContactStages, Views};
+use crate::known_constants::KnownConstants;
 use crate::loading::measure::Event;
 use crate::pair_table::{MaterialPair, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
@@ -41,7 +42,7 @@ pub(crate) struct Integrator {
     pub(crate) properties: Properties,
     /// What grains of any two materials have in common, by these properties.
     table: PairTable,
-    pub(crate) stages: Stages,
+    pub(crate) stages: ContactStages,
     pub(crate) hardware: Hardware,
     pub(crate) time_step_factor: f64,
     pub(crate) fixed_time_step: Option<f64>,
@@ -69,7 +70,7 @@ impl Integrator {
         let mut integrator = Integrator {
             state,
             table: properties.table(),
-            stages: Stages::of(&properties.contact),
+            stages: ContactStages::for_laws(&properties.contact),
             properties,
             hardware: Hardware::default(),
             time_step_factor: 0.2,
@@ -150,12 +151,12 @@ impl Integrator {
     /// The laws between a grain and others of its material.
     pub(crate) fn contact_of_grain(&self, grain: u32) -> &ContactModel {
         let material = self.material_of(grain);
-        &self.table.of(material, material).contact
+        &self.table.between(material, material).contact
     }
 
     /// Constants of a pair of grains of given materials and radii, m.
     pub(crate) fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
-        let materials = self.table.of(a, b);
+        let materials = self.table.between(a, b);
         materials.contact.constants(&materials.pair(radii))
     }
 
@@ -213,7 +214,8 @@ impl Integrator {
                 let [i, j] = [&self.state.pairs.first, &self.state.pairs.second].map(|list| list[b][l]);
                 let materials = [self.material_of(i), self.material_of(j)];
                 let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
-                let values = known.of(materials, radii, || self.constants_of(materials, radii).to_array());
+                let values =
+                    known.constants(materials, radii, || self.constants_of(materials, radii).to_array());
                 for c in 0..count {
                     rows[b * count + c].0[l] = values[c];
                 }
@@ -295,7 +297,7 @@ impl Integrator {
                 power -= state.sums.virial[3 * r + c] * (state.gradient[r][c] - before[r][c]);
             }
         }
-        state.energy_balance.boundary_work += 0.5 * state.dt * power;
+        state.ledger.balance.boundary_work += 0.5 * state.dt * power;
         state.cell = state.cell.strained(&state.gradient, state.dt);
         for r in 0..3 {
             for c in 0..3 {
@@ -314,17 +316,7 @@ impl Integrator {
     pub(crate) fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
         let state = &mut self.state;
         state.sums = ContactSums::total(&self.contact_sums);
-        state.energy_balance.boundary_work += 0.5 * state.dt * state.sums.boundary_power;
-        state.energy_balance.tangential_work += state.sums.tangential_work;
-        state.energy_balance.friction += state.sums.friction_loss;
-        state.energy_balance.damping += state.sums.damping_loss;
-        state.energy_balance.micro_slip += state.sums.micro_slip_loss;
-        state.energy_balance.adhesion_made += state.sums.adhesion_made;
-        state.energy_balance.adhesion_broken += state.sums.adhesion_broken;
-        state.energy_balance.rolling_work += state.sums.moment_work;
-        state.energy_balance.rolling += state.sums.moment_loss;
-        state.energy_balance.attraction_loss += state.sums.attraction_loss;
-        state.energy_balance.plastic_loss += state.sums.plastic_loss;
+        state.ledger.add(state.dt, &state.sums);
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;
@@ -427,33 +419,6 @@ impl Integrator {
         *inner_list = InnerList { travel, distortion, steps: 0, ..*inner_list };
         views.inner_skin = inner_list.inner_skin;
         true
-    }
-}
-
-/// Constants of pairs of materials that were found for grains of these radii: few, where all grains are of one size.
-#[derive(Default)]
-struct KnownConstants {
-    radii: [f64; 2],
-    found: Vec<([u8; 2], [f64; PairConstants::COUNT])>,
-}
-
-impl KnownConstants {
-    fn of(
-        &mut self,
-        materials: [u8; 2],
-        radii: [f64; 2],
-        make: impl FnOnce() -> [f64; PairConstants::COUNT],
-    ) -> [f64; PairConstants::COUNT] {
-        if radii != self.radii {
-            self.radii = radii;
-            self.found.clear();
-        }
-        if let Some((_, values)) = self.found.iter().find(|(known, _)| *known == materials) {
-            return *values;
-        }
-        let values = make();
-        self.found.push((materials, values));
-        values
     }
 }
 

@@ -30,6 +30,8 @@ mod initial_sphere;
 mod inner_list;
 mod integrator;
 mod kernel;
+mod known_constants;
+mod ledger;
 mod liquid;
 mod observed_pairs;
 mod pair_table;

@@ -9,9 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::check::{LawError, check};
-use crate::contact::parameters::ParameterValues;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::check::{LawError, check};
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::parameters::ParameterValues;
 use crate::material::Material;
 
 /// Most materials of a sample.

@@ -1,10 +1,10 @@
 //! What grains of any two materials have in common: the properties of their contacts that do not depend on the radii.
 
-use crate::contact::check::parameters_of;
-use crate::contact::description::Mixing;
-use crate::contact::pair_properties::PairProperties;
-use crate::contact::parameters::ParameterValues;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::check::parameters_of;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::parameters::ParameterValues;
+use crate::contact::law::description::Mixing;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::material::Material;
 use crate::mixture::{Component, Mixture};
 
@@ -20,7 +20,7 @@ pub(crate) struct MaterialPair {
 
 impl MaterialPair {
     /// What grains of two components have in common.
-    fn of(contact: &ContactModel, mixture: &Mixture, a: usize, b: usize) -> MaterialPair {
+    fn new(contact: &ContactModel, mixture: &Mixture, a: usize, b: usize) -> MaterialPair {
         let (x, y) = (&mixture.components[a], &mixture.components[b]);
         let rule = mixture.rule(&x.name, &y.name);
         let mut parameters = ParameterValues::NONE;
@@ -30,11 +30,11 @@ impl MaterialPair {
             };
             let value = rule
                 .and_then(|rule| rule.parameters.given(parameter.key))
-                .unwrap_or_else(|| parameter.mixing.of(of(x), of(y)));
+                .unwrap_or_else(|| parameter.mixing.mix(of(x), of(y)));
             // There is room for all parameters that laws have.
             let _ = parameters.set(parameter.key, value);
         }
-        let mixed = |of: fn(&Material) -> f64| Mixing::Geometric.of(of(&x.material), of(&y.material));
+        let mixed = |of: fn(&Material) -> f64| Mixing::Geometric.mix(of(&x.material), of(&y.material));
         MaterialPair {
             materials: [x.material, y.material],
             friction: rule.and_then(|rule| rule.friction).unwrap_or_else(|| mixed(|m| m.friction)),
@@ -73,7 +73,7 @@ impl PairTable {
             return one(material, *contact, material.friction, material.interface_energy);
         }
         let all = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
-        let rows: Vec<MaterialPair> = all.map(|[a, b]| MaterialPair::of(contact, mixture, a, b)).collect();
+        let rows: Vec<MaterialPair> = all.map(|[a, b]| MaterialPair::new(contact, mixture, a, b)).collect();
         if rows.iter().all(|row| *row == rows[0]) {
             return PairTable { count: 1, rows: vec![rows[0]] };
         }
@@ -86,7 +86,7 @@ impl PairTable {
     }
 
     /// What grains of two materials have in common.
-    pub(crate) fn of(&self, a: u8, b: u8) -> &MaterialPair {
+    pub(crate) fn between(&self, a: u8, b: u8) -> &MaterialPair {
         let place = |material: u8| if self.count == 1 { 0 } else { material as usize };
         &self.rows[place(a) * self.count + place(b)]
     }
@@ -144,7 +144,7 @@ mod tests {
         let contact = ContactModel { normal: NormalKind::JKR, ..hertz() };
         let table = PairTable::new(&glass, &contact, &mixture);
         for [a, b] in [[0, 1], [1, 0]] {
-            let pair = table.of(a, b).pair([5e-5; 2]);
+            let pair = table.between(a, b).pair([5e-5; 2]);
             assert!(
                 (pair.effective_modulus / 3.2733224223e9 - 1.0).abs() < 1e-10,
                 "{}",
@@ -157,7 +157,10 @@ mod tests {
             let ratio = 4.0 * pair.effective_shear_modulus / pair.effective_modulus;
             assert!((ratio - 0.7893328412).abs() < 1e-10, "{ratio}");
         }
-        assert_eq!(table.of(0, 0).pair([5e-5; 2]), PairProperties::new((&glass, 5e-5), (&glass, 5e-5), 0.1));
+        assert_eq!(
+            table.between(0, 0).pair([5e-5; 2]),
+            PairProperties::new((&glass, 5e-5), (&glass, 5e-5), 0.1)
+        );
     }
 
     fn soft_and_hard() -> Mixture {
@@ -175,7 +178,7 @@ mod tests {
         let mut rule =
             PairRule { between: ["soft".into(), "hard".into()], friction: Some(0.7), ..PairRule::default() };
         let of = |mixture: &Mixture| {
-            let materials = *PairTable::new(&Material::default(), &contact, mixture).of(1, 0);
+            let materials = *PairTable::new(&Material::default(), &contact, mixture).between(1, 0);
             (materials.friction, materials.contact.parameters.given("rolling_friction").unwrap())
         };
         // The root of 0.4 and of the default 0.1.

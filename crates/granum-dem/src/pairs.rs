@@ -8,12 +8,12 @@ use granum_simd::{LANES, Lanes, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
-use crate::contact::interaction::Memory;
+use crate::contact::evaluation::memory::Memory;
 use crate::rows;
 use granum_core::geometry::{apply, invert};
 
 /// Number of history columns before those of the laws: the old normal.
-pub(crate) const NORMAL_COLUMNS: usize = crate::contact::slots::DIRECTION;
+pub(crate) const NORMAL_COLUMNS: usize = crate::contact::slot::slots::DIRECTION;
 
 /// A range of grains and the pairs whose first grain is in it: the unit of work of a thread.
 ///

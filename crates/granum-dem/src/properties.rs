@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use crate::config::{Grains, Mixture, Preparation};
-use crate::contact::check::check;
-use crate::contact::kind::{NormalKind, RollingKind};
-use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::check::check;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{NormalKind, RollingKind};
+use crate::contact::law::pair_properties::PairProperties;
 use crate::material::Material;
 use crate::mixture::MixtureError;
 use crate::pair_table::{MaterialPair, PairTable};
@@ -47,7 +47,7 @@ impl Properties {
     }
 
     /// Those of grains that may be of several materials, with a contact law; which grain is of which is drawn from the seed.
-    pub fn of(grains: &Grains, contact: &ContactModel, seed: u64) -> Properties {
+    pub fn for_grains(grains: &Grains, contact: &ContactModel, seed: u64) -> Properties {
         Properties {
             material: grains.material,
             contact: contact.with_all_parameters(),
@@ -117,7 +117,7 @@ impl Properties {
             })?;
             *place = found as u8;
         }
-        Ok(self.table().of(places[0], places[1]).pair(radii))
+        Ok(self.table().between(places[0], places[1]).pair(radii))
     }
 
     /// The properties of contacts between any two materials.

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::contact::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
-use crate::contact::parameters::ParameterValues;
-use crate::contact::registry::{Laws, unknown};
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+use crate::contact::choice::parameters::ParameterValues;
+use crate::contact::choice::registry::{Laws, unknown};
 use crate::material::Material;
 use crate::mixture::{Component, Mixture, PairRule};
 use crate::properties::Properties;

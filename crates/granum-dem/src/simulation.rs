@@ -4,14 +4,15 @@ use std::collections::HashSet;
 
 use granum_simd::{LANES, Row4, Row8};
 
-use crate::assembly::{Assembly, EnergyBalance, Vector};
+use crate::assembly::{Assembly, Vector};
 use crate::cell::Cell;
-use crate::contact::constants::PairConstants;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
 use crate::inner_list::InnerList;
 use crate::integrator::Integrator;
-use crate::kernel::Stages;
+use crate::kernel::ContactStages;
+use crate::ledger::Ledger;
 use crate::loading::measure::Event;
 use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
@@ -97,7 +98,7 @@ impl Simulation {
             inner_list: InnerList::new(0.002 * 2.0 * largest),
             sums: ContactSums::default(),
             fastest_peak: 0.0,
-            energy_balance: EnergyBalance::default(),
+            ledger: Ledger::default(),
             servo: Servo::default(),
             control: CellControl::fixed(),
             global_damping: 0.0,
@@ -127,7 +128,7 @@ impl Simulation {
     /// Calls every law through its slot from now on, also in sets of laws that are compiled into one loop, until other laws are set
     /// with [`Simulation::set_properties`]. Results have the same bits and take longer: for comparisons of the two.
     pub fn call_laws_through_slots(&mut self) {
-        self.integrator.stages = Stages::any();
+        self.integrator.stages = ContactStages::any();
     }
 
     /// Sets the control of the cell and resets the servo.
@@ -182,7 +183,7 @@ impl Simulation {
         let before = self.integrator.properties.contact;
         let ratio = self.integrator.density_ratio(&properties)?;
         self.integrator.scale_density(ratio);
-        self.integrator.stages = Stages::of(&properties.contact);
+        self.integrator.stages = ContactStages::for_laws(&properties.contact);
         let films = self.integrator.first_films();
         self.integrator.set_properties(properties);
         self.integrator.change_bridges(&before);

@@ -8,6 +8,7 @@ use crate::cell::Cell;
 use crate::contact_sums::ContactSums;
 use crate::images::{NO_IMAGE, image_vector};
 use crate::inner_list::InnerList;
+use crate::ledger::Ledger;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
 use crate::servo::{CellControl, Servo};
@@ -52,8 +53,7 @@ pub struct State {
     pub(crate) sums: ContactSums,
     /// Largest `k_t / m` since the time step was last raised.
     pub(crate) fastest_peak: f64,
-    #[serde(with = "energy_row")]
-    pub(crate) energy_balance: EnergyBalance,
+    pub(crate) ledger: Ledger,
     pub(crate) servo: Servo,
     pub(crate) control: CellControl,
     /// Rate of global damping of the velocities, 1/s, used only during the preparation of a sample.
@@ -61,52 +61,6 @@ pub struct State {
     /// Relative errors of the controlled stresses from the arc length `judge_from` on.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
-}
-
-/// The energy balance as a row of numbers: a checkpoint has no field names, so that no field can be omitted.
-mod energy_row {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use crate::assembly::EnergyBalance;
-
-    pub(super) fn serialize<S: Serializer>(energy_balance: &EnergyBalance, to: S) -> Result<S::Ok, S::Error> {
-        let EnergyBalance {
-            boundary_work,
-            tangential_work,
-            friction,
-            micro_slip,
-            damping,
-            adhesion_made,
-            adhesion_broken,
-            rolling_work,
-            rolling,
-            attraction_loss,
-            plastic_loss,
-        } = *energy_balance;
-        let lost =
-            [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, plastic_loss];
-        ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
-    }
-
-    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyBalance, D::Error> {
-        let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
-            <([f64; 2], [f64; 7], [f64; 2])>::deserialize(from)?;
-        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, plastic_loss] =
-            lost;
-        Ok(EnergyBalance {
-            boundary_work,
-            tangential_work,
-            friction,
-            micro_slip,
-            damping,
-            adhesion_made,
-            adhesion_broken,
-            rolling_work,
-            rolling,
-            attraction_loss,
-            plastic_loss,
-        })
-    }
 }
 
 /// Length of the strain chords that are added up to the arc length: shorter movements to and fro, caused by the servo, do
@@ -277,9 +231,9 @@ impl State {
         self.step
     }
 
-    /// Energy by mechanism since the start of the phase.
-    pub fn energy(&self) -> EnergyBalance {
-        self.energy_balance
+    /// Energy by mechanism since the start of the phase, without the channels that laws declare: those are in the assembly.
+    pub fn energy(&self) -> &EnergyBalance {
+        &self.ledger.balance
     }
 
     /// How accurately the controlled stresses were held after the start-up of the phase or stage.
@@ -307,7 +261,7 @@ impl State {
         self.control.since = 0.0;
         self.time = 0.0;
         self.step = 0;
-        self.energy_balance = EnergyBalance::default();
+        self.ledger = Ledger::default();
         self.servo_error = ServoError::default();
     }
 

@@ -22,7 +22,7 @@ struct Moved {
 
 /// The stage that the threads work on.
 #[derive(Clone, Copy)]
-enum Stage {
+enum StepStage {
     /// The grains sum their forces and move.
     Grains,
     /// The neighbour lists are pruned again, after the grains moved.
@@ -36,12 +36,12 @@ struct Team<'a> {
     work: Work,
     integrator: UnsafeCell<&'a mut Integrator>,
     views: UnsafeCell<Views>,
-    stage: UnsafeCell<Stage>,
+    stage: UnsafeCell<StepStage>,
     /// Number of steps still to be made.
     steps: UnsafeCell<u64>,
     failure: UnsafeCell<Option<SimulationError>>,
     threads: usize,
-    contacts: kernel::Stage,
+    contacts: kernel::ContactStageFunction,
     isa: granum_simd::Isa,
 }
 // SAFETY: the cells are written by one thread at a time, between the report of the last block of a stage and the opening of
@@ -59,9 +59,9 @@ impl Team<'_> {
                 let (views, stage) = unsafe { (&*self.views.get(), *self.stage.get()) };
                 let (count, all) = (blocks.len(), views.blocks.len());
                 match stage {
-                    Stage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
-                    Stage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
-                    Stage::Contacts(_) => (self.contacts)(views, blocks),
+                    StepStage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
+                    StepStage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
+                    StepStage::Contacts(_) => (self.contacts)(views, blocks),
                 }
                 if self.work.report(count, all) {
                     // SAFETY: that was the last block, and no other can be claimed.
@@ -78,18 +78,18 @@ impl Team<'_> {
     fn begin(&mut self) {
         self.integrator.get_mut().begin_step(self.views.get_mut());
         // SAFETY: no other thread has started yet.
-        unsafe { self.open(Stage::Grains) };
+        unsafe { self.open(StepStage::Grains) };
     }
 
     /// The serial work between two stages.
     ///
     /// # Safety
     /// Only when all blocks of the stage have been reported.
-    unsafe fn turn(&self, stage: Stage) {
+    unsafe fn turn(&self, stage: StepStage) {
         unsafe {
             let integrator = &mut *self.integrator.get();
             match stage {
-                Stage::Grains => {
+                StepStage::Grains => {
                     let views = &mut *self.views.get();
                     let fastest = views.fastest_grain.read().iter().copied().fold(0.0, larger);
                     let renewed = integrator.list_is_stale(views, fastest);
@@ -98,10 +98,10 @@ impl Team<'_> {
                     }
                     let moved = Moved { fastest, renewed };
                     let stale = integrator.prune_again(&mut *self.views.get(), fastest, renewed);
-                    self.open(if stale { Stage::Prune(moved) } else { Stage::Contacts(moved) });
+                    self.open(if stale { StepStage::Prune(moved) } else { StepStage::Contacts(moved) });
                 }
-                Stage::Prune(moved) => self.open(Stage::Contacts(moved)),
-                Stage::Contacts(Moved { fastest, renewed }) => {
+                StepStage::Prune(moved) => self.open(StepStage::Contacts(moved)),
+                StepStage::Contacts(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;
                     integrator.exchange_liquid(&*self.views.get());
@@ -112,7 +112,7 @@ impl Team<'_> {
                         self.work.end();
                     } else {
                         integrator.begin_step(&mut *self.views.get());
-                        self.open(Stage::Grains);
+                        self.open(StepStage::Grains);
                     }
                 }
             }
@@ -121,7 +121,7 @@ impl Team<'_> {
 
     /// # Safety
     /// As for [`Team::turn`].
-    unsafe fn open(&self, stage: Stage) {
+    unsafe fn open(&self, stage: StepStage) {
         // SAFETY: no thread reads the stage or the views yet.
         let blocks = unsafe {
             *self.stage.get() = stage;
@@ -160,7 +160,7 @@ fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::R
 }
 
 /// The contact stage of an integrator.
-fn contact_stage(integrator: &Integrator) -> kernel::Stage {
+fn contact_stage(integrator: &Integrator) -> kernel::ContactStageFunction {
     let stages = integrator.stages;
     if integrator.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
 }
@@ -178,7 +178,7 @@ pub(crate) fn advance(integrator: &mut Integrator, steps: u64) -> Result<(), Sim
         isa: integrator.hardware.isa,
         integrator: UnsafeCell::new(integrator),
         views: UnsafeCell::new(views),
-        stage: UnsafeCell::new(Stage::Grains),
+        stage: UnsafeCell::new(StepStage::Grains),
         steps: UnsafeCell::new(steps),
         failure: UnsafeCell::new(None),
         threads,

@@ -8,9 +8,11 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{
     AdhesionKind, Component, ContactModel, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
+use granum_dem::contact::adhesion::capillary_bridge::CapillaryBridgeConstants;
+use granum_dem::contact::adhesion::capillary_bridge_films::CapillaryBridgeFilmsConstants;
 use granum_dem::contact::adhesion::{CapillaryBridge, CapillaryBridgeFilms};
 use granum_dem::contact::{
-    AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, PairProperties,
+    AdhesionLaw, Attraction, LawDescription, LawEnergies, MAX_ADHESION_HISTORY, PairProperties,
 };
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 use granum_simd::Real;
@@ -165,29 +167,35 @@ fn the_energy_is_in_balance() {
 struct Everywhere;
 
 impl AdhesionLaw for Everywhere {
-    const DESCRIPTION: Description = Description::new(
+    const DESCRIPTION: LawDescription = LawDescription::new(
         "bridge-everywhere",
         "bridges",
         "bridges of which every pair in range is evaluated",
         CapillaryBridge::DESCRIPTION.parameters,
     );
+    type Constants<R: Real> = CapillaryBridgeConstants<R>;
     const HISTORY: usize = CapillaryBridge::HISTORY;
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> CapillaryBridgeConstants<f64> {
         CapillaryBridge::prepare(pair, parameters)
     }
     #[inline(always)]
     fn update<R: Real>(
-        constants: &[R; LAW_CONSTANTS],
+        constants: &CapillaryBridgeConstants<R>,
         overlap: R,
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
+        energies: &mut LawEnergies<R>,
     ) -> Attraction<R> {
-        CapillaryBridge::update(constants, overlap, touching, history)
+        CapillaryBridge::update(constants, overlap, touching, history, energies)
     }
-    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+    fn energy(
+        constants: &CapillaryBridgeConstants<f64>,
+        overlap: f64,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64 {
         CapillaryBridge::energy(constants, overlap, history)
     }
-    fn range(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+    fn range(constants: &CapillaryBridgeConstants<f64>) -> f64 {
         CapillaryBridge::range(constants)
     }
 }
@@ -232,7 +240,7 @@ fn pairs_without_a_bridge_are_left_out() {
 struct OwnFilms;
 
 impl AdhesionLaw for OwnFilms {
-    const DESCRIPTION: Description = Description::new(
+    const DESCRIPTION: LawDescription = LawDescription::new(
         "own-films",
         "bridges of the caller",
         "bridges that share films, of the caller",
@@ -240,32 +248,38 @@ impl AdhesionLaw for OwnFilms {
     );
     const BEGINS_AT_TOUCH: bool = true;
     const SHARES_LIQUID: bool = true;
+    type Constants<R: Real> = CapillaryBridgeFilmsConstants<R>;
     const HISTORY: usize = CapillaryBridgeFilms::HISTORY;
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> CapillaryBridgeFilmsConstants<f64> {
         CapillaryBridgeFilms::prepare(pair, parameters)
     }
     #[inline(always)]
     fn update<R: Real>(
-        constants: &[R; LAW_CONSTANTS],
+        constants: &CapillaryBridgeFilmsConstants<R>,
         overlap: R,
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
+        energies: &mut LawEnergies<R>,
     ) -> Attraction<R> {
-        CapillaryBridgeFilms::update(constants, overlap, touching, history)
+        CapillaryBridgeFilms::update(constants, overlap, touching, history, energies)
     }
     fn film(radius: f64, parameters: &[f64]) -> f64 {
         CapillaryBridgeFilms::film(radius, parameters)
     }
-    fn largest_bridge(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+    fn largest_bridge(constants: &CapillaryBridgeFilmsConstants<f64>) -> f64 {
         CapillaryBridgeFilms::largest_bridge(constants)
     }
-    fn bridge(constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+    fn bridge(constants: &CapillaryBridgeFilmsConstants<f64>, volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
         CapillaryBridgeFilms::bridge(constants, volume)
     }
-    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+    fn energy(
+        constants: &CapillaryBridgeFilmsConstants<f64>,
+        overlap: f64,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64 {
         CapillaryBridgeFilms::energy(constants, overlap, history)
     }
-    fn range(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+    fn range(constants: &CapillaryBridgeFilmsConstants<f64>) -> f64 {
         CapillaryBridgeFilms::range(constants)
     }
 }

@@ -234,7 +234,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         strain: assembly.strain,
         arc_length: assembly.arc_length,
         target_mean_stress: assembly.target_mean_stress,
-        energy: assembly.energy,
+        energy: assembly.energy.clone(),
         materials: assembly.materials.clone(),
         liquid: assembly.liquid,
         ..Assembly::default()

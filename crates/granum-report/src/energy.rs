@@ -1,53 +1,84 @@
 //! The energy balance by mechanism.
 
-use granum_sensors::Record;
+use granum_dem::contact::EnergyFate;
 
 use super::data::{RunReport, column};
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
 
-/// Mechanisms whose energy is recoverable; their lines are dashed.
-const ELASTIC: [&str; 4] = ["normal elastic", "tangential elastic", "rolling elastic", "attraction"];
-/// The last of the mechanisms, drawn in grey, since it is small in a quasi-static test.
-const KINETIC: &str = "kinetic";
+/// What becomes of the energy of a mechanism, which determines its line.
+#[derive(Clone, Copy, PartialEq)]
+enum Fate {
+    /// It can be recovered: dashed, in the color of this number.
+    Elastic(usize),
+    /// It is kinetic: grey, since it is small in a quasi-static test.
+    Kinetic,
+    /// It is lost.
+    Lost,
+}
+
+/// The energy that went into a mechanism since the first recorded state, J.
+struct Mechanism {
+    name: &'static str,
+    fate: Fate,
+    values: Vec<f64>,
+}
+
+/// Mechanisms with the column of each, in the order of the figure.
+const ALWAYS: [(&str, Fate, &str); 8] = [
+    ("sliding friction", Fate::Lost, "friction_loss"),
+    ("micro-slip", Fate::Lost, "micro_slip_loss"),
+    ("contact damping", Fate::Lost, "damping_loss"),
+    ("making adhesive contacts", Fate::Lost, "adhesion_made_loss"),
+    ("breaking adhesive contacts", Fate::Lost, "adhesion_broken_loss"),
+    ("normal elastic", Fate::Elastic(0), "elastic_normal_energy"),
+    ("tangential elastic", Fate::Elastic(1), "elastic_tangential_energy"),
+    ("kinetic", Fate::Kinetic, "kinetic_energy"),
+];
+/// Those whose columns exist only if contacts resist rolling, or if grains attract each other at a distance.
+const SOMETIMES: [(&str, Fate, &str); 4] = [
+    ("rolling", Fate::Lost, "rolling_loss"),
+    ("rolling elastic", Fate::Elastic(2), "elastic_rolling_energy"),
+    ("attraction ended", Fate::Lost, "attraction_loss"),
+    ("attraction", Fate::Elastic(3), "attraction_energy"),
+];
 /// Range of the shares of the final work that is shown.
 const SHOWN: [f64; 2] = [1e-6, 2.0];
 
 /// The boundary work by mechanism, each since the first recorded state, J.
 struct Balance {
     work: Vec<f64>,
-    parts: Vec<(&'static str, Vec<f64>)>,
+    parts: Vec<Mechanism>,
 }
 
 impl Balance {
-    fn from_record(record: &Record) -> Option<Balance> {
+    fn from_run(run: &RunReport) -> Option<Balance> {
+        let record = &run.record;
         let rows = record.series.rows();
         let since_start = |name: &str| -> Option<Vec<f64>> {
             let values = column(record, name);
             let first = *values.first()?;
             (values.len() == rows).then(|| values.iter().map(|value| value - first).collect())
         };
-        let elastic_normal = since_start("elastic_normal_energy")?;
-        let elastic_tangential = since_start("elastic_tangential_energy")?;
-        let mut parts = vec![
-            ("sliding friction", since_start("friction_loss")?),
-            ("micro-slip", since_start("micro_slip_loss")?),
-            ("contact damping", since_start("damping_loss")?),
-            ("making adhesive contacts", since_start("adhesion_made_loss")?),
-            ("breaking adhesive contacts", since_start("adhesion_broken_loss")?),
-            (ELASTIC[0], elastic_normal),
-            (ELASTIC[1], elastic_tangential),
-            (KINETIC, since_start("kinetic_energy")?),
-        ];
-        // These columns exist only if contacts resist rolling.
-        let rolling = [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")];
-        // These columns exist only if grains attract each other at a distance.
-        let attraction = [("attraction ended", "attraction_loss"), (ELASTIC[3], "attraction_energy")];
-        // This column exists only if contacts deform plastically.
-        let plastic = [("plastic deformation", "plastic_loss")];
-        for (name, column) in rolling.into_iter().chain(attraction).chain(plastic) {
-            parts.extend(since_start(column).map(|values| (name, values)));
+        let mut parts = Vec::new();
+        for (name, fate, column) in ALWAYS {
+            parts.push(Mechanism { name, fate, values: since_start(column)? });
+        }
+        // The columns of the channels that contact laws declare exist if there is energy in them.
+        let mut elastic = 3;
+        let channels = run.case.contact.channels().into_iter().flatten().map(|channel| {
+            let fate = match channel.fate {
+                EnergyFate::Dissipated => Fate::Lost,
+                EnergyFate::Stored => {
+                    elastic += 1;
+                    Fate::Elastic(elastic)
+                }
+            };
+            (channel.label, fate, channel.key)
+        });
+        for (name, fate, column) in SOMETIMES.into_iter().chain(channels) {
+            parts.extend(since_start(column).map(|values| Mechanism { name, fate, values }));
         }
         Some(Balance { work: since_start("boundary_work")?, parts })
     }
@@ -55,14 +86,14 @@ impl Balance {
     /// Boundary work minus the sum of all mechanisms.
     fn residual(&self) -> Vec<f64> {
         (0..self.work.len())
-            .map(|k| self.work[k] - self.parts.iter().map(|(_, values)| values[k]).sum::<f64>())
+            .map(|k| self.work[k] - self.parts.iter().map(|part| part.values[k]).sum::<f64>())
             .collect()
     }
 }
 
 /// Largest error of the energy balance over the total boundary work; `None` if the balance was not recorded.
-pub fn closure(record: &Record) -> Option<f64> {
-    let balance = Balance::from_record(record)?;
+pub fn closure(run: &RunReport) -> Option<f64> {
+    let balance = Balance::from_run(run)?;
     let work = balance.work.last().copied().filter(|work| work.abs() > 0.0)?;
     let residual = balance.residual();
     let all_finite = residual.iter().all(|r| r.is_finite());
@@ -70,11 +101,11 @@ pub fn closure(record: &Record) -> Option<f64> {
 }
 
 /// Shares of the boundary work at the end by mechanism, in decreasing order.
-pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
-    let Some(balance) = Balance::from_record(record) else { return Vec::new() };
+pub fn shares(run: &RunReport) -> Vec<(&'static str, f64)> {
+    let Some(balance) = Balance::from_run(run) else { return Vec::new() };
     let Some(work) = balance.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
     let mut shares: Vec<(&str, f64)> = (balance.parts.iter())
-        .filter_map(|(name, values)| Some((*name, values.last()? / work)))
+        .filter_map(|part| Some((part.name, part.values.last()? / work)))
         .filter(|(_, share)| share.is_finite())
         .collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -83,7 +114,7 @@ pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
 
 /// Figure of the energy by mechanism and of the error of the energy balance.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
-    let balance = Balance::from_record(&run.record)?;
+    let balance = Balance::from_run(run)?;
     let axis = || strain_axis(std::slice::from_ref(run));
     let strain = run.strain();
     let points =
@@ -95,13 +126,13 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let mut energies = Plot::new(axis(), scale)
         .with(Layer::stroked(shares(&balance.work), Stroke::new(INK, 1.6)).named("boundary work"));
     // Mechanisms that the laws of the run do not have would take names and colours from the others.
-    let present = balance.parts.iter().filter(|(_, values)| values.iter().any(|value| *value != 0.0));
+    let present = balance.parts.iter().filter(|part| part.values.iter().any(|value| *value != 0.0));
     let mut losses = 0;
-    for (name, values) in present {
-        let stroke = match ELASTIC.iter().position(|elastic| elastic == name) {
-            Some(n) => Stroke::new(color(n), 1.3).dashed(&[5.0, 3.0]),
-            None if *name == KINETIC => Stroke::new(GREY, 1.3),
-            None => {
+    for Mechanism { name, fate, values } in present {
+        let stroke = match fate {
+            Fate::Elastic(n) => Stroke::new(color(*n), 1.3).dashed(&[5.0, 3.0]),
+            Fate::Kinetic => Stroke::new(GREY, 1.3),
+            Fate::Lost => {
                 losses += 1;
                 Stroke::new(color(losses - 1), 1.3)
             }
@@ -124,6 +155,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
 mod tests {
     use super::*;
     use granum_core::{Column, Table};
+    use granum_sensors::Record;
 
     #[test]
     fn what_no_mechanism_accounts_for_is_the_error() {
@@ -143,11 +175,12 @@ mod tests {
         let record = Record { series: Table::new(columns).unwrap(), histograms: Vec::new() };
         // The work of 10 is split into 4 friction, 1 micro-slip, 1 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic and 2
         // normal, so that 0.4 is missing.
-        assert!((closure(&record).unwrap() - 0.04).abs() < 1e-12);
-        let shares = shares(&record);
+        let run = RunReport { record, ..RunReport::default() };
+        assert!((closure(&run).unwrap() - 0.04).abs() < 1e-12);
+        let shares = shares(&run);
         assert_eq!(shares[0].0, "sliding friction");
         let slip = shares.iter().find(|(name, _)| *name == "micro-slip").unwrap().1;
         assert!((slip - 0.1).abs() < 1e-12);
-        assert!(closure(&Record::default()).is_none() && figure(&RunReport::default()).is_none());
+        assert!(closure(&RunReport::default()).is_none() && figure(&RunReport::default()).is_none());
     }
 }

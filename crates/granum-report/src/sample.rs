@@ -5,7 +5,7 @@ use super::figure::literal;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
 use granum_dem::config::{Component, ContactModel, Material};
-use granum_dem::contact::check::parameters_of;
+use granum_dem::contact::choice::check::parameters_of;
 use granum_dem::loading::{Speed, Stage};
 
 /// Solid fraction of the sample of the paper.

@@ -127,7 +127,7 @@ fn table(label: &str, runs: &[RunReport]) -> Table {
 
 /// A sentence on the energy balance.
 fn energy_sentence(run: &RunReport) -> Option<String> {
-    let shares = energy::shares(&run.record);
+    let shares = energy::shares(run);
     let named: Vec<String> = (shares.iter())
         .filter(|(_, share)| *share >= 0.005)
         .map(|(name, share)| format!("{name} {}", percent(*share)))
@@ -147,7 +147,7 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
         }
         None => format!(
             "At every recorded state the energy balance closes to within {} of that work",
-            percent(energy::closure(&run.record)?)
+            percent(energy::closure(run)?)
         ),
     };
     Some(format!("Shares of the boundary work: {}. {closes}.", listed(&named)))

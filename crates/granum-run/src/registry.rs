@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_dem::contact::registry::{Law, RegisterError as LawError};
+use granum_dem::contact::choice::registry::{Law, RegisterError as LawError};
 use granum_dem::loading::preset::{Preset, RegisterError as PathError};
 use granum_io::case::Vocabulary;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};

@@ -1,6 +1,6 @@
 //! Elementary functions composed of operations that give the same bits on every machine.
 
-use granum_dem::contact::elementary::arctan;
+use granum_dem::contact::law::elementary::arctan;
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch, exp};
 
 /// Natural logarithm of a positive finite number; relative error below 1e-14.

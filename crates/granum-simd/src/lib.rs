@@ -16,6 +16,7 @@ mod portable;
 mod prefetch;
 mod rows;
 mod twice;
+pub mod vectors;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -4,12 +4,14 @@ pub mod prelude;
 
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
-    pub use granum_dem::contact::registry::{Law, Laws, RegisterError};
+    pub use granum_dem::contact::choice::registry::{Law, Laws, RegisterError};
     pub use granum_dem::contact::{
-        AdhesionLaw, AdhesionLosses, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY,
-        MAX_HISTORY, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, NormalLaw, NormalTraits,
-        PairProperties, Parameter, RelativeSpin, Tangential, TangentialLaw, Unit,
+        AdhesionLaw, AdhesionLosses, Attraction, EnergyChannel, EnergyFate, LawConstants, LawDescription,
+        LawEnergies, LawParameter, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
+        Mixing, Moment, MomentLaw, NoConstants, Normal, NormalLaw, NormalTraits, PairProperties,
+        RelativeSpin, Tangential, TangentialLaw, Unit,
     };
+    pub use granum_dem::law_constants;
     pub use granum_simd::{Mask, Real};
 }
 

@@ -8,19 +8,27 @@ use granum::law::*;
 #[derive(Clone, Copy)]
 pub struct RollingSpring;
 
-/// What is prepared for a pair.
-const ARM: usize = 0;
-const AREA: usize = 1;
-const STEP: usize = 2;
+law_constants! {
+    /// What is prepared for a pair.
+    pub struct RollingSpringConstants<R> {
+        /// `mu_r R*`, m.
+        arm: R,
+        /// `R*^2`, m2.
+        area: R,
+        /// `R*^2` over the square of the smaller radius.
+        step: R,
+    }
+}
+
 /// What is remembered after the two components of the couple.
 const STIFFNESS_BEFORE: usize = 2;
 
 impl MomentLaw for RollingSpring {
-    const DESCRIPTION: Description = Description::new(
+    const DESCRIPTION: LawDescription = LawDescription::new(
         "rolling-spring",
         "rolling spring",
         "a spring and a slider against rolling (Iwashita and Oda 1998)",
-        &[Parameter::new(
+        &[LawParameter::new(
             "rolling_spring_friction",
             Unit::NUMBER,
             0.1,
@@ -28,27 +36,29 @@ impl MomentLaw for RollingSpring {
             "Coefficient mu_r: the rolling couple is at most mu_r R* F",
         )],
     );
+    type Constants<R: Real> = RollingSpringConstants<R>;
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[ARM] = parameters[0] * pair.effective_radius;
-        c[AREA] = pair.effective_radius.powi(2);
-        c[STEP] = (pair.effective_radius / pair.smaller_radius).powi(2);
-        c
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> RollingSpringConstants<f64> {
+        RollingSpringConstants {
+            arm: parameters[0] * pair.effective_radius,
+            area: pair.effective_radius.powi(2),
+            step: (pair.effective_radius / pair.smaller_radius).powi(2),
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &RollingSpringConstants<R>,
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
         let (one, half, tiny) = (R::splat(1.0), R::splat(0.5), R::splat(1e-200));
-        let (stiffness, limit) = (c[AREA] * normal.stiffness, c[ARM] * normal.friction_load);
+        let (stiffness, limit) = (c.area * normal.stiffness, c.arm * normal.friction_load);
         let (held, before) = ([history[0], history[1]], history[STIFFNESS_BEFORE]);
         // A contact that grows softer cannot hold what it held: it would make energy.
         let kept = (stiffness / before.max(tiny)).min(one);
@@ -67,12 +77,12 @@ impl MomentLaw for RollingSpring {
             at_limit,
             work,
             loss: work - (stored(couple, stiffness) - stored(held, before)),
-            step_stiffness: c[STEP] * normal.stiffness,
+            step_stiffness: c.step * normal.stiffness,
             ..Moment::none()
         }
     }
 
-    fn energy(_: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+    fn energy(_: &RollingSpringConstants<f64>, history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         let couple = [history[0], history[1]];
         0.5 * dot(couple, couple) / history[STIFFNESS_BEFORE].max(1e-200)
     }

@@ -12,20 +12,20 @@ use super::contacts::ContactStage;
 use super::laws::{AnyLaws, InLoop, StageLaws};
 use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 use super::views::Views;
-use crate::contact::kind::{NormalKind, RollingKind, TangentialKind};
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{NormalKind, RollingKind, TangentialKind};
 use crate::contact::normal::{Hertz, Jkr};
 use crate::contact::rolling::{ElasticPlasticRolling, SpringDashpotSlider};
-use crate::contact::selection::ContactModel;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
 /// The contact stage over a range of blocks.
-pub(crate) type Stage = fn(&Views, Range<usize>);
+pub(crate) type ContactStageFunction = fn(&Views, Range<usize>);
 
 /// The contact stages of a set: for equal grains and for unequal ones.
 #[derive(Clone, Copy)]
-pub(crate) struct Stages {
-    pub(crate) alike: Stage,
-    pub(crate) by_batch: Stage,
+pub(crate) struct ContactStages {
+    pub(crate) alike: ContactStageFunction,
+    pub(crate) by_batch: ContactStageFunction,
 }
 
 /// The stage of laws that are compiled into the loop. On a processor without vector instructions the loop over slots is used
@@ -36,7 +36,7 @@ fn stage<S: StageLaws, C: ConstantSource>(views: &Views, blocks: Range<usize>) {
 }
 
 /// The stage that calls laws through their slots. Sets without moments have a faster loop of their own, except on a processor
-/// without vector instructions and in unit tests, for the reason given at [`Stages::of`].
+/// without vector instructions and in unit tests, for the reason given at [`ContactStages::for_laws`].
 fn slots(views: &Views, blocks: Range<usize>) {
     if cfg!(test) || views.laws.rolling.law().acts() {
         slots_with_moments(views, blocks);
@@ -52,23 +52,23 @@ fn slots_with_moments(views: &Views, blocks: Range<usize>) {
     dispatch(views.isa, ContactStage { views, blocks, laws });
 }
 
-fn compiled<S: StageLaws>() -> Stages {
-    Stages { alike: stage::<S, Alike>, by_batch: stage::<S, ByBatch> }
+fn compiled<S: StageLaws>() -> ContactStages {
+    ContactStages { alike: stage::<S, Alike>, by_batch: stage::<S, ByBatch> }
 }
 
-impl Stages {
+impl ContactStages {
     /// The stages of a given set. In the unit tests of this crate all laws are called through their slots, which gives the same
     /// bits: compiling the other loops again would take most of the time that building these tests takes. The tests in the
     /// folder `tests` run all loops.
-    pub(crate) fn of(laws: &ContactModel) -> Stages {
+    pub(crate) fn for_laws(laws: &ContactModel) -> ContactStages {
         if cfg!(test) {
-            return Stages::any();
+            return ContactStages::any();
         }
         const HERTZ: NormalKind = NormalKind::HERTZ;
         const JKR: NormalKind = NormalKind::JKR;
         const CURVES: TangentialKind = TangentialKind::MINDLIN_DERESIEWICZ;
         const NO_SLIP: TangentialKind = TangentialKind::NO_SLIP;
-        type Choice = (NormalKind, TangentialKind, fn() -> Stages);
+        type Choice = (NormalKind, TangentialKind, fn() -> ContactStages);
         let sets: [Choice; 5] = [
             (HERTZ, CURVES, compiled::<InLoop<false, Hertz, MindlinDeresiewicz>>),
             (HERTZ, NO_SLIP, compiled::<InLoop<false, Hertz, NoSlip>>),
@@ -84,16 +84,17 @@ impl Stages {
                 type Growing = InLoop<true, Hertz, NoSlip, ElasticPlasticRolling>;
                 type Constant = InLoop<true, Hertz, NoSlip, SpringDashpotSlider>;
                 let constant = laws.rolling == RollingKind::SPRING_DASHPOT_SLIDER;
-                let alike: Stage = if constant { stage::<Constant, Alike> } else { stage::<Growing, Alike> };
-                Stages { alike, by_batch: slots }
+                let alike: ContactStageFunction =
+                    if constant { stage::<Constant, Alike> } else { stage::<Growing, Alike> };
+                ContactStages { alike, by_batch: slots }
             }
-            _ => Stages::any(),
+            _ => ContactStages::any(),
         }
     }
 
     /// The stages that work with any set.
-    pub(crate) fn any() -> Stages {
-        Stages { alike: slots, by_batch: slots }
+    pub(crate) fn any() -> ContactStages {
+        ContactStages { alike: slots, by_batch: slots }
     }
 }
 

@@ -16,14 +16,17 @@ use super::part::{First, Part, Second, Whole};
 use super::push::Push;
 use super::source::ConstantSource;
 use super::views::Views;
-use crate::contact::constants::PairConstants;
-use crate::contact::interaction::{Interaction, Kinematics, Memory, dot};
-use crate::contact::limits::MAX_HISTORY;
+use crate::contact::evaluation::constants::PairConstants;
+use crate::contact::evaluation::interaction::{Interaction, Kinematics};
+use crate::contact::evaluation::memory::Memory;
+use crate::contact::law::energy_channel::{LAWS, SetEnergies};
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_HISTORY};
 use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
 use crate::pairs::{Marks, NORMAL_COLUMNS};
+use granum_simd::vectors::dot;
 
-const SUMS: usize = 22;
+const SUMS: usize = 21;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
 /// The contact stage for a range of blocks.
@@ -39,7 +42,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let v = self.views;
-        let laws = S::of(v);
+        let laws = S::from_views(v);
         let common = Common::<L> {
             gradient: v.gradient.map(|row| row.map(L::splat)),
             dt: L::splat(v.dt),
@@ -57,8 +60,13 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             for [from, to] in [block.grains, block.outer] {
                 unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
             }
-            let order = Order::of(block);
-            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero(), discarded: L::zero() };
+            let order = Order::new(block);
+            let mut totals = Totals {
+                sums: [L::zero(); SUMS],
+                channels: [[L::zero(); LAW_CHANNELS]; LAWS],
+                fastest: L::zero(),
+                discarded: L::zero(),
+            };
             let sampled = laws.discards() && v.sampling_weight != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
@@ -121,7 +129,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             if sampled {
                 totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
             }
-            let Totals { mut sums, fastest, discarded: lost } = totals;
+            let Totals { mut sums, channels, fastest, discarded: lost } = totals;
             sums[15] = lost.mul_add(L::splat(v.sampling_weight), sums[15]);
             let s = reduced(&sums);
             // SAFETY: only this thread works on this block in this stage.
@@ -140,7 +148,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 moment_work: s[18],
                 moment_loss: s[19],
                 attraction_loss: s[20],
-                plastic_loss: s[21],
+                channels: reduced_channels(&laws, &channels),
                 // For equal grains the single mass is divided by here.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
@@ -160,6 +168,20 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
     reduced
 }
 
+/// The same for the energies in the channels of the laws.
+#[inline(always)]
+fn reduced_channels<L: Lanes, S: StageLaws>(laws: &S, channels: &SetEnergies<L>) -> SetEnergies<f64> {
+    let mut reduced = [[0.0; LAW_CHANNELS]; LAWS];
+    if S::MAY_HAVE_CHANNELS && laws.channels() != [0; LAWS] {
+        for (to, from) in reduced.iter_mut().zip(channels) {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = from.reduce_add();
+            }
+        }
+    }
+    reduced
+}
+
 /// True if two batches are evaluated side by side.
 const fn paired<L: Lanes, S: StageLaws>() -> bool {
     L::PAIRED && !S::IN_PLACE
@@ -168,6 +190,7 @@ const fn paired<L: Lanes, S: StageLaws>() -> bool {
 /// Sums over a block while it is being evaluated.
 struct Totals<L> {
     sums: [L; SUMS],
+    channels: SetEnergies<L>,
     fastest: L,
     /// Energy of discarded histories, J. It has a sum of its own, because the number of batches that are collected before
     /// it is evaluated varies.
@@ -306,61 +329,67 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     // SAFETY: histories and marks of a batch belong to the thread that works on its block.
     let (rows, marks) = unsafe { (v.memory.write(rows_of(laws, b)), &mut v.marks.write(b..b + 1)[0]) };
     for k in 0..NORMAL_COLUMNS {
-        P::of(memory.normal[k]).store(&mut rows[k].0);
+        P::part(memory.normal[k]).store(&mut rows[k].0);
     }
     if !S::IN_PLACE {
         let [tangential, moments, ..] = laws.history();
         for k in 0..tangential {
-            P::of(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
+            P::part(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
         }
         for k in 0..moments {
-            P::of(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + tangential + k].0);
+            P::part(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + tangential + k].0);
         }
     }
     let sums = &mut totals.sums;
     let touching = P::mask(out.touching).bits() as u8;
     if touching != marks.touched {
-        sums[16] = sums[16] + P::of(out.adhesion_made);
-        sums[17] = sums[17] + P::of(out.adhesion_broken);
+        sums[16] = sums[16] + P::part(out.adhesion_made);
+        sums[17] = sums[17] + P::part(out.adhesion_broken);
     }
     let (mut attracting, mut changed) = (0, 0);
     if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
         attracting = P::mask(out.attracting).bits() as u8;
-        sums[20] = sums[20] + P::of(out.attraction_loss);
+        sums[20] = sums[20] + P::part(out.attraction_loss);
         if laws.shares_liquid() {
             changed = (marks.attracting | touching & !marks.touched) & !attracting;
         }
     }
-    if S::MAY_BE_PLASTIC {
-        sums[21] = sums[21] + P::of(out.plastic_loss);
+    if S::MAY_HAVE_CHANNELS {
+        for (law, count) in laws.channels().into_iter().enumerate() {
+            for k in 0..LAW_CHANNELS {
+                if k < count {
+                    totals.channels[law][k] = totals.channels[law][k] + P::part(out.channels[law][k]);
+                }
+            }
+        }
     }
     *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting, changed };
-    let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
-    let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
+    let force = [P::part(out.force[0]), P::part(out.force[1]), P::part(out.force[2])];
+    let moment = [P::part(out.moment[0]), P::part(out.moment[1]), P::part(out.moment[2])];
     let branch = pair_batch.kinematics.branch;
     for r in 0..3 {
-        let pull = -P::of(out.elastic[r]);
+        let pull = -P::part(out.elastic[r]);
         for k in 0..3 {
             sums[3 * r + k] = pull.mul_add(branch[k], sums[3 * r + k]);
         }
     }
     let affine = common.affine(branch);
-    sums[9] = sums[9] + P::of(out.tangential_work);
-    sums[10] = sums[10] + P::of(out.friction_loss);
-    sums[11] = sums[11] + P::of(out.damping_loss);
+    sums[9] = sums[9] + P::part(out.tangential_work);
+    sums[10] = sums[10] + P::part(out.friction_loss);
+    sums[11] = sums[11] + P::part(out.damping_loss);
     sums[12] = sums[12] + dot(force, affine);
     let square = constants.radius_sum * constants.radius_sum;
-    sums[13] = P::of(out.normal_stiffness).mul_add(square, sums[13]);
-    sums[14] = sums[14] + P::of(out.normal_force).abs();
-    sums[15] = sums[15] + P::of(out.micro_slip_loss);
-    let stiffness = P::of(out.step_stiffness);
+    sums[13] = P::part(out.normal_stiffness).mul_add(square, sums[13]);
+    sums[14] = sums[14] + P::part(out.normal_force).abs();
+    sums[15] = sums[15] + P::part(out.micro_slip_loss);
+    let stiffness = P::part(out.step_stiffness);
     totals.fastest = totals.fastest.max(if C::by_batch(v) { stiffness / pair_batch.mass } else { stiffness });
     let mut couples = S::Couples::<L>::none();
     if S::MAY_HAVE_MOMENTS && laws.has_moments() {
-        sums[18] = sums[18] + P::of(out.moment_work);
-        sums[19] = sums[19] + P::of(out.moment_loss);
-        let couple = [P::of(out.couple[0]), P::of(out.couple[1]), P::of(out.couple[2])];
-        couples = S::Couples::of(
+        sums[18] = sums[18] + P::part(out.moment_work);
+        sums[19] = sums[19] + P::part(out.moment_loss);
+        let couple = [P::part(out.couple[0]), P::part(out.couple[1]), P::part(out.couple[2])];
+        couples = S::Couples::from_couple(
             couple,
             #[inline(always)]
             || inverse_radii::<L, C>(v, b, constants),

@@ -3,14 +3,17 @@
 use granum_simd::{Lanes, Row8, Twice};
 
 use super::views::Views;
-use crate::contact::columns::Batch;
-use crate::contact::constants::PairConstants;
-use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
+use crate::contact::evaluation::constants::PairConstants;
+use crate::contact::evaluation::interaction::{Interaction, Kinematics, interact};
+use crate::contact::evaluation::memory::Memory;
+use crate::contact::evaluation::set::Compiled;
+use crate::contact::law::constants::named;
+use crate::contact::law::energy_channel::LAWS;
+use crate::contact::law::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::law::{MomentLaw, NormalLaw, TangentialLaw};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::rolling::NoMoments;
-use crate::contact::set::Compiled;
-use crate::contact::slots::{InPlace, Slots};
+use crate::contact::slot::columns::Batch;
+use crate::contact::slot::slots::{InPlace, Slots};
 
 /// Couples on the grains of a batch, or an empty type for sets that never have any, so that no memory is used for them.
 pub(crate) trait Couples<L: Lanes>: Copy {
@@ -18,7 +21,7 @@ pub(crate) trait Couples<L: Lanes>: Copy {
     fn none() -> Self;
     /// From the couples on the grains i, N m (the opposite couples act on the grains j), with the reciprocals of the radii of i and
     /// j, 1/m.
-    fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self;
+    fn from_couple(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self;
     /// Torque over radius of i and of j, N, if any.
     fn moments(&self) -> Option<[[L; 3]; 2]>;
 }
@@ -27,7 +30,7 @@ impl<L: Lanes> Couples<L> for () {
     #[inline(always)]
     fn none() {}
     #[inline(always)]
-    fn of(_couple: [L; 3], _inverse_radii: impl FnOnce() -> [L; 2]) {}
+    fn from_couple(_couple: [L; 3], _inverse_radii: impl FnOnce() -> [L; 2]) {}
     #[inline(always)]
     fn moments(&self) -> Option<[[L; 3]; 2]> {
         None
@@ -40,7 +43,7 @@ impl<L: Lanes> Couples<L> for [[L; 3]; 2] {
         [[L::zero(); 3]; 2]
     }
     #[inline(always)]
-    fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self {
+    fn from_couple(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self {
         let [x, y, z] = couple;
         let [i, j] = inverse_radii();
         [[x * i, y * i, z * i], [-(x * j), -(y * j), -(z * j)]]
@@ -64,8 +67,8 @@ pub(crate) trait StageLaws {
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
-    /// True if the normal law may have a history, so that contacts may deform plastically.
-    const MAY_BE_PLASTIC: bool;
+    /// True if a law of the set may have energy channels.
+    const MAY_HAVE_CHANNELS: bool;
     /// True if [`StageLaws::interact`] advances the histories of the laws in place; otherwise it reads them from the [`Memory`] and
     /// writes them there, and two batches may be evaluated side by side. With calls to laws, whose numbers pass through memory, one
     /// batch after the other is faster.
@@ -73,7 +76,7 @@ pub(crate) trait StageLaws {
     /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
     /// The laws of the simulation behind the views.
-    fn of(views: &Views) -> Self;
+    fn from_views(views: &Views) -> Self;
     /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     fn history(&self) -> [usize; 4];
     /// True if the set has moments.
@@ -84,6 +87,11 @@ pub(crate) trait StageLaws {
     #[inline(always)]
     fn shares_liquid(&self) -> bool {
         false
+    }
+    /// Number of energy channels of the normal law, the tangential law, the moment law and the adhesion law.
+    #[inline(always)]
+    fn channels(&self) -> [usize; LAWS] {
+        [0; LAWS]
     }
     /// True if the tangential law discards parts of its history that store energy.
     fn discards(&self) -> bool;
@@ -138,12 +146,13 @@ where
 {
     const MAY_HAVE_MOMENTS: bool = MOMENTS;
     const MAY_HAVE_ADHESION: bool = false;
-    const MAY_BE_PLASTIC: bool = false;
+    const MAY_HAVE_CHANNELS: bool = false;
     const IN_PLACE: bool = false;
     type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
-    fn of(_views: &Views) -> Self {
+    fn from_views(_views: &Views) -> Self {
         const { assert!(N::HISTORY == 0 && M::ACTS == MOMENTS) };
+        const { assert!(N::CHANNELS.is_empty() && T::CHANNELS.is_empty() && M::CHANNELS.is_empty()) };
         InLoop(Compiled::new())
     }
     #[inline(always)]
@@ -190,7 +199,7 @@ where
         stiffness: L,
         history: &[L; MAX_HISTORY],
     ) -> L {
-        T::discarded(constants, stiffness, history)
+        T::discarded(&named(constants), stiffness, history)
     }
 }
 
@@ -220,11 +229,11 @@ where
 {
     const MAY_HAVE_MOMENTS: bool = MOMENTS;
     const MAY_HAVE_ADHESION: bool = true;
-    const MAY_BE_PLASTIC: bool = true;
+    const MAY_HAVE_CHANNELS: bool = true;
     const IN_PLACE: bool = true;
     type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
-    fn of(views: &Views) -> Self {
+    fn from_views(views: &Views) -> Self {
         AnyLaws {
             slots: Slots::new(&views.laws, views.isa),
             alike: views.alike.to_array().map(|value| Row8([value; 8])),
@@ -245,6 +254,10 @@ where
     #[inline(always)]
     fn shares_liquid(&self) -> bool {
         self.slots.shares_liquid()
+    }
+    #[inline(always)]
+    fn channels(&self) -> [usize; LAWS] {
+        self.slots.channels()
     }
     #[inline(always)]
     fn discards(&self) -> bool {

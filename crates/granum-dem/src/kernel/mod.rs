@@ -18,7 +18,7 @@ mod push;
 mod source;
 mod views;
 
-pub(crate) use choice::{Stage, Stages};
+pub(crate) use choice::{ContactStageFunction, ContactStages};
 pub(crate) use grains::{GrainStage, larger};
 pub(crate) use prune::PruneStage;
 pub(crate) use views::Views;

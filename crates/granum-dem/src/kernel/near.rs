@@ -7,9 +7,10 @@ use super::laws::StageLaws;
 use super::order::Order;
 use super::source::ConstantSource;
 use super::views::Views;
-use crate::contact::constants::PairConstants;
-use crate::contact::interaction::{Kinematics, dot, scale};
+use crate::contact::evaluation::constants::PairConstants;
+use crate::contact::evaluation::interaction::Kinematics;
 use crate::pairs::NORMAL_COLUMNS;
+use granum_simd::vectors::{dot, scale};
 
 /// Values that are the same for all batches of a stage.
 pub(super) struct Common<L: Lanes> {

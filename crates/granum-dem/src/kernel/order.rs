@@ -16,7 +16,7 @@ pub(super) struct Order {
 
 impl Order {
     #[inline(always)]
-    pub(super) fn of(block: &Block) -> Order {
+    pub(super) fn new(block: &Block) -> Order {
         let first = block.batches.map(|b| b as usize);
         let [within, across] = [0, 1].map(|zone| block.inner_ends[zone] as usize - first[zone]);
         Order { first, within, touching: block.touching as usize, count: within + across }

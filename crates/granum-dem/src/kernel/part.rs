@@ -4,7 +4,7 @@ use granum_simd::{Lanes, Real, Twice};
 
 /// Selects one of the batches that are evaluated together.
 pub(super) trait Part<L: Lanes, R: Real> {
-    fn of(all: R) -> L;
+    fn part(all: R) -> L;
     fn mask(all: R::Mask) -> L::Mask;
 }
 pub(super) struct Whole;
@@ -12,7 +12,7 @@ pub(super) struct First;
 pub(super) struct Second;
 impl<L: Lanes> Part<L, L> for Whole {
     #[inline(always)]
-    fn of(all: L) -> L {
+    fn part(all: L) -> L {
         all
     }
     #[inline(always)]
@@ -22,7 +22,7 @@ impl<L: Lanes> Part<L, L> for Whole {
 }
 impl<L: Lanes> Part<L, Twice<L>> for First {
     #[inline(always)]
-    fn of(all: Twice<L>) -> L {
+    fn part(all: Twice<L>) -> L {
         all.0
     }
     #[inline(always)]
@@ -32,7 +32,7 @@ impl<L: Lanes> Part<L, Twice<L>> for First {
 }
 impl<L: Lanes> Part<L, Twice<L>> for Second {
     #[inline(always)]
-    fn of(all: Twice<L>) -> L {
+    fn part(all: Twice<L>) -> L {
         all.1
     }
     #[inline(always)]

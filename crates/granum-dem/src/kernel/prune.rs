@@ -11,9 +11,9 @@ use std::ops::Range;
 use granum_simd::{Kernel, LANES, Lanes, Mask};
 
 use super::views::Views;
-use crate::contact::interaction::dot;
 use crate::inner_list::Nearness;
 use crate::team::RawSlice;
+use granum_simd::vectors::dot;
 
 /// Sorts the pairs of a range of blocks.
 pub(crate) struct PruneStage<'a> {

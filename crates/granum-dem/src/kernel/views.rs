@@ -3,8 +3,8 @@
 use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
-use crate::contact::constants::PairConstants;
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
 use crate::images::IMAGES;
 use crate::inner_list::Nearness;

@@ -1,7 +1,7 @@
 //! The specification of a preparation.
 
 use crate::config::{Grains, LARGEST_OVERLAP, Numerics, Preparation};
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
 use crate::loading;
 use crate::simulation::{Hardware, Properties};
 
@@ -64,6 +64,6 @@ impl<'a> SampleSpecification<'a> {
 
     /// Materials and law of the finished sample.
     pub fn properties(&self) -> Properties {
-        Properties::of(self.grains, self.contact, self.preparation.seed)
+        Properties::for_grains(self.grains, self.contact, self.preparation.seed)
     }
 }

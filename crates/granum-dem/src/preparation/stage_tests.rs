@@ -3,7 +3,7 @@
 use super::tests::{assert_same, grains, in_pieces, quick};
 use super::*;
 use crate::config::{Grains, NormalKind, TangentialKind};
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
 use crate::loading;
 use crate::loading::preset::{self, Given, Value};
 use crate::loading::{

@@ -1,6 +1,6 @@
 use super::*;
 use crate::config::{Grains, LARGEST_OVERLAP, NormalKind, TangentialKind};
-use crate::contact::selection::ContactModel;
+use crate::contact::choice::contact_model::ContactModel;
 use crate::observer::Work;
 use crate::random_insertion::random_insertion;
 
@@ -294,7 +294,7 @@ fn laws_of_the_compaction_are_gone_in_the_sample() {
 #[test]
 fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     use crate::sizes::{SizeKind, Sizes};
-    let sizes = Sizes::of(SizeKind::SIEVE_CURVE).with_curve(vec![[2e-5, 0.0], [2e-4, 1.0]]);
+    let sizes = Sizes::new(SizeKind::SIEVE_CURVE).with_curve(vec![[2e-5, 0.0], [2e-4, 1.0]]);
     let grains = Grains { count: 800, sizes, ..Grains::default() };
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation =

@@ -220,7 +220,7 @@ impl<'d> Deserialize<'d> for SizeKind {
 ///
 /// let mut grains = Grains::default();
 /// (grains.count, grains.diameter) = (1000, 1e-3);
-/// grains.sizes = Sizes::of(SizeKind::LOGNORMAL).with("size_deviation", 0.3);
+/// grains.sizes = Sizes::new(SizeKind::LOGNORMAL).with("size_deviation", 0.3);
 /// assert!((grains.mean_diameter()? / 1e-3 - 1.0).abs() < 1e-3);
 /// let [smallest, largest] = grains.size_range()?;
 /// assert!(largest / smallest > 5.0);
@@ -247,7 +247,7 @@ pub struct Sizes {
 
 impl Sizes {
     /// A distribution with its defaults, without cuts.
-    pub fn of(distribution: SizeKind) -> Sizes {
+    pub fn new(distribution: SizeKind) -> Sizes {
         Sizes { distribution, ..Sizes::default() }
     }
 

@@ -14,7 +14,8 @@ const KARLSRUHE: [[f64; 2]; 7] = [
 ];
 
 fn karlsruhe() -> Sizes {
-    Sizes::of(SizeKind::SIEVE_CURVE).with_curve(KARLSRUHE.map(|[d, finer]| [1e-3 * d, 1e-2 * finer]).to_vec())
+    Sizes::new(SizeKind::SIEVE_CURVE)
+        .with_curve(KARLSRUHE.map(|[d, finer]| [1e-3 * d, 1e-2 * finer]).to_vec())
 }
 
 fn grains(count: usize, sizes: Sizes) -> Grains {
@@ -37,10 +38,10 @@ fn finer(diameters: &[f64], diameter: f64) -> f64 {
 }
 
 fn every_kind() -> Vec<Sizes> {
-    let cut = |kind| Sizes::of(kind).between(4e-4, 3e-3);
+    let cut = |kind| Sizes::new(kind).between(4e-4, 3e-3);
     let mut all: Vec<Sizes> =
         [SizeKind::NORMAL, SizeKind::LOGNORMAL, SizeKind::WEIBULL, SizeKind::FRACTAL].map(cut).to_vec();
-    all.extend([Sizes::of(SizeKind::TWO_SIZES), Sizes::of(SizeKind::EQUAL), karlsruhe()]);
+    all.extend([Sizes::new(SizeKind::TWO_SIZES), Sizes::new(SizeKind::EQUAL), karlsruhe()]);
     all
 }
 
@@ -66,7 +67,7 @@ fn quantiles_are_the_inverse_of_shares() {
 #[test]
 fn the_mean_and_the_deviation_are_those_asked_for() {
     for kind in [SizeKind::NORMAL, SizeKind::LOGNORMAL] {
-        let grains = grains(20_000, Sizes::of(kind).with("size_deviation", 0.15));
+        let grains = grains(20_000, Sizes::new(kind).with("size_deviation", 0.15));
         let diameters = drawn(&grains);
         let average = mean(diameters.iter().copied());
         let square = mean(diameters.iter().map(|d| (d - average).powi(2)));
@@ -74,12 +75,13 @@ fn the_mean_and_the_deviation_are_those_asked_for() {
         assert!((square.sqrt() / 1.5e-4 - 1.0).abs() < 2e-3, "{kind:?} {}", square.sqrt());
         assert!((grains.mean_diameter().unwrap() / average - 1.0).abs() < 1e-4);
     }
-    let weibull = grains(20_000, Sizes::of(SizeKind::WEIBULL).with("size_modulus", 4.0));
+    let weibull = grains(20_000, Sizes::new(SizeKind::WEIBULL).with("size_modulus", 4.0));
     assert!((mean(drawn(&weibull)) / 1e-3 - 1.0).abs() < 1e-4);
     // Gamma(1 + 1/4) = 0.906402477055477; the median is the scale times (ln 2)^(1/4).
     let median = weibull.sizes.distribution.distribution().quantile(&weibull, 0.5);
     assert!((median / (1e-3 / 0.906402477055477 * 2f64.ln().powf(0.25)) - 1.0).abs() < 1e-12);
-    let two = grains(50_000, Sizes::of(SizeKind::TWO_SIZES).with("size_ratio", 3.0).with("fine_share", 0.25));
+    let two =
+        grains(50_000, Sizes::new(SizeKind::TWO_SIZES).with("size_ratio", 3.0).with("fine_share", 0.25));
     let diameters = drawn(&two);
     assert!((mean(diameters.iter().copied()) / 1e-3 - 1.0).abs() < 1e-4);
     let limit = diameters[0] * 1.5;
@@ -90,8 +92,8 @@ fn the_mean_and_the_deviation_are_those_asked_for() {
 #[test]
 fn a_fractal_of_dimension_three_is_a_straight_sieve_curve() {
     let fractal =
-        grains(5000, Sizes::of(SizeKind::FRACTAL).with("fractal_dimension", 3.0).between(1e-4, 1e-3));
-    let curve = grains(5000, Sizes::of(SizeKind::SIEVE_CURVE).with_curve(vec![[1e-4, 0.0], [1e-3, 1.0]]));
+        grains(5000, Sizes::new(SizeKind::FRACTAL).with("fractal_dimension", 3.0).between(1e-4, 1e-3));
+    let curve = grains(5000, Sizes::new(SizeKind::SIEVE_CURVE).with_curve(vec![[1e-4, 0.0], [1e-3, 1.0]]));
     for (a, b) in drawn(&fractal).iter().zip(drawn(&curve)) {
         assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
     }
@@ -123,8 +125,8 @@ fn a_sieve_curve_is_met_by_mass() {
 
 #[test]
 fn cuts_leave_out_what_lies_beyond_and_keep_the_rest() {
-    let uncut = grains(20_000, Sizes::of(SizeKind::LOGNORMAL).with("size_deviation", 0.4));
-    let cut = grains(20_000, Sizes::of(SizeKind::LOGNORMAL).with("size_deviation", 0.4).between(6e-4, 2e-3));
+    let uncut = grains(20_000, Sizes::new(SizeKind::LOGNORMAL).with("size_deviation", 0.4));
+    let cut = grains(20_000, Sizes::new(SizeKind::LOGNORMAL).with("size_deviation", 0.4).between(6e-4, 2e-3));
     let (all, kept) = (drawn(&uncut), drawn(&cut));
     assert!(kept.iter().all(|d| (6e-4..=2e-3).contains(d)));
     let within: Vec<f64> = all.into_iter().filter(|d| (6e-4..=2e-3).contains(d)).collect();
@@ -150,17 +152,17 @@ fn sizes_do_not_depend_on_the_seed_except_where_they_are_drawn() {
 #[test]
 fn impossible_sizes_are_refused_with_the_key() {
     let of = |sizes: Sizes| grains(1000, sizes).check_sizes().unwrap_err();
-    let curve = |points: &[[f64; 2]]| of(Sizes::of(SizeKind::SIEVE_CURVE).with_curve(points.to_vec()));
+    let curve = |points: &[[f64; 2]]| of(Sizes::new(SizeKind::SIEVE_CURVE).with_curve(points.to_vec()));
     for (error, key, part) in [
-        (of(Sizes::of(SizeKind::NORMAL).with("size_deviation", 0.5)), "distribution", "diameters of zero"),
-        (of(Sizes::of(SizeKind::WEIBULL).with("size_modulus", 1.0)), "distribution", "a ratio of 50"),
-        (of(Sizes::of(SizeKind::WEIBULL).with("size_deviation", 0.1)), "size_deviation", "means nothing"),
-        (of(Sizes::of(SizeKind::TWO_SIZES).with("size_ratio", 0.5)), "size_ratio", "from 1 to 50"),
-        (of(Sizes::of(SizeKind::TWO_SIZES).between(1e-4, 1e-3)), "smallest", "means nothing"),
-        (of(Sizes::of(SizeKind::FRACTAL)), "distribution", "needs grains.smallest"),
-        (of(Sizes::of(SizeKind::LOGNORMAL).between(2e-3, 1e-3)), "smallest", "must be below"),
-        (of(Sizes::of(SizeKind::NORMAL).between(3e-3, 4e-3)), "smallest", "leaves no grains"),
-        (of(Sizes::of(SizeKind::SIEVE_CURVE)), "distribution", "needs grains.sieve_curve"),
+        (of(Sizes::new(SizeKind::NORMAL).with("size_deviation", 0.5)), "distribution", "diameters of zero"),
+        (of(Sizes::new(SizeKind::WEIBULL).with("size_modulus", 1.0)), "distribution", "a ratio of 50"),
+        (of(Sizes::new(SizeKind::WEIBULL).with("size_deviation", 0.1)), "size_deviation", "means nothing"),
+        (of(Sizes::new(SizeKind::TWO_SIZES).with("size_ratio", 0.5)), "size_ratio", "from 1 to 50"),
+        (of(Sizes::new(SizeKind::TWO_SIZES).between(1e-4, 1e-3)), "smallest", "means nothing"),
+        (of(Sizes::new(SizeKind::FRACTAL)), "distribution", "needs grains.smallest"),
+        (of(Sizes::new(SizeKind::LOGNORMAL).between(2e-3, 1e-3)), "smallest", "must be below"),
+        (of(Sizes::new(SizeKind::NORMAL).between(3e-3, 4e-3)), "smallest", "leaves no grains"),
+        (of(Sizes::new(SizeKind::SIEVE_CURVE)), "distribution", "needs grains.sieve_curve"),
         (curve(&[[1e-4, 0.0]]), "sieve_curve", "at least two points"),
         (curve(&[[1e-4, 0.0], [2e-4, 0.9]]), "sieve_curve", "100 %"),
         (curve(&[[2e-4, 0.0], [1e-4, 1.0]]), "sieve_curve", "point 2 does not rise"),
@@ -169,6 +171,6 @@ fn impossible_sizes_are_refused_with_the_key() {
     ] {
         assert!(error.key == key && error.message.contains(part), "{error}");
     }
-    let spread = Grains { spread: 0.1, ..grains(100, Sizes::of(SizeKind::EQUAL)) };
+    let spread = Grains { spread: 0.1, ..grains(100, Sizes::new(SizeKind::EQUAL)) };
     assert!(spread.check_sizes().unwrap_err().to_string().starts_with("grains.spread = 0.1 means nothing"));
 }

@@ -106,7 +106,7 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_dem::contact::registry::Laws;
+    use granum_dem::contact::choice::registry::Laws;
 
     fn between(one: &Case, two: &Case) -> Vec<Difference> {
         differences(&[("one", &one.values()), ("two", &two.values())])

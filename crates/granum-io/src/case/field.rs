@@ -5,8 +5,9 @@ use std::path::Path;
 use super::definition::Case;
 use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
-use granum_dem::contact::registry::Laws;
-use granum_dem::contact::{Parameter, Unit, check};
+use granum_dem::contact::choice::check;
+use granum_dem::contact::choice::registry::Laws;
+use granum_dem::contact::{LawParameter, Unit};
 use granum_dem::sizes;
 use granum_sensors::{DeclaredParameter, ParameterDefault, SensorParameter};
 
@@ -80,7 +81,7 @@ pub(super) enum Kind {
         set: fn(&mut Case, &str),
     },
     /// A parameter of contact laws, in use where one of the chosen laws has it.
-    Law(&'static Parameter),
+    Law(&'static LawParameter),
     /// A parameter of size distributions, in use where the chosen one has it.
     Size(&'static sizes::Parameter),
     /// A parameter of sensors, with the word for "not given" and its meaning where it can be left out, and whether the sensors are
@@ -114,7 +115,7 @@ pub struct Field {
 
 impl Field {
     /// The field of a parameter of contact laws.
-    pub(super) fn of_law(parameter: &'static Parameter, laws: &Laws) -> Field {
+    pub(super) fn of_law(parameter: &'static LawParameter, laws: &Laws) -> Field {
         let laws = laws.laws_with(parameter);
         let help = format!("{}; {laws}.", parameter.meaning.trim_end_matches('.'));
         let example = with_unit(parameter.default, parameter);
@@ -179,7 +180,7 @@ impl Field {
     }
 
     /// The parameter of contact laws that the field is.
-    pub(super) fn law_parameter(&self) -> Option<&'static Parameter> {
+    pub(super) fn law_parameter(&self) -> Option<&'static LawParameter> {
         match &self.kind {
             Kind::Law(parameter) => Some(parameter),
             _ => None,
@@ -552,7 +553,7 @@ impl Field {
 }
 
 /// A number with the SI unit of a parameter.
-fn with_unit(value: f64, parameter: &Parameter) -> String {
+fn with_unit(value: f64, parameter: &LawParameter) -> String {
     format!("{} {}", format_number(value), parameter.unit.symbol).trim_end().to_string()
 }
 
@@ -567,7 +568,7 @@ fn any_of_words(words: &[&str]) -> String {
 }
 
 /// A stiffness has the dimension of an energy per area; the message names the kind of the parameter instead.
-fn in_units_of(parameter: &Parameter, message: String) -> String {
+fn in_units_of(parameter: &LawParameter, message: String) -> String {
     if parameter.unit != Unit::STIFFNESS {
         return message;
     }

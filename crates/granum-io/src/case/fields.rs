@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
 use granum_dem::config::{Preparation, Rate, Shear, Spacing};
-use granum_dem::contact::registry::Laws;
+use granum_dem::contact::choice::registry::Laws;
 use granum_dem::sizes;
 
 use super::Case;

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule, ParameterValues};
-use granum_dem::contact::check;
+use granum_dem::contact::choice::check;
 use granum_dem::simulation::Properties;
 
 use super::definition::Case;
@@ -138,7 +138,7 @@ impl Case {
     /// assert_eq!(case.grains.mixture.components[0].share, 0.8);
     /// ```
     pub fn properties(&self) -> Properties {
-        Properties::of(&self.grains, &self.contact, self.preparation.seed)
+        Properties::for_grains(&self.grains, &self.contact, self.preparation.seed)
     }
 
     /// The tables `[[material]]` and `[[pair]]` as TOML in SI units; empty where there is one material.

@@ -6,8 +6,8 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use granum_dem::contact::check;
-use granum_dem::contact::check::LawError;
+use granum_dem::contact::choice::check;
+use granum_dem::contact::choice::check::LawError;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

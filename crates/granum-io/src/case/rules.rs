@@ -1,7 +1,8 @@
 //! Rules between fields: each field may be valid by itself while the combination is not.
 
 use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
-use granum_dem::contact::{PairProperties, check};
+use granum_dem::contact::PairProperties;
+use granum_dem::contact::choice::check;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 use granum_sensors::force_distribution::bins_of;
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::contact::registry::{Law, Laws, RegisterError as LawError};
+use granum_dem::contact::choice::registry::{Law, Laws, RegisterError as LawError};
 use granum_dem::loading::preset::{Paths, Preset, RegisterError as PathError};
 use granum_sensors::{Sensor, SensorError, Sensors};
 
@@ -72,13 +72,19 @@ impl Vocabulary {
         &self.0.sensors
     }
 
-    /// Adds a contact law.
+    /// Adds a contact law, with a sensor for each of its energy channels.
     ///
     /// # Errors
-    /// As [`Laws::with`].
+    /// As [`Laws::with`]; also if a sensor has a column with the key of a channel.
     pub fn with_law(&self, law: impl Into<Law>) -> Result<Vocabulary, LawError> {
+        let law = law.into();
         let laws = self.laws().clone().with(law)?;
-        Ok(self.changed(|words| words.laws = laws))
+        let mut sensors = self.sensors().clone();
+        for channel in law.channels() {
+            let taken = |_| LawError::ChannelTaken { key: channel.key };
+            sensors = sensors.with_channels(&[*channel]).map_err(taken)?;
+        }
+        Ok(self.changed(|words| (words.laws, words.sensors) = (laws, sensors)))
     }
 
     /// Adds a named path.
@@ -109,8 +115,10 @@ impl Vocabulary {
 #[cfg(test)]
 mod tests {
     use granum_dem::config::{NormalKind, RollingKind};
+    use granum_dem::contact::normal::Hertz;
+    use granum_dem::contact::normal::hertz::HertzConstants;
     use granum_dem::contact::{
-        Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit, normal::Hertz,
+        EnergyChannel, LawDescription, LawParameter, Normal, NormalLaw, PairProperties, Unit,
     };
     use granum_dem::loading::preset::{INERTIAL_NUMBER, number};
     use granum_dem::loading::{Control, Drive, Measure, Stage, Until};
@@ -122,24 +130,27 @@ mod tests {
     #[derive(Clone, Copy)]
     struct Stiffened;
     impl NormalLaw for Stiffened {
-        const DESCRIPTION: Description = Description::new(
+        const DESCRIPTION: LawDescription = LawDescription::new(
             "stiffened",
             "stiffened",
             "Hertz's law with another modulus",
-            &[Parameter::new("stiffening", Unit::NUMBER, 1.0, [0.5, 2.0], "Factor on the modulus.")],
+            &[LawParameter::new("stiffening", Unit::NUMBER, 1.0, [0.5, 2.0], "Factor on the modulus.")],
         );
-        fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        type Constants<R: granum_simd::Real> = HertzConstants<R>;
+        const CHANNELS: &'static [EnergyChannel] =
+            &[EnergyChannel::dissipated("stiffening_loss", "stiffening", "energy lost by stiffening")];
+        fn prepare(pair: &PairProperties, parameters: &[f64]) -> HertzConstants<f64> {
             let mut pair = *pair;
             pair.effective_modulus *= parameters[0];
             Hertz::prepare(&pair, &[])
         }
-        fn evaluate<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
+        fn evaluate<R: granum_simd::Real>(c: &HertzConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
             Hertz::evaluate(c, overlap, touched)
         }
         fn loaded(pair: &PairProperties, _: &[f64], load: f64) -> Normal<f64> {
             Hertz::loaded(pair, &[], load)
         }
-        fn energy<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        fn energy<R: granum_simd::Real>(c: &HertzConstants<R>, overlap: R) -> R {
             Hertz::energy(c, overlap)
         }
     }
@@ -202,6 +213,11 @@ mod tests {
         assert!(message.contains("stage.1.path = 'shortening' is not a path"), "{message}");
         let standard = Vocabulary::standard();
         assert!(standard.laws().normal_named("stiffened").is_none());
+        // An energy channel of a law is a column that every test records.
+        let recorded = |vocabulary: &Vocabulary| {
+            vocabulary.sensors().columns().filter(|column| column.name == "stiffening_loss").count()
+        };
+        assert_eq!([recorded(&vocabulary), recorded(&standard)], [1, 0]);
         assert!(standard.with_law(RollingKind::NONE).is_ok(), "once more is no harm");
     }
 }

@@ -1,7 +1,7 @@
 //! Random cases, reproducible from a seed.
 
 use granum_dem::config::{NormalKind, Rate, Recording, Shear};
-use granum_dem::contact::check::{parameters_of, sets};
+use granum_dem::contact::choice::check::{parameters_of, sets};
 use granum_dem::loading::preset::{self, Given, Value};
 use granum_dem::loading::{History, Quantity};
 use granum_io::Case;

@@ -15,7 +15,7 @@
 //! `gamma = 2 zeta_r (I_r k_theta)^(1/2) / R*^2` and `mu = mu_r`.
 
 use granum_dem::config::{ContactModel, NormalKind, RollingKind, TangentialKind};
-use granum_dem::contact::pair_properties::PairProperties;
+use granum_dem::contact::law::pair_properties::PairProperties;
 use granum_dem::material::Material;
 use granum_dem::simulation::Properties;
 

@@ -7,8 +7,11 @@ use granum_core::assembly::Vector;
 use granum_core::names::suggestion;
 use granum_core::{Assembly, Part, Parts};
 use granum_dem::config::{RecordedColumns, Recording};
+use granum_dem::contact::EnergyChannel;
+use granum_dem::contact::choice::registry::Laws;
 
 use crate::declared::{self, DeclaredParameter, OWN_KEYS};
+use crate::energy_channel::ChannelEnergy;
 use crate::histogram::{Bins, Histogram};
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
@@ -16,7 +19,7 @@ use crate::{
     anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
     dilatancy, directions, energy, fabric, force_chains, force_distribution, friction_angle,
     granular_temperature, inertial_number, invariants, liquid, local_solid_fraction, networks,
-    nonaffine_displacement, overlap, overlap_distribution, plasticity, radial_distribution, rolling, rose,
+    nonaffine_displacement, overlap, overlap_distribution, radial_distribution, rolling, rose,
     second_order_work, servo, sliding, solid_fraction, state_parameter, strain, stress, unbalanced_force,
     void_ratio,
 };
@@ -140,7 +143,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(Always, rolling::Rolling);
     sensors.add(Always, attraction::Attraction);
     sensors.add(Always, liquid::LiquidVolumes);
-    sensors.add(Always, plasticity::Plasticity);
+    Laws::standard().channels().into_iter().for_each(|channel| sensors.add(Always, ChannelEnergy(*channel)));
     sensors.add(Always, rose::RoseOfContacts);
     sensors.add(SinceStages, invariants::Invariants);
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);
@@ -168,6 +171,23 @@ impl Sensors {
     /// The sensors that come with granum.
     pub fn standard() -> Sensors {
         STANDARD.clone()
+    }
+
+    /// The same sensors and one more for each of these energy channels of a contact law, which every test records.
+    ///
+    /// # Errors
+    /// [`SensorError::NameTaken`] if the column of another sensor has the key of a channel.
+    pub fn with_channels(mut self, channels: &[EnergyChannel]) -> Result<Sensors, SensorError> {
+        for channel in channels {
+            let sensor = ChannelEnergy(*channel);
+            let description = sensor.description();
+            // Laws can share a channel.
+            if !self.0.iter().any(|known| known.description == description) {
+                self.check(&sensor)?;
+                self.add(Recorded::Always, sensor);
+            }
+        }
+        Ok(self)
     }
 
     /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`. Case files that

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_dem::contact::registry::Laws;
+use granum_dem::contact::choice::registry::Laws;
 use granum_io::Case;
 
 use super::case_flags::SetFlags;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_dem::contact::PairProperties;
-use granum_dem::contact::pair::{PairRow, PathRow};
-use granum_dem::contact::refined::drive_pair_refined;
+use granum_dem::contact::pair::path::{PairRow, PathRow};
+use granum_dem::contact::pair::refined::drive_pair_refined;
 use granum_io::shell::ShowPath;
 use granum_io::{Column, read_table};
 

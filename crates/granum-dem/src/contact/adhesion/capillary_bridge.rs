@@ -22,24 +22,31 @@
 
 use granum_simd::Real;
 
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
-use crate::contact::elementary::{arctan, arctan_of, cosine};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::elementary::{arctan, arctan_of, cosine};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_ADHESION_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{AdhesionLaw, Attraction, NormalTraits};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Bridges of Willett et al. (2000).
 #[derive(Clone, Copy, Debug)]
 pub struct CapillaryBridge;
 
-/// `F_0`, N.
-const FORCE: usize = 0;
-/// `(R_e/V)^(1/2) / 2`, 1/m: multiplied by the gap it gives S+.
-const PER_GAP: usize = 1;
-/// `S_c`, m.
-const RUPTURE: usize = 2;
-/// Energy of the bridge at `S_c`, J.
-const LOST: usize = 3;
+law_constants! {
+    /// Constants of bridges of constant volume for a pair.
+    pub struct CapillaryBridgeConstants<R> {
+        /// `F_0`, N.
+        pub force_at_touch: R,
+        /// `(R_e/V)^(1/2) / 2`, 1/m: multiplied by the gap it gives S+.
+        pub per_gap: R,
+        /// `S_c`, m.
+        pub rupture_distance: R,
+        /// Energy of the bridge at `S_c`, J.
+        pub energy_at_rupture: R,
+    }
+}
 
 /// Column of the history: one where there is a bridge.
 const BRIDGED: usize = 0;
@@ -48,7 +55,7 @@ const LINEAR: f64 = 2.1;
 const SQUARE: f64 = 10.0;
 
 /// Surface tension of the liquid.
-pub(super) const SURFACE_TENSION: Parameter = Parameter {
+pub(super) const SURFACE_TENSION: LawParameter = LawParameter {
     key: "surface_tension",
     unit: Unit::STIFFNESS,
     default: 0.072,
@@ -58,7 +65,7 @@ pub(super) const SURFACE_TENSION: Parameter = Parameter {
     mixing: Mixing::Geometric,
 };
 /// Contact angle of the liquid.
-pub(super) const CONTACT_ANGLE: Parameter = Parameter {
+pub(super) const CONTACT_ANGLE: LawParameter = LawParameter {
     key: "contact_angle",
     unit: Unit::ANGLE,
     default: 0.0,
@@ -68,7 +75,7 @@ pub(super) const CONTACT_ANGLE: Parameter = Parameter {
     mixing: Mixing::Cosine,
 };
 /// The coefficient c of the rupture distance.
-pub(super) const RUPTURE_COEFFICIENT: Parameter = Parameter {
+pub(super) const RUPTURE_COEFFICIENT: LawParameter = LawParameter {
     key: "rupture_coefficient",
     unit: Unit::NUMBER,
     default: 0.1,
@@ -117,14 +124,15 @@ pub(super) fn pull<R: Real>(force: R, per_gap: R, gap: R, acting: R::Mask) -> (R
 }
 
 impl AdhesionLaw for CapillaryBridge {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = CapillaryBridgeConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "capillary-bridge",
         label: "capillary bridges (Willett et al. 2000)",
         help: "liquid bridges of constant volume that form when grains touch: Willett et al. 2000",
         parameters: &[
             SURFACE_TENSION,
             CONTACT_ANGLE,
-            Parameter {
+            LawParameter {
                 key: "bridge_volume",
                 unit: Unit::NUMBER,
                 default: 0.01,
@@ -143,43 +151,47 @@ impl AdhesionLaw for CapillaryBridge {
         normal.without_adhesion()
     }
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> CapillaryBridgeConstants<f64> {
         let [tension, angle, volume, coefficient] =
             [parameters[0], parameters[1], parameters[2], parameters[3]];
         let radius = 2.0 * pair.effective_radius;
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[FORCE] = force_at_touch(radius, tension, angle);
-        c[PER_GAP] = per_gap(radius, volume);
-        c[RUPTURE] = rupture_distance(radius, angle, coefficient, volume);
-        c[LOST] = energy_at(c[FORCE], c[PER_GAP], c[RUPTURE]);
-        c
+        let force_at_touch = force_at_touch(radius, tension, angle);
+        let per_gap = per_gap(radius, volume);
+        let rupture_distance = rupture_distance(radius, angle, coefficient, volume);
+        let energy_at_rupture = energy_at(force_at_touch, per_gap, rupture_distance);
+        CapillaryBridgeConstants { force_at_touch, per_gap, rupture_distance, energy_at_rupture }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &CapillaryBridgeConstants<R>,
         overlap: R,
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Attraction<R> {
         let zero = R::zero();
         let gap = (-overlap).max(zero);
         let before = history[BRIDGED].gt(zero);
-        let acting = (before | touching) & gap.lt(c[RUPTURE]);
-        let (force, stiffness) = pull(c[FORCE], c[PER_GAP], gap, acting);
+        let acting = (before | touching) & gap.lt(c.rupture_distance);
+        let (force, stiffness) = pull(c.force_at_touch, c.per_gap, gap, acting);
         history[BRIDGED] = R::splat(1.0).keep(acting);
-        Attraction { force, stiffness, acting, loss: c[LOST].keep(before & !acting) }
+        Attraction { force, stiffness, acting, loss: c.energy_at_rupture.keep(before & !acting) }
     }
 
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+    fn energy(c: &CapillaryBridgeConstants<f64>, overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
         if history[BRIDGED] == 0.0 {
             return 0.0;
         }
-        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c[FORCE], c[PER_GAP], -overlap) }
+        if overlap >= 0.0 {
+            -c.force_at_touch * overlap
+        } else {
+            energy_at(c.force_at_touch, c.per_gap, -overlap)
+        }
     }
 
-    fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        c[RUPTURE]
+    fn range(c: &CapillaryBridgeConstants<f64>) -> f64 {
+        c.rupture_distance
     }
 }
 
@@ -187,24 +199,25 @@ impl AdhesionLaw for CapillaryBridge {
 mod tests {
     use super::*;
     use crate::config::Material;
+    use crate::contact::law::limits::LAW_CHANNELS;
 
     const RADIUS: f64 = 50e-6;
     const TENSION: f64 = 0.072;
 
-    fn constants(volume: f64, degrees: f64) -> [f64; LAW_CONSTANTS] {
+    fn constants(volume: f64, degrees: f64) -> CapillaryBridgeConstants<f64> {
         with_coefficient(volume, degrees, 0.1)
     }
 
-    fn with_coefficient(volume: f64, degrees: f64, coefficient: f64) -> [f64; LAW_CONSTANTS] {
+    fn with_coefficient(volume: f64, degrees: f64, coefficient: f64) -> CapillaryBridgeConstants<f64> {
         let sphere = (&Material::default(), RADIUS);
         let pair = PairProperties::new(sphere, sphere, 0.0);
         let relative = volume / RADIUS.powi(3);
         CapillaryBridge::prepare(&pair, &[TENSION, degrees.to_radians(), relative, coefficient])
     }
 
-    fn force(c: &[f64; LAW_CONSTANTS], gap: f64) -> f64 {
+    fn force(c: &CapillaryBridgeConstants<f64>, gap: f64) -> f64 {
         let mut history = [1.0, 0.0, 0.0, 0.0];
-        CapillaryBridge::update(c, -gap, gap <= 0.0, &mut history).force
+        CapillaryBridge::update(c, -gap, gap <= 0.0, &mut history, &mut [0.0; LAW_CHANNELS]).force
     }
 
     /// Spheres of 0.1 mm with bridges of water: gap, force.
@@ -304,7 +317,7 @@ mod tests {
                 "{:e}",
                 CapillaryBridge::range(&c)
             );
-            assert!((c[LOST] / lost - 1.0).abs() < 1e-9, "{:e}", c[LOST]);
+            assert!((c.energy_at_rupture / lost - 1.0).abs() < 1e-9, "{:e}", c.energy_at_rupture);
             assert_eq!(force(&c, 1.001 * gap), 0.0);
             assert!(force(&c, 0.999 * gap) > 0.0);
         }
@@ -334,7 +347,7 @@ mod tests {
             let slope = (energy(gap + step) - energy(gap - step)) / (2.0 * step);
             assert!((slope / force(&c, gap) - 1.0).abs() < 1e-4, "{gap:e}: {slope:e}");
             let falls = (force(&c, gap - step) - force(&c, gap + step)) / (2.0 * step);
-            let out = CapillaryBridge::update(&c, -gap, false, &mut { history });
+            let out = CapillaryBridge::update(&c, -gap, false, &mut { history }, &mut [0.0; LAW_CHANNELS]);
             let expected = if gap < 0.0 { 0.0 } else { out.stiffness };
             assert!((falls - expected).abs() <= 1e-3 * expected, "{gap:e}: {falls:e} {expected:e}");
         }
@@ -345,12 +358,14 @@ mod tests {
     fn bridges_form_at_touch_and_remember() {
         let c = constants(1.25e-15, 0.0);
         let mut history = [0.0; MAX_ADHESION_HISTORY];
-        let mut at = |overlap: f64| CapillaryBridge::update(&c, overlap, overlap > 0.0, &mut history);
+        let mut at = |overlap: f64| {
+            CapillaryBridge::update(&c, overlap, overlap > 0.0, &mut history, &mut [0.0; LAW_CHANNELS])
+        };
         assert!(!at(-1e-6).acting && at(-1e-6).force == 0.0);
         assert!(at(1e-8).acting);
         assert!(at(-5e-6).force > 0.0);
         let ruptured = at(-2e-5);
-        assert!(!ruptured.acting && ruptured.loss == c[LOST]);
+        assert!(!ruptured.acting && ruptured.loss == c.energy_at_rupture);
         assert!(at(-5e-6).force == 0.0 && at(-5e-6).loss == 0.0);
     }
 }

@@ -17,25 +17,32 @@ use super::capillary_bridge::{
     CONTACT_ANGLE, RUPTURE_COEFFICIENT, SURFACE_TENSION, energy_at, force_at_touch, per_gap, pull,
     rupture_distance,
 };
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_ADHESION_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{AdhesionLaw, Attraction, NormalTraits};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Bridges of Willett et al. (2000) with liquid from films on the grains.
 #[derive(Clone, Copy, Debug)]
 pub struct CapillaryBridgeFilms;
 
-/// `F_0`, N.
-const FORCE: usize = 0;
-/// `R_e`, m.
-const RADIUS: usize = 1;
-/// Contact angle, rad.
-const ANGLE: usize = 2;
-/// Coefficient of the rupture distance.
-const COEFFICIENT: usize = 3;
-/// Largest volume of a bridge over `R_e^3`.
-const LARGEST: usize = 4;
+law_constants! {
+    /// Constants of bridges that share liquid films, for a pair.
+    pub struct CapillaryBridgeFilmsConstants<R> {
+        /// `F_0`, N.
+        pub force_at_touch: R,
+        /// `R_e`, m.
+        pub radius: R,
+        /// Contact angle theta, rad.
+        pub contact_angle: R,
+        /// Coefficient c of the rupture distance.
+        pub rupture_coefficient: R,
+        /// Largest volume of a bridge over `R_e^3`.
+        pub largest_volume: R,
+    }
+}
 
 /// Columns of the history. Volume, m3.
 const VOLUME: usize = 0;
@@ -48,14 +55,15 @@ const RUPTURE: usize = 2;
 const SMALLEST: f64 = 1e-6;
 
 impl AdhesionLaw for CapillaryBridgeFilms {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = CapillaryBridgeFilmsConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "capillary-bridge-films",
         label: "capillary bridges that share liquid films",
         help: "liquid bridges that take their liquid from films on the grains and return it when they rupture",
         parameters: &[
             SURFACE_TENSION,
             CONTACT_ANGLE,
-            Parameter {
+            LawParameter {
                 key: "liquid_content",
                 unit: Unit::NUMBER,
                 default: 0.01,
@@ -64,7 +72,7 @@ impl AdhesionLaw for CapillaryBridgeFilms {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
-            Parameter {
+            LawParameter {
                 key: "largest_bridge_volume",
                 unit: Unit::NUMBER,
                 default: 0.02,
@@ -85,32 +93,36 @@ impl AdhesionLaw for CapillaryBridgeFilms {
         normal.without_adhesion()
     }
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> CapillaryBridgeFilmsConstants<f64> {
         let [tension, angle, largest, coefficient] =
             [parameters[0], parameters[1], parameters[3], parameters[4]];
         let radius = 2.0 * pair.effective_radius;
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[FORCE] = force_at_touch(radius, tension, angle);
-        (c[RADIUS], c[ANGLE], c[COEFFICIENT], c[LARGEST]) = (radius, angle, coefficient, largest);
-        c
+        CapillaryBridgeFilmsConstants {
+            force_at_touch: force_at_touch(radius, tension, angle),
+            radius,
+            contact_angle: angle,
+            rupture_coefficient: coefficient,
+            largest_volume: largest,
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &CapillaryBridgeFilmsConstants<R>,
         overlap: R,
         _touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Attraction<R> {
         let gap = (-overlap).max(R::zero());
         let before = history[VOLUME].gt(R::zero());
         let acting = before & gap.lt(history[RUPTURE]);
-        let (force, stiffness) = pull(c[FORCE], history[PER_GAP], gap, acting);
+        let (force, stiffness) = pull(c.force_at_touch, history[PER_GAP], gap, acting);
         // A bridge that ruptured in an earlier step has no history but its liquid, which is to be returned.
         let ruptured = before & !acting & history[RUPTURE].gt(R::zero());
         let mut loss = R::zero();
         if ruptured.any() {
-            loss = energy_at(c[FORCE], history[PER_GAP], history[RUPTURE]).keep(ruptured);
+            loss = energy_at(c.force_at_touch, history[PER_GAP], history[RUPTURE]).keep(ruptured);
         }
         Attraction { force, stiffness, acting, loss }
     }
@@ -119,30 +131,38 @@ impl AdhesionLaw for CapillaryBridgeFilms {
         4.0 / 3.0 * std::f64::consts::PI * parameters[2] * radius * radius * radius
     }
 
-    fn largest_bridge(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        c[LARGEST] * c[RADIUS] * c[RADIUS] * c[RADIUS]
+    fn largest_bridge(c: &CapillaryBridgeFilmsConstants<f64>) -> f64 {
+        c.largest_volume * c.radius * c.radius * c.radius
     }
 
-    fn bridge(c: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
-        let relative = volume / (c[RADIUS] * c[RADIUS] * c[RADIUS]);
+    fn bridge(c: &CapillaryBridgeFilmsConstants<f64>, volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        let relative = volume / (c.radius * c.radius * c.radius);
         let mut history = [0.0; MAX_ADHESION_HISTORY];
         if relative >= SMALLEST {
             history[VOLUME] = volume;
-            history[PER_GAP] = per_gap(c[RADIUS], relative);
-            history[RUPTURE] = rupture_distance(c[RADIUS], c[ANGLE], c[COEFFICIENT], relative);
+            history[PER_GAP] = per_gap(c.radius, relative);
+            history[RUPTURE] = rupture_distance(c.radius, c.contact_angle, c.rupture_coefficient, relative);
         }
         history
     }
 
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+    fn energy(
+        c: &CapillaryBridgeFilmsConstants<f64>,
+        overlap: f64,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64 {
         if history[VOLUME] == 0.0 {
             return 0.0;
         }
-        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c[FORCE], history[PER_GAP], -overlap) }
+        if overlap >= 0.0 {
+            -c.force_at_touch * overlap
+        } else {
+            energy_at(c.force_at_touch, history[PER_GAP], -overlap)
+        }
     }
 
-    fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        rupture_distance(c[RADIUS], c[ANGLE], c[COEFFICIENT], c[LARGEST])
+    fn range(c: &CapillaryBridgeFilmsConstants<f64>) -> f64 {
+        rupture_distance(c.radius, c.contact_angle, c.rupture_coefficient, c.largest_volume)
     }
 }
 
@@ -151,6 +171,7 @@ mod tests {
     use super::super::CapillaryBridge;
     use super::*;
     use crate::config::Material;
+    use crate::contact::law::limits::LAW_CHANNELS;
 
     const R: f64 = 50e-6;
 
@@ -169,8 +190,15 @@ mod tests {
             assert!((history[RUPTURE] / range - 1.0).abs() < 1e-14);
             assert!(CapillaryBridgeFilms::range(&c) > range);
             for gap in [-1e-7, 0.0, 1e-8, 1e-6, 0.999 * range] {
-                let one = CapillaryBridge::update(&constant, -gap, false, &mut [1.0, 0.0, 0.0, 0.0]);
-                let out = CapillaryBridgeFilms::update(&c, -gap, false, &mut { history });
+                let one = CapillaryBridge::update(
+                    &constant,
+                    -gap,
+                    false,
+                    &mut [1.0, 0.0, 0.0, 0.0],
+                    &mut [0.0; LAW_CHANNELS],
+                );
+                let out =
+                    CapillaryBridgeFilms::update(&c, -gap, false, &mut { history }, &mut [0.0; LAW_CHANNELS]);
                 assert!(out.acting && (out.force / one.force - 1.0).abs() < 1e-13, "{gap:e}");
                 assert!((out.stiffness - one.stiffness).abs() <= 1e-13 * one.stiffness);
                 let energies = [
@@ -179,8 +207,20 @@ mod tests {
                 ];
                 assert!((energies[1] - energies[0]).abs() <= 1e-12 * energies[0].abs(), "{energies:?}");
             }
-            let one = CapillaryBridge::update(&constant, -1.001 * range, false, &mut [1.0, 0.0, 0.0, 0.0]);
-            let out = CapillaryBridgeFilms::update(&c, -1.001 * range, false, &mut history);
+            let one = CapillaryBridge::update(
+                &constant,
+                -1.001 * range,
+                false,
+                &mut [1.0, 0.0, 0.0, 0.0],
+                &mut [0.0; LAW_CHANNELS],
+            );
+            let out = CapillaryBridgeFilms::update(
+                &c,
+                -1.001 * range,
+                false,
+                &mut history,
+                &mut [0.0; LAW_CHANNELS],
+            );
             assert!(!out.acting && (out.loss / one.loss - 1.0).abs() < 1e-12);
             // What it held can still be returned.
             assert_eq!(history[VOLUME], relative * R * R * R);
@@ -191,7 +231,13 @@ mod tests {
     fn without_liquid_there_is_no_bridge() {
         let c = CapillaryBridgeFilms::prepare(&pair(), &[0.072, 0.0, 0.01, 0.02, 0.1]);
         assert_eq!(CapillaryBridgeFilms::bridge(&c, 0.9e-6 * R * R * R), [0.0; MAX_ADHESION_HISTORY]);
-        let none = CapillaryBridgeFilms::update(&c, 1e-8, true, &mut [0.0; MAX_ADHESION_HISTORY]);
+        let none = CapillaryBridgeFilms::update(
+            &c,
+            1e-8,
+            true,
+            &mut [0.0; MAX_ADHESION_HISTORY],
+            &mut [0.0; LAW_CHANNELS],
+        );
         assert!(!none.acting && none.force == 0.0 && none.loss == 0.0);
         // A hundredth of the volume of the grain.
         let film = CapillaryBridgeFilms::film(R, &[0.072, 0.0, 0.01, 0.02, 0.1]);

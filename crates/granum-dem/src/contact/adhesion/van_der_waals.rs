@@ -16,31 +16,39 @@
 
 use granum_simd::Real;
 
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_ADHESION_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{AdhesionLaw, Attraction, NormalTraits};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Hamaker (1937).
 #[derive(Clone, Copy, Debug)]
 pub struct VanDerWaals;
 
-/// `A R* / 6`, N m2.
-const STRENGTH: usize = 0;
-/// `D_0`, m.
-const LEAST: usize = 1;
-/// `D_c`, m.
-const CUTOFF: usize = 2;
-/// `A R* / 6 D_c^2`, N.
-const SHIFT: usize = 3;
+law_constants! {
+    /// Constants of the van der Waals attraction for a pair.
+    pub struct VanDerWaalsConstants<R> {
+        /// `A R* / 6`, N m2.
+        pub strength: R,
+        /// `D_0`, m.
+        pub least_separation: R,
+        /// `D_c`, m.
+        pub cutoff: R,
+        /// `A R* / 6 D_c^2`, N.
+        pub shift: R,
+    }
+}
 
 impl AdhesionLaw for VanDerWaals {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = VanDerWaalsConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "van-der-waals",
         label: "van der Waals attraction (Hamaker 1937)",
         help: "van der Waals attraction beyond touch, with a least separation and a cut-off: Hamaker 1937",
         parameters: &[
-            Parameter {
+            LawParameter {
                 key: "hamaker_constant",
                 unit: Unit::ENERGY,
                 default: 6.5e-20,
@@ -49,7 +57,7 @@ impl AdhesionLaw for VanDerWaals {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
-            Parameter {
+            LawParameter {
                 key: "least_separation",
                 unit: Unit::LENGTH,
                 default: 4e-10,
@@ -58,7 +66,7 @@ impl AdhesionLaw for VanDerWaals {
                 without_area: false,
                 mixing: Mixing::Arithmetic,
             },
-            Parameter {
+            LawParameter {
                 key: "attraction_cutoff",
                 unit: Unit::LENGTH,
                 default: 5e-8,
@@ -75,46 +83,48 @@ impl AdhesionLaw for VanDerWaals {
         normal.without_adhesion()
     }
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let [strength, least, cutoff] = [parameters[0], parameters[1], parameters[2]];
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[STRENGTH] = strength * pair.effective_radius / 6.0;
-        c[LEAST] = least.min(cutoff);
-        c[CUTOFF] = cutoff;
-        c[SHIFT] = c[STRENGTH] / (cutoff * cutoff);
-        c
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> VanDerWaalsConstants<f64> {
+        let [hamaker_constant, least, cutoff] = [parameters[0], parameters[1], parameters[2]];
+        let strength = hamaker_constant * pair.effective_radius / 6.0;
+        VanDerWaalsConstants {
+            strength,
+            least_separation: least.min(cutoff),
+            cutoff,
+            shift: strength / (cutoff * cutoff),
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &VanDerWaalsConstants<R>,
         overlap: R,
         _touching: R::Mask,
         _history: &mut [R; MAX_ADHESION_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Attraction<R> {
-        let gap = (-overlap).max(c[LEAST]);
-        let acting = (-overlap).lt(c[CUTOFF]);
+        let gap = (-overlap).max(c.least_separation);
+        let acting = (-overlap).lt(c.cutoff);
         let inverse = R::splat(1.0) / gap;
-        let pull = c[STRENGTH] * inverse * inverse;
-        let force = (pull - c[SHIFT]).max(R::zero()).keep(acting);
+        let pull = c.strength * inverse * inverse;
+        let force = (pull - c.shift).max(R::zero()).keep(acting);
         // Also below the least separation, so that the time step is short enough when grains separate again.
         let stiffness = (R::splat(2.0) * pull * inverse).keep(acting);
         Attraction { force, stiffness, acting, loss: R::zero() }
     }
 
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, _history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+    fn energy(c: &VanDerWaalsConstants<f64>, overlap: f64, _history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
         let gap = -overlap;
-        if gap >= c[CUTOFF] {
+        if gap >= c.cutoff {
             return 0.0;
         }
-        let at = gap.max(c[LEAST]);
-        let share = (c[CUTOFF] - at) / c[CUTOFF];
-        let force = c[STRENGTH] / (at * at) - c[SHIFT];
-        -c[STRENGTH] * share * share / at - force * (at - gap)
+        let at = gap.max(c.least_separation);
+        let share = (c.cutoff - at) / c.cutoff;
+        let force = c.strength / (at * at) - c.shift;
+        -c.strength * share * share / at - force * (at - gap)
     }
 
-    fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        c[CUTOFF]
+    fn range(c: &VanDerWaalsConstants<f64>) -> f64 {
+        c.cutoff
     }
 }
 
@@ -122,15 +132,16 @@ impl AdhesionLaw for VanDerWaals {
 mod tests {
     use super::*;
     use crate::config::Material;
+    use crate::contact::law::limits::LAW_CHANNELS;
 
     /// Spheres of 10 micrometres.
-    fn constants(strength: f64, least: f64, cutoff: f64) -> [f64; LAW_CONSTANTS] {
+    fn constants(strength: f64, least: f64, cutoff: f64) -> VanDerWaalsConstants<f64> {
         let sphere = (&Material::default(), 5e-6);
         VanDerWaals::prepare(&PairProperties::new(sphere, sphere, 0.0), &[strength, least, cutoff])
     }
 
-    fn at(c: &[f64; LAW_CONSTANTS], gap: f64) -> Attraction<f64> {
-        VanDerWaals::update(c, -gap, gap <= 0.0, &mut [0.0; MAX_ADHESION_HISTORY])
+    fn at(c: &VanDerWaalsConstants<f64>, gap: f64) -> Attraction<f64> {
+        VanDerWaals::update(c, -gap, gap <= 0.0, &mut [0.0; MAX_ADHESION_HISTORY], &mut [0.0; LAW_CHANNELS])
     }
 
     fn near(found: f64, wanted: f64, within: f64) {

@@ -5,8 +5,10 @@
 //! their last digit; the results of both laws still change by up to 3e-4 from there to zero step, and [`collide`] gives that
 //! limit.
 
-use super::*;
-use crate::contact::kind::{NormalKind, TangentialKind};
+use super::collision::*;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{NormalKind, TangentialKind};
+use crate::material::Material;
 
 /// psi_1; psi_2 of the exact solution (Maw, Barber and Fawcett 1976), of Mindlin-Deresiewicz, and without micro-slip, the
 /// latter two with 12,000 steps per contact time.

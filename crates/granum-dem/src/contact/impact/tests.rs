@@ -1,7 +1,11 @@
 //! Collisions compared with analytical solutions.
 
-use super::*;
-use crate::contact::kind::{AdhesionKind, NormalKind, TangentialKind};
+use super::collision::*;
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{AdhesionKind, NormalKind, TangentialKind};
+use crate::contact::evaluation::memory::Memory;
+use crate::contact::law::pair_properties::PairProperties;
+use crate::material::Material;
 
 const DIAMETER: f64 = 1e-4;
 

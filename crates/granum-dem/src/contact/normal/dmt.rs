@@ -13,21 +13,29 @@
 
 use granum_simd::Real;
 
-use super::hertz::{self, Hertz};
-use crate::contact::description::Description;
+use super::hertz::{self, Hertz, HertzConstants};
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Derjaguin, Muller and Toporov (1975).
 #[derive(Clone, Copy, Debug)]
 pub struct Dmt;
 
-/// `P_c`, N. It follows the constants of Hertz's law.
-const PULL_OFF: usize = 4;
+law_constants! {
+    /// Constants of the contact of Derjaguin, Muller and Toporov for a pair.
+    pub struct DmtConstants<R> {
+        /// Those of the elastic contact.
+        pub hertz: HertzConstants<R>,
+        /// `P_c`, N.
+        pub pull_off: R,
+    }
+}
 
 impl NormalLaw for Dmt {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = DmtConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "dmt",
         label: "DMT",
         help: "adhesive, for small or stiff grains: Derjaguin, Muller and Toporov 1975",
@@ -35,16 +43,17 @@ impl NormalLaw for Dmt {
     };
     const ADHESIVE: bool = true;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = Hertz::prepare(pair, parameters);
-        c[PULL_OFF] = 2.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
-        c
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> DmtConstants<f64> {
+        DmtConstants {
+            hertz: Hertz::prepare(pair, parameters),
+            pull_off: 2.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius,
+        }
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
-        let elastic = Hertz::evaluate(c, overlap, touched);
-        Normal { force: elastic.force - c[PULL_OFF].keep(elastic.touching), ..elastic }
+    fn evaluate<R: Real>(c: &DmtConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
+        let elastic = Hertz::evaluate(&c.hertz, overlap, touched);
+        Normal { force: elastic.force - c.pull_off.keep(elastic.touching), ..elastic }
     }
 
     /// Without adhesion, as for JKR.
@@ -54,8 +63,8 @@ impl NormalLaw for Dmt {
 
     /// `8/15 E* sqrt(R*) alpha^(5/2) - P_c alpha`.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
-        Hertz::energy(c, overlap) - c[PULL_OFF] * overlap.max(R::zero())
+    fn energy<R: Real>(c: &DmtConstants<R>, overlap: R) -> R {
+        Hertz::energy(&c.hertz, overlap) - c.pull_off * overlap.max(R::zero())
     }
 }
 
@@ -63,7 +72,7 @@ impl NormalLaw for Dmt {
 mod tests {
     use super::*;
     use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
-    use crate::contact::impact::collide;
+    use crate::contact::impact::collision::collide;
 
     fn pair(interface_energy: f64) -> PairProperties {
         let material = Material { interface_energy, ..Material::default() };

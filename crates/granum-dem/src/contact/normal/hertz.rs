@@ -5,19 +5,28 @@
 
 use granum_simd::Real;
 
-use crate::contact::description::Description;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Hertz (1882).
 #[derive(Clone, Copy, Debug)]
 pub struct Hertz;
 
-const RADIUS: usize = 0;
-const FOUR_THIRDS_MODULUS: usize = 1;
-const TWICE_MODULUS: usize = 2;
-const ROOT_MODULUS: usize = 3;
+law_constants! {
+    /// Constants of Hertz's contact for a pair.
+    pub struct HertzConstants<R> {
+        /// `R*`, m.
+        pub effective_radius: R,
+        /// `4/3 E*`, Pa.
+        pub four_thirds_modulus: R,
+        /// `2 E*`, Pa.
+        pub twice_modulus: R,
+        /// `(2 E*)^(1/2)`.
+        pub root_twice_modulus: R,
+    }
+}
 
 /// The Hertz contact under a load, N: `a^3 = 3 R* N / 4 E*`.
 pub(super) fn under_load(pair: &PairProperties, load: f64) -> Normal<f64> {
@@ -36,33 +45,35 @@ pub(super) fn under_load(pair: &PairProperties, load: f64) -> Normal<f64> {
 }
 
 impl NormalLaw for Hertz {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = HertzConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "hertz",
         label: "Hertz",
         help: "elastic spheres without adhesion",
         parameters: &[],
     };
 
-    fn prepare(pair: &PairProperties, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[RADIUS] = pair.effective_radius;
-        c[FOUR_THIRDS_MODULUS] = 4.0 / 3.0 * pair.effective_modulus;
-        c[TWICE_MODULUS] = 2.0 * pair.effective_modulus;
-        c[ROOT_MODULUS] = c[TWICE_MODULUS].sqrt();
-        c
+    fn prepare(pair: &PairProperties, _parameters: &[f64]) -> HertzConstants<f64> {
+        let twice_modulus = 2.0 * pair.effective_modulus;
+        HertzConstants {
+            effective_radius: pair.effective_radius,
+            four_thirds_modulus: 4.0 / 3.0 * pair.effective_modulus,
+            twice_modulus,
+            root_twice_modulus: twice_modulus.sqrt(),
+        }
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, _touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &HertzConstants<R>, overlap: R, _touched: R::Mask) -> Normal<R> {
         let alpha = overlap.max(R::zero());
-        let radius = (c[RADIUS] * alpha).sqrt();
-        let force = c[FOUR_THIRDS_MODULUS] * (radius * alpha);
+        let radius = (c.effective_radius * alpha).sqrt();
+        let force = c.four_thirds_modulus * (radius * alpha);
         let root_radius = radius.sqrt();
         Normal {
             force,
             radius,
-            stiffness: c[TWICE_MODULUS] * radius,
-            root_stiffness: c[ROOT_MODULUS] * root_radius,
+            stiffness: c.twice_modulus * radius,
+            root_stiffness: c.root_twice_modulus * root_radius,
             tangential_measure: radius,
             root_tangential_measure: root_radius,
             friction_load: force,
@@ -76,8 +87,8 @@ impl NormalLaw for Hertz {
 
     /// `8/15 E* sqrt(R*) alpha^(5/2)`.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+    fn energy<R: Real>(c: &HertzConstants<R>, overlap: R) -> R {
         let alpha = overlap.max(R::zero());
-        R::splat(0.4) * c[FOUR_THIRDS_MODULUS] * (c[RADIUS] * alpha).sqrt() * alpha * alpha
+        R::splat(0.4) * c.four_thirds_modulus * (c.effective_radius * alpha).sqrt() * alpha * alpha
     }
 }

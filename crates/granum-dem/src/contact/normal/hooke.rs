@@ -12,20 +12,27 @@
 
 use granum_simd::Real;
 
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// A linear spring.
 #[derive(Clone, Copy, Debug)]
 pub struct Hooke;
 
-const STIFFNESS: usize = 0;
-const ROOT_STIFFNESS: usize = 1;
+law_constants! {
+    /// Constants of a linear spring for a pair.
+    pub struct HookeConstants<R> {
+        /// `k_n`, N/m.
+        pub stiffness: R,
+        /// `k_n^(1/2)`.
+        pub root_stiffness: R,
+    }
+}
 
 /// `contact.normal_stiffness`.
-pub(super) const NORMAL_STIFFNESS: Parameter = Parameter {
+pub(super) const NORMAL_STIFFNESS: LawParameter = LawParameter {
     key: "normal_stiffness",
     unit: Unit::STIFFNESS,
     default: 1e4,
@@ -36,7 +43,8 @@ pub(super) const NORMAL_STIFFNESS: Parameter = Parameter {
 };
 
 impl NormalLaw for Hooke {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = HookeConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "hooke",
         label: "Hooke",
         help: "a linear spring of stiffness contact.normal_stiffness, without adhesion",
@@ -44,19 +52,17 @@ impl NormalLaw for Hooke {
     };
     const CONTACT_AREA: bool = false;
 
-    fn prepare(_pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[STIFFNESS] = parameters[0];
-        c[ROOT_STIFFNESS] = c[STIFFNESS].sqrt();
-        c
+    fn prepare(_pair: &PairProperties, parameters: &[f64]) -> HookeConstants<f64> {
+        let stiffness = parameters[0];
+        HookeConstants { stiffness, root_stiffness: stiffness.sqrt() }
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, _touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &HookeConstants<R>, overlap: R, _touched: R::Mask) -> Normal<R> {
         let alpha = overlap.max(R::zero());
         let touching = alpha.gt(R::zero());
-        let force = c[STIFFNESS] * alpha;
-        let (stiffness, root) = (c[STIFFNESS].keep(touching), c[ROOT_STIFFNESS].keep(touching));
+        let force = c.stiffness * alpha;
+        let (stiffness, root) = (c.stiffness.keep(touching), c.root_stiffness.keep(touching));
         Normal {
             force,
             radius: R::zero(),
@@ -71,14 +77,14 @@ impl NormalLaw for Hooke {
 
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         let c = Self::prepare(pair, parameters);
-        Self::evaluate(&c, load.max(f64::MIN_POSITIVE) / c[STIFFNESS], true)
+        Self::evaluate(&c, load.max(f64::MIN_POSITIVE) / c.stiffness, true)
     }
 
     /// `k_n alpha^2 / 2`.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+    fn energy<R: Real>(c: &HookeConstants<R>, overlap: R) -> R {
         let alpha = overlap.max(R::zero());
-        R::splat(0.5) * c[STIFFNESS] * alpha * alpha
+        R::splat(0.5) * c.stiffness * alpha * alpha
     }
 }
 
@@ -86,7 +92,7 @@ impl NormalLaw for Hooke {
 mod tests {
     use super::*;
     use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
-    use crate::contact::impact::collide;
+    use crate::contact::impact::collision::collide;
 
     const DIAMETER: f64 = 1e-4;
     const STIFFNESS: f64 = 2e4;
@@ -151,7 +157,7 @@ mod tests {
     fn laws_that_need_a_contact_area_are_refused() {
         for tangential in [TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING] {
             let contact = ContactModel { tangential, ..contact(0.1) };
-            let error = crate::contact::check::check(&contact).unwrap_err().to_string();
+            let error = crate::contact::choice::check::check(&contact).unwrap_err().to_string();
             assert!(
                 error.starts_with(&format!("contact.tangential = {:?} needs", tangential.name())),
                 "{error}"

@@ -14,21 +14,32 @@
 use granum_simd::{Mask, Real};
 
 use super::hertz;
-use crate::contact::description::Description;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{AdhesionLosses, Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Johnson, Kendall and Roberts (1971).
 #[derive(Clone, Copy, Debug)]
 pub struct Jkr;
 
-const INVERSE_LENGTH: usize = 0;
-const ROOT_RADIUS: usize = 1;
-const FOUR_FORCES: usize = 2;
-const ROOT_STIFFNESS: usize = 3;
-const MAKING_LOSS: usize = 4;
-const BREAKING_LOSS: usize = 5;
+law_constants! {
+    /// Constants of the contact of Johnson, Kendall and Roberts for a pair.
+    pub struct JkrConstants<R> {
+        /// `1 / d_0`, 1/m.
+        pub inverse_length: R,
+        /// `a_0^(1/2)`, m^(1/2).
+        pub root_radius: R,
+        /// `4 N_c`, N.
+        pub four_pull_offs: R,
+        /// `(2 E* a_0)^(1/2)`: the square root of a stiffness.
+        pub root_stiffness: R,
+        /// Energy lost when the contact forms, J.
+        pub making_loss: R,
+        /// Energy lost when it breaks, J.
+        pub breaking_loss: R,
+    }
+}
 
 /// Overlap at rupture over d_0: `-6^(-1/3) / 2`.
 pub(super) const BREAK: f64 = -0.275_160_604_074_552_22;
@@ -114,7 +125,8 @@ pub(super) fn invert<R: Real>(h: R) -> R {
 }
 
 impl NormalLaw for Jkr {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = JkrConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "jkr",
         label: "JKR",
         help: "adhesive: Johnson, Kendall and Roberts 1971",
@@ -122,46 +134,48 @@ impl NormalLaw for Jkr {
     };
     const ADHESIVE: bool = true;
 
-    fn prepare(pair: &PairProperties, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, _parameters: &[f64]) -> JkrConstants<f64> {
         let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
         let wanted = 4.5 * std::f64::consts::PI * pair.interface_energy * radius * radius / modulus;
         let contact = granum_simd::cbrt(wanted).max(radius * LEAST_LENGTH.sqrt());
         let length = contact * contact / radius;
         // N_c = 3/2 pi Gamma R* = E* a_0^3 / (3 R*).
         let force = modulus * contact * length / 3.0;
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[INVERSE_LENGTH] = 1.0 / length;
-        c[ROOT_RADIUS] = contact.sqrt();
-        c[FOUR_FORCES] = 4.0 * force;
-        c[ROOT_STIFFNESS] = (2.0 * modulus * contact).sqrt();
-        if pair.interface_energy > 0.0 {
-            c[MAKING_LOSS] = MAKE * force * length;
-            c[BREAKING_LOSS] = SPLIT * force * length;
+        let [making_loss, breaking_loss] = match pair.interface_energy > 0.0 {
+            true => [MAKE * force * length, SPLIT * force * length],
+            false => [0.0; 2],
+        };
+        JkrConstants {
+            inverse_length: 1.0 / length,
+            root_radius: contact.sqrt(),
+            four_pull_offs: 4.0 * force,
+            root_stiffness: (2.0 * modulus * contact).sqrt(),
+            making_loss,
+            breaking_loss,
         }
-        c
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &JkrConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
         let one = R::splat(1.0);
-        let h = overlap * c[INVERSE_LENGTH];
+        let h = overlap * c.inverse_length;
         let touching = overlap.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
         let x = invert(h.max(R::splat(BREAK)));
         let s = x * x * x;
         // (6 s - 3) / (6 s - 1), which tends to minus infinity at the break.
         let slope = s.mul_add(R::splat(6.0), -one).max(R::splat(1e-12));
         let ratio = (one - R::splat(2.0) / slope).max(R::splat(LEAST_STIFFNESS));
-        let root_stiffness = (c[ROOT_STIFFNESS] * x * ratio.sqrt()).keep(touching);
-        let root_radius = (c[ROOT_RADIUS] * x).keep(touching);
+        let root_stiffness = (c.root_stiffness * x * ratio.sqrt()).keep(touching);
+        let root_radius = (c.root_radius * x).keep(touching);
         let scaled = s.mul_add(s, -s);
         Normal {
-            force: (c[FOUR_FORCES] * scaled).keep(touching),
+            force: (c.four_pull_offs * scaled).keep(touching),
             radius: root_radius * root_radius,
             tangential_measure: root_radius * root_radius,
             root_tangential_measure: root_radius,
             stiffness: root_stiffness * root_stiffness,
             root_stiffness,
-            friction_load: (c[FOUR_FORCES] * friction_load(s, scaled, touching)).keep(touching),
+            friction_load: (c.four_pull_offs * friction_load(s, scaled, touching)).keep(touching),
             touching,
         }
     }
@@ -173,21 +187,21 @@ impl NormalLaw for Jkr {
 
     /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy minus the energy of the joined surfaces.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
-        let x = invert((overlap * c[INVERSE_LENGTH]).max(R::splat(BREAK)));
+    fn energy<R: Real>(c: &JkrConstants<R>, overlap: R) -> R {
+        let x = invert((overlap * c.inverse_length).max(R::splat(BREAK)));
         let s = x * x * x;
         let low = s * (R::splat(1.6) * s - R::splat(8.0 / 3.0)) + R::splat(2.0 / 3.0);
-        let unit = R::splat(0.25) * c[FOUR_FORCES] / c[INVERSE_LENGTH];
+        let unit = R::splat(0.25) * c.four_pull_offs / c.inverse_length;
         unit * (s * x * low)
     }
 
     #[inline(always)]
-    fn losses<R: Real>(c: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {
-        AdhesionLosses { made: c[MAKING_LOSS], broken: c[BREAKING_LOSS] }
+    fn losses<R: Real>(c: &JkrConstants<R>) -> AdhesionLosses<R> {
+        AdhesionLosses { made: c.making_loss, broken: c.breaking_loss }
     }
 
-    fn breaking_overlap(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        BREAK / c[INVERSE_LENGTH]
+    fn breaking_overlap(c: &JkrConstants<f64>) -> f64 {
+        BREAK / c.inverse_length
     }
 }
 

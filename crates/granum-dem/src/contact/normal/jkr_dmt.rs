@@ -26,27 +26,32 @@ use granum_simd::{Real, power};
 
 use super::hertz;
 use super::jkr::{BREAK, LEAST_LENGTH, LEAST_STIFFNESS, invert};
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{AdhesionLosses, Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Schwarz (2003).
 #[derive(Clone, Copy, Debug)]
 pub struct JkrDmt;
 
-/// `1 / d_0`, 1/m.
-const INVERSE_LENGTH: usize = 0;
-/// `a_0^(1/2)`.
-const ROOT_RADIUS: usize = 1;
-/// `4 E* a_0^3 / 3 R*`, N.
-const FORCE: usize = 2;
-/// `w P_c^(1/2)` over the root of that force.
-const SHIFT: usize = 3;
-/// `P_c`, N.
-const PULL_OFF: usize = 4;
-/// `d_0`, m; zero without adhesion.
-const LOSS_LENGTH: usize = 5;
+law_constants! {
+    /// Constants of a contact between JKR and DMT for a pair.
+    pub struct JkrDmtConstants<R> {
+        /// `1 / d_0`, 1/m.
+        pub inverse_length: R,
+        /// `a_0^(1/2)`, m^(1/2).
+        pub root_radius: R,
+        /// `4 E* a_0^3 / 3 R*`, N.
+        pub elastic_force: R,
+        /// `w P_c^(1/2)` over the root of that force.
+        pub shift: R,
+        /// `P_c`, N.
+        pub pull_off: R,
+        /// `d_0`, m; zero without adhesion.
+        pub loss_length: R,
+    }
+}
 
 /// Largest stiffness for the dashpot and the time step, over `2 E* a`: close to the break the derivative has no bound.
 const MOST_STIFFNESS: f64 = 2.0;
@@ -64,26 +69,26 @@ fn pull_off(pair: &PairProperties, separation: f64) -> f64 {
 }
 
 /// The constants of a pair with a given pull-off force over `pi Gamma R*`.
-fn constants(pair: &PairProperties, ratio: f64) -> [f64; LAW_CONSTANTS] {
+fn constants(pair: &PairProperties, ratio: f64) -> JkrDmtConstants<f64> {
     let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
     let energy = std::f64::consts::PI * pair.interface_energy;
     let cube = 9.0 * (2.0 - ratio).max(0.0) * energy * radius * radius / modulus;
     // The lower bound is so small that it has no effect on a contact of DMT or of Hertz.
     let contact = granum_simd::cbrt(cube).max(radius * LEAST_LENGTH.sqrt());
     let length = contact * contact / radius;
-    let mut c = [0.0; LAW_CONSTANTS];
-    c[INVERSE_LENGTH] = 1.0 / length;
-    c[ROOT_RADIUS] = contact.sqrt();
-    c[FORCE] = 4.0 / 3.0 * modulus * contact * length;
-    c[PULL_OFF] = ratio * energy * radius;
-    c[SHIFT] = ((6.0 / ratio - 3.0).max(0.0) * c[PULL_OFF] / c[FORCE]).sqrt();
-    if pair.interface_energy > 0.0 {
-        c[LOSS_LENGTH] = length;
+    let elastic_force = 4.0 / 3.0 * modulus * contact * length;
+    let pull_off = ratio * energy * radius;
+    JkrDmtConstants {
+        inverse_length: 1.0 / length,
+        root_radius: contact.sqrt(),
+        elastic_force,
+        shift: ((6.0 / ratio - 3.0).max(0.0) * pull_off / elastic_force).sqrt(),
+        pull_off,
+        loss_length: if pair.interface_energy > 0.0 { length } else { 0.0 },
     }
-    c
 }
 
-/// `(int N dalpha + P_c alpha) / (FORCE d_0)` from x = 0, where the contact radius is zero.
+/// `(int N dalpha + P_c alpha) / (F_0 d_0)` with `F_0 = 4 E* a_0^3 / 3 R*` from x = 0, where the contact radius is zero.
 #[inline(always)]
 fn primitive<R: Real>(x: R, q: R) -> R {
     let s = x * x * x;
@@ -93,11 +98,12 @@ fn primitive<R: Real>(x: R, q: R) -> R {
 }
 
 impl NormalLaw for JkrDmt {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = JkrDmtConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "jkr-dmt",
         label: "JKR–DMT transition (Schwarz 2003)",
         help: "adhesive, between JKR and DMT by the size of the grains: Schwarz 2003, Carpick et al. 1999",
-        parameters: &[Parameter {
+        parameters: &[LawParameter {
             key: "equilibrium_separation",
             unit: Unit::LENGTH,
             default: 4e-10,
@@ -110,28 +116,28 @@ impl NormalLaw for JkrDmt {
     };
     const ADHESIVE: bool = true;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> JkrDmtConstants<f64> {
         constants(pair, pull_off(pair, parameters[0]))
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &JkrDmtConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
         let one = R::splat(1.0);
-        let h = overlap * c[INVERSE_LENGTH];
+        let h = overlap * c.inverse_length;
         let touching = overlap.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
         let x = invert(h.max(R::splat(BREAK)));
         let s = x * x * x;
-        // dN/dalpha = 2 E* a (6 s - 6 q) / (6 s - 1), and 2 E* a_0 = 3/2 FORCE / d_0.
+        // dN/dalpha = 2 E* a (6 s - 6 q) / (6 s - 1), and 2 E* a_0 is 3/2 of the elastic force over d_0.
         let slope = s.mul_add(R::splat(6.0), -one).max(R::splat(1e-12));
-        let ratio = R::splat(-6.0).mul_add(c[SHIFT], one) / slope + one;
+        let ratio = R::splat(-6.0).mul_add(c.shift, one) / slope + one;
         let ratio = ratio.max(R::splat(LEAST_STIFFNESS)).min(R::splat(MOST_STIFFNESS));
-        let stiffness = (R::splat(1.5) * c[FORCE] * c[INVERSE_LENGTH] * (x * x) * ratio).keep(touching);
-        let root_radius = (c[ROOT_RADIUS] * x).keep(touching);
-        let shifted = s - c[SHIFT];
-        let elastic = c[FORCE] * (shifted * shifted);
-        let load = (c[FORCE] * c[SHIFT]).mul_add(c[SHIFT], elastic);
+        let stiffness = (R::splat(1.5) * c.elastic_force * c.inverse_length * (x * x) * ratio).keep(touching);
+        let root_radius = (c.root_radius * x).keep(touching);
+        let shifted = s - c.shift;
+        let elastic = c.elastic_force * (shifted * shifted);
+        let load = (c.elastic_force * c.shift).mul_add(c.shift, elastic);
         Normal {
-            force: (elastic - c[PULL_OFF]).keep(touching),
+            force: (elastic - c.pull_off).keep(touching),
             radius: root_radius * root_radius,
             tangential_measure: root_radius * root_radius,
             root_tangential_measure: root_radius,
@@ -149,21 +155,22 @@ impl NormalLaw for JkrDmt {
 
     /// Elastic energy minus the energy of the joined surfaces.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
-        let h = (overlap * c[INVERSE_LENGTH]).max(R::splat(BREAK));
-        let elastic = c[FORCE] * primitive(invert(h), c[SHIFT]);
-        (elastic - c[PULL_OFF] * h) / c[INVERSE_LENGTH]
+    fn energy<R: Real>(c: &JkrDmtConstants<R>, overlap: R) -> R {
+        let h = (overlap * c.inverse_length).max(R::splat(BREAK));
+        let elastic = c.elastic_force * primitive(invert(h), c.shift);
+        (elastic - c.pull_off * h) / c.inverse_length
     }
 
     #[inline(always)]
-    fn losses<R: Real>(c: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {
-        let made = c[FORCE] * primitive(R::splat(MADE), c[SHIFT]);
-        let broken = c[PULL_OFF].mul_add(R::splat(-BREAK), c[FORCE] * primitive(R::splat(BROKEN), c[SHIFT]));
-        AdhesionLosses { made: -(c[LOSS_LENGTH] * made), broken: c[LOSS_LENGTH] * broken }
+    fn losses<R: Real>(c: &JkrDmtConstants<R>) -> AdhesionLosses<R> {
+        let made = c.elastic_force * primitive(R::splat(MADE), c.shift);
+        let broken =
+            c.pull_off.mul_add(R::splat(-BREAK), c.elastic_force * primitive(R::splat(BROKEN), c.shift));
+        AdhesionLosses { made: -(c.loss_length * made), broken: c.loss_length * broken }
     }
 
-    fn breaking_overlap(c: &[f64; LAW_CONSTANTS]) -> f64 {
-        BREAK / c[INVERSE_LENGTH]
+    fn breaking_overlap(c: &JkrDmtConstants<f64>) -> f64 {
+        BREAK / c.inverse_length
     }
 }
 
@@ -211,7 +218,7 @@ mod tests {
         ];
         for (ratio, [pull_off, end, at_end], [made, broken], rows) in table {
             let c = constants(&pair(0.05, 5e-5), ratio);
-            near(c[PULL_OFF], pull_off, 1e-11);
+            near(c.pull_off, pull_off, 1e-11);
             near(JkrDmt::breaking_overlap(&c), end, 1e-11);
             let inside = JkrDmt::breaking_overlap(&c) * (1.0 - 1e-12);
             near(JkrDmt::evaluate(&c, inside, true).force, at_end, 1e-5);
@@ -283,7 +290,7 @@ mod tests {
             let states: Vec<(f64, f64)> = (1..800).map(|k| maugis(lambda, 0.005 * f64::from(k))).collect();
             let found = -states.iter().map(|state| state.0).fold(0.0, f64::min);
             near(found, pull_off, 1e-4);
-            near(c[PULL_OFF] / unit, found, 0.017);
+            near(c.pull_off / unit, found, 0.017);
             let touching = states.iter().filter(|(_, overlap)| *overlap >= 0.0);
             let low = touching
                 .map(|(force, overlap)| force - JkrDmt::evaluate(&c, overlap * length, true).force / unit);

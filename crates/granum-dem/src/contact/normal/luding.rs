@@ -20,62 +20,73 @@
 use granum_simd::{Mask, Real};
 
 use super::hooke::NORMAL_STIFFNESS;
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::{EnergyChannel, LawEnergies};
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_NORMAL_HISTORY};
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalLaw};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_NORMAL_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Luding (2008).
 #[derive(Clone, Copy, Debug)]
 pub struct Luding;
 
-/// `k_1`, N/m.
-const FIRST: usize = 0;
-/// `k_p - k_1`, N/m.
-const HARDENING: usize = 1;
-/// `k_c`, N/m.
-const COHESION: usize = 2;
-/// `m_p`, m.
-const LARGEST: usize = 3;
-/// `(k_1 + k_c) / s`, m.
-const SHRINKING: usize = 4;
-/// `1 / m_p`.
-const INVERSE_LARGEST: usize = 5;
+law_constants! {
+    /// Constants of the elastic-plastic contact of Luding for a pair.
+    pub struct LudingConstants<R> {
+        /// `k_1`, N/m.
+        pub first_loading: R,
+        /// `k_p - k_1`, N/m.
+        pub hardening: R,
+        /// `k_c`, N/m.
+        pub cohesion: R,
+        /// `m_p`, m.
+        pub plastic_limit: R,
+        /// `(k_1 + k_c) / s`, m.
+        pub shrinking: R,
+        /// `1 / m_p`, 1/m.
+        pub inverse_plastic_limit: R,
+    }
+}
 
 /// Columns of the history: largest overlap, overlap and force of the last step.
 const MOST: usize = 0;
 const BEFORE: usize = 1;
 const FORCE: usize = 2;
 
-fn constants(first: f64, hardest: f64, cohesion: f64, largest: f64) -> [f64; LAW_CONSTANTS] {
-    let mut c = [0.0; LAW_CONSTANTS];
-    c[FIRST] = first;
-    c[HARDENING] = hardest - first;
-    c[COHESION] = cohesion;
-    c[LARGEST] = largest;
-    c[SHRINKING] = (first + cohesion) * largest / (hardest - first);
-    c[INVERSE_LARGEST] = 1.0 / largest;
-    c
+/// Place of the energy lost by plastic deformation among the channels.
+const PLASTIC: usize = 0;
+
+fn constants(first: f64, hardest: f64, cohesion: f64, largest: f64) -> LudingConstants<f64> {
+    LudingConstants {
+        first_loading: first,
+        hardening: hardest - first,
+        cohesion,
+        plastic_limit: largest,
+        shrinking: (first + cohesion) * largest / (hardest - first),
+        inverse_plastic_limit: 1.0 / largest,
+    }
 }
 
 /// Stiffness `k_2` and the force that it gives at an overlap, with the largest overlap m.
 #[inline(always)]
-fn elastic<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, most: R) -> [R; 2] {
-    let most = most.min(c[LARGEST]);
-    let harder = c[HARDENING] * (most * c[INVERSE_LARGEST]);
-    let stiffness = c[FIRST] + harder;
+fn elastic<R: Real>(c: &LudingConstants<R>, overlap: R, most: R) -> [R; 2] {
+    let most = most.min(c.plastic_limit);
+    let harder = c.hardening * (most * c.inverse_plastic_limit);
+    let stiffness = c.first_loading + harder;
     // k_2 d_0 = (k_2 - k_1) m.
     [stiffness, stiffness.mul_add(overlap, -(harder * most))]
 }
 
 impl NormalLaw for Luding {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = LudingConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "luding",
         label: "elastic-plastic with cohesion (Luding 2008)",
         help: "elastic-plastic and adhesive, linear, with memory of the largest overlap: Luding 2008",
         parameters: &[
             NORMAL_STIFFNESS,
-            Parameter {
+            LawParameter {
                 key: "unloading_ratio",
                 unit: Unit::NUMBER,
                 default: 5.0,
@@ -84,7 +95,7 @@ impl NormalLaw for Luding {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
-            Parameter {
+            LawParameter {
                 key: "cohesion_ratio",
                 unit: Unit::NUMBER,
                 default: 0.2,
@@ -93,7 +104,7 @@ impl NormalLaw for Luding {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
-            Parameter {
+            LawParameter {
                 key: "plasticity_depth",
                 unit: Unit::NUMBER,
                 default: 0.05,
@@ -106,9 +117,15 @@ impl NormalLaw for Luding {
     };
     const CONTACT_AREA: bool = false;
     const ADHESIVE: bool = true;
+    const CHANNELS: &'static [EnergyChannel] = &[EnergyChannel::dissipated(
+        "plastic_loss",
+        "plastic deformation",
+        "energy lost by plastic deformation of contacts",
+    )
+    .measured_by("plasticity")];
     const HISTORY: usize = 3;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> LudingConstants<f64> {
         let [first, ratio, cohesion, depth] = [parameters[0], parameters[1], parameters[2], parameters[3]];
         let largest = ratio / (ratio - 1.0) * depth * 2.0 * pair.effective_radius;
         constants(first, first * ratio, first * cohesion, largest)
@@ -116,28 +133,30 @@ impl NormalLaw for Luding {
 
     /// The first loading.
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
-        Luding::update(c, overlap, touched, &mut [R::zero(); MAX_NORMAL_HISTORY]).0
+    fn evaluate<R: Real>(c: &LudingConstants<R>, overlap: R, touched: R::Mask) -> Normal<R> {
+        let energies = &mut [R::zero(); LAW_CHANNELS];
+        Luding::update(c, overlap, touched, &mut [R::zero(); MAX_NORMAL_HISTORY], energies)
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &LudingConstants<R>,
         overlap: R,
         _touched: R::Mask,
         history: &mut [R; MAX_NORMAL_HISTORY],
-    ) -> (Normal<R>, R) {
+        energies: &mut LawEnergies<R>,
+    ) -> Normal<R> {
         let (zero, half) = (R::zero(), R::splat(0.5));
         let alpha = overlap.max(zero);
         let touching = alpha.gt(zero);
         let most = history[MOST].max(alpha);
         let [mut stiffness, mut force] = elastic(c, alpha, most);
         let mut kept = most;
-        let least = -(c[COHESION] * alpha);
+        let least = -(c.cohesion * alpha);
         let cohesive = force.lt(least) & touching;
         if cohesive.any() {
             let middle = half * alpha;
-            let shrunk = middle + middle.mul_add(middle, c[SHRINKING] * alpha).sqrt();
+            let shrunk = middle + middle.mul_add(middle, c.shrinking * alpha).sqrt();
             kept = R::select(cohesive, shrunk.min(most), most);
             stiffness = R::select(cohesive, elastic(c, alpha, kept)[0], stiffness);
             force = R::select(cohesive, least, force);
@@ -146,42 +165,41 @@ impl NormalLaw for Luding {
         let work = half * (history[FORCE] + force) * (alpha - history[BEFORE]);
         let stiffness_before = elastic(c, history[BEFORE], history[MOST])[0];
         let stored_before = half * history[FORCE] * history[FORCE] / stiffness_before;
-        let stored = half * force * force / stiffness.max(c[FIRST]);
-        let lost = work - (stored - stored_before);
+        let stored = half * force * force / stiffness.max(c.first_loading);
+        energies[PLASTIC] = work - (stored - stored_before);
         (history[MOST], history[BEFORE], history[FORCE]) = (kept, alpha, force);
         let root_stiffness = stiffness.sqrt();
-        let contact = Normal {
+        Normal {
             force,
             radius: zero,
             stiffness,
             root_stiffness,
             tangential_measure: stiffness,
             root_tangential_measure: root_stiffness,
-            friction_load: c[COHESION].mul_add(alpha, force).max(zero),
+            friction_load: c.cohesion.mul_add(alpha, force).max(zero),
             touching,
-        };
-        (contact, lost)
+        }
     }
 
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         let c = Self::prepare(pair, parameters);
         let load = load.max(f64::MIN_POSITIVE);
-        let soft = load / c[FIRST];
+        let soft = load / c.first_loading;
         // Beyond m_p with k_p from d_0.
-        let hard = (load + c[HARDENING] * c[LARGEST]) / (c[FIRST] + c[HARDENING]);
-        Self::evaluate(&c, if soft < c[LARGEST] { soft } else { hard }, true)
+        let hard = (load + c.hardening * c.plastic_limit) / (c.first_loading + c.hardening);
+        Self::evaluate(&c, if soft < c.plastic_limit { soft } else { hard }, true)
     }
 
     /// Energy stored in the first loading.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+    fn energy<R: Real>(c: &LudingConstants<R>, overlap: R) -> R {
         let n = Self::evaluate(c, overlap, R::Mask::splat(true));
         (R::splat(0.5) * n.force * n.force / n.stiffness).keep(n.touching)
     }
 
     /// `N^2 / 2 k_2`.
     #[inline(always)]
-    fn stored<R: Real>(c: &[R; LAW_CONSTANTS], _overlap: R, history: &[R; MAX_NORMAL_HISTORY]) -> R {
+    fn stored<R: Real>(c: &LudingConstants<R>, _overlap: R, history: &[R; MAX_NORMAL_HISTORY]) -> R {
         let [stiffness, _] = elastic(c, history[BEFORE], history[MOST]);
         R::splat(0.5) * history[FORCE] * history[FORCE] / stiffness
     }
@@ -191,7 +209,7 @@ impl NormalLaw for Luding {
 mod tests {
     use super::*;
     use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
-    use crate::contact::impact::collide;
+    use crate::contact::impact::collision::collide;
 
     fn near(found: f64, wanted: f64) {
         assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
@@ -213,14 +231,15 @@ mod tests {
             (0.005, -0.005, 0.015_247_548_8),
             (0.012, 0.008_830_901_9, 0.015_247_548_8),
         ] {
-            let (n, _) = Luding::update(&c, overlap, true, &mut history);
+            let n = Luding::update(&c, overlap, true, &mut history, &mut [0.0; LAW_CHANNELS]);
             near(n.force, force);
             near(history[MOST], most);
             near(n.friction_load, force + overlap);
             // The contact at rest is the same.
-            near(Luding::update(&c, overlap, true, &mut { history }).0.force, force);
+            let again = Luding::update(&c, overlap, true, &mut { history }, &mut [0.0; LAW_CHANNELS]);
+            near(again.force, force);
         }
-        let (n, _) = Luding::update(&c, -0.001, true, &mut history);
+        let n = Luding::update(&c, -0.001, true, &mut history, &mut [0.0; LAW_CHANNELS]);
         assert!(!n.touching && n.force == 0.0 && n.stiffness == 0.0);
         // k_2, d_0 and the overlap at which cohesion begins, for m = 0.04.
         let [stiffness, at_zero] = elastic(&c, 0.0, 0.04);
@@ -239,7 +258,9 @@ mod tests {
         for [from, to] in [[0.0, 0.05], [0.05, 0.01], [0.01, 0.09], [0.09, 0.04], [0.04, -1e-4]] {
             for k in 1..=steps {
                 let overlap: f64 = from + (to - from) * f64::from(k) / f64::from(steps);
-                let (n, loss) = Luding::update(&c, overlap, true, &mut history);
+                let mut energies = [0.0; LAW_CHANNELS];
+                let n = Luding::update(&c, overlap, true, &mut history, &mut energies);
+                let loss = energies[PLASTIC];
                 let alpha = overlap.max(0.0);
                 work += 0.5 * (n.force + before.1) * (alpha - before.0);
                 before = (alpha, n.force);

@@ -17,22 +17,28 @@
 
 use granum_simd::{Mask, Real, power};
 
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalLaw};
-use crate::contact::limits::LAW_CONSTANTS;
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Otsubo et al. (2017).
 #[derive(Clone, Copy, Debug)]
 pub struct RoughHertz;
 
-/// `1 / S`, 1/m.
-const INVERSE_LENGTH: usize = 0;
-/// `N_1`, N.
-const FORCE: usize = 1;
-/// `1 / 2 E*`, and its root.
-const COMPLIANCE: usize = 2;
-const ROOT_COMPLIANCE: usize = 3;
+law_constants! {
+    /// Constants of the contact of rough spheres for a pair.
+    pub struct RoughHertzConstants<R> {
+        /// `1 / S`, 1/m.
+        pub inverse_roughness: R,
+        /// `N_1`, N.
+        pub rough_force: R,
+        /// `1 / 2 E*`, 1/Pa.
+        pub compliance: R,
+        /// `(1 / 2 E*)^(1/2)`.
+        pub root_compliance: R,
+    }
+}
 
 /// Smallest S / R* used: far below any real value, so that smooth spheres follow Hertz's law.
 const LEAST_LENGTH: f64 = 1e-30;
@@ -98,11 +104,12 @@ fn primitives<R: Real>(t: R) -> [R; 3] {
 }
 
 impl NormalLaw for RoughHertz {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = RoughHertzConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "rough-hertz",
         label: "Hertz with rough surfaces (Otsubo et al. 2017)",
         help: "elastic spheres with rough surfaces, softer than Hertz under small loads: Otsubo et al. 2017",
-        parameters: &[Parameter {
+        parameters: &[LawParameter {
             key: "roughness",
             unit: Unit::LENGTH,
             default: 1e-7,
@@ -113,34 +120,35 @@ impl NormalLaw for RoughHertz {
         }],
     };
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> RoughHertzConstants<f64> {
         let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
         // The root of the mean square of the two sides.
         let length = (parameters[0] * std::f64::consts::SQRT_2).max(LEAST_LENGTH * radius);
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[INVERSE_LENGTH] = 1.0 / length;
-        c[FORCE] = length * modulus * (2.0 * radius * length).sqrt();
-        c[COMPLIANCE] = 0.5 / modulus;
-        c[ROOT_COMPLIANCE] = c[COMPLIANCE].sqrt();
-        c
+        let compliance = 0.5 / modulus;
+        RoughHertzConstants {
+            inverse_roughness: 1.0 / length,
+            rough_force: length * modulus * (2.0 * radius * length).sqrt(),
+            compliance,
+            root_compliance: compliance.sqrt(),
+        }
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, _touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &RoughHertzConstants<R>, overlap: R, _touched: R::Mask) -> Normal<R> {
         let alpha = overlap.max(R::zero());
         let touching = alpha.gt(R::zero());
-        let [force, slope] = curve(alpha * c[INVERSE_LENGTH]);
-        let force = (c[FORCE] * force).keep(touching);
-        let stiffness = (c[FORCE] * c[INVERSE_LENGTH] * slope).keep(touching);
+        let [force, slope] = curve(alpha * c.inverse_roughness);
+        let force = (c.rough_force * force).keep(touching);
+        let stiffness = (c.rough_force * c.inverse_roughness * slope).keep(touching);
         let root_stiffness = stiffness.sqrt();
-        let radius = c[COMPLIANCE] * stiffness;
+        let radius = c.compliance * stiffness;
         Normal {
             force,
             radius,
             stiffness,
             root_stiffness,
             tangential_measure: radius,
-            root_tangential_measure: c[ROOT_COMPLIANCE] * root_stiffness,
+            root_tangential_measure: c.root_compliance * root_stiffness,
             friction_load: force,
             touching,
         }
@@ -148,7 +156,7 @@ impl NormalLaw for RoughHertz {
 
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         let c = Self::prepare(pair, parameters);
-        let g = load / c[FORCE];
+        let g = load / c.rough_force;
         let t = if g < 1.0 {
             FIRST_END * power(g.max(LEAST), 1.0 / FIRST_POWER)
         } else if g < SECOND_FORCE {
@@ -157,14 +165,14 @@ impl NormalLaw for RoughHertz {
             let root = granum_simd::cbrt(g / HERTZ);
             THIRD_START + root * root
         };
-        Self::evaluate(&c, t / c[INVERSE_LENGTH], true)
+        Self::evaluate(&c, t / c.inverse_roughness, true)
     }
 
     /// The integral of the force.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+    fn energy<R: Real>(c: &RoughHertzConstants<R>, overlap: R) -> R {
         let touching = overlap.gt(R::zero());
-        (c[FORCE] / c[INVERSE_LENGTH] * work(overlap * c[INVERSE_LENGTH])).keep(touching)
+        (c.rough_force / c.inverse_roughness * work(overlap * c.inverse_roughness)).keep(touching)
     }
 }
 

@@ -19,34 +19,38 @@
 use granum_simd::Real;
 
 use super::slider::{slide, stored};
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_MOMENT_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Model C of Ai et al. (2011).
 #[derive(Clone, Copy, Debug)]
 pub struct ElasticPlasticRolling;
 
-/// `mu_r R*`, m.
-const ARM: usize = 0;
-/// `9/4 (mu_r R*)^2`, m2: multiplied by the normal stiffness it gives k.
-const STIFFNESS_AREA: usize = 1;
-/// `3 zeta_r mu_r R* I_r^(1/2)`: multiplied by the square root of the normal stiffness it gives the coefficient of the
-/// dashpot.
-const DASHPOT: usize = 2;
-/// `9/4 (mu_r R*)^2 / R^2` with the smaller radius R: multiplied by the normal stiffness it counts as a tangential
-/// stiffness.
-const STEP: usize = ElasticPlasticRolling::STEP;
+law_constants! {
+    /// Constants of the elastic-plastic resistance to rolling for a pair.
+    pub struct ElasticPlasticRollingConstants<R> {
+        /// `mu_r R*`, m.
+        pub arm: R,
+        /// `9/4 (mu_r R*)^2`, m2: multiplied by the normal stiffness it gives k.
+        pub stiffness_area: R,
+        /// `3 zeta_r mu_r R* I_r^(1/2)`: multiplied by the square root of the normal stiffness it gives the coefficient of
+        /// the dashpot.
+        pub dashpot: R,
+        /// `9/4 (mu_r R*)^2 / R^2` with the smaller radius R: multiplied by the normal stiffness it counts as a tangential
+        /// stiffness.
+        pub step: R,
+    }
+}
 
 /// The history column that follows the couple: the stiffness before the step.
 const STIFFNESS_BEFORE: usize = 2;
 
-const FRICTION: usize = 0;
-const DAMPING: usize = 1;
-
 /// `contact.rolling_friction`.
-pub(super) const ROLLING_FRICTION: Parameter = Parameter {
+pub(super) const ROLLING_FRICTION: LawParameter = LawParameter {
     key: "rolling_friction",
     unit: Unit::NUMBER,
     default: 0.1,
@@ -56,7 +60,7 @@ pub(super) const ROLLING_FRICTION: Parameter = Parameter {
     mixing: Mixing::Geometric,
 };
 /// `contact.rolling_damping`.
-pub(super) const ROLLING_DAMPING: Parameter = Parameter {
+pub(super) const ROLLING_DAMPING: LawParameter = LawParameter {
     key: "rolling_damping",
     unit: Unit::NUMBER,
     default: 0.3,
@@ -66,13 +70,9 @@ pub(super) const ROLLING_DAMPING: Parameter = Parameter {
     mixing: Mixing::Arithmetic,
 };
 
-impl ElasticPlasticRolling {
-    /// Index of the fraction of the normal stiffness that counts as a tangential stiffness.
-    pub(super) const STEP: usize = 3;
-}
-
 impl MomentLaw for ElasticPlasticRolling {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = ElasticPlasticRollingConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "elastic-plastic",
         label: "elastic-plastic rolling resistance",
         help: "a spring, a slider and a dashpot against rolling: model C of Ai et al. 2011",
@@ -81,25 +81,29 @@ impl MomentLaw for ElasticPlasticRolling {
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[ARM] = parameters[FRICTION] * pair.effective_radius;
-        c[STIFFNESS_AREA] = 2.25 * c[ARM] * c[ARM];
-        c[DASHPOT] = 3.0 * parameters[DAMPING] * c[ARM] * pair.rolling_inertia.sqrt();
-        c[STEP] = c[STIFFNESS_AREA] / (pair.smaller_radius * pair.smaller_radius);
-        c
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> ElasticPlasticRollingConstants<f64> {
+        let [friction, damping] = [parameters[0], parameters[1]];
+        let arm = friction * pair.effective_radius;
+        let stiffness_area = 2.25 * arm * arm;
+        ElasticPlasticRollingConstants {
+            arm,
+            stiffness_area,
+            dashpot: 3.0 * damping * arm * pair.rolling_inertia.sqrt(),
+            step: stiffness_area / (pair.smaller_radius * pair.smaller_radius),
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &ElasticPlasticRollingConstants<R>,
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
-        let stiffness = c[STIFFNESS_AREA] * normal.stiffness;
-        let limit = c[ARM] * normal.friction_load;
+        let stiffness = c.stiffness_area * normal.stiffness;
+        let limit = c.arm * normal.friction_load;
         let turned = [dt * spin.rolling[0], dt * spin.rolling[1]];
         let held = [history[0], history[1]];
         let out = slide(held, history[STIFFNESS_BEFORE], stiffness, limit, turned);
@@ -107,17 +111,17 @@ impl MomentLaw for ElasticPlasticRolling {
         history[STIFFNESS_BEFORE] = stiffness;
         Moment {
             couple: [out.couple[0], out.couple[1], R::zero()],
-            dashpot: (c[DASHPOT] * normal.root_stiffness).keep(!out.at_limit),
+            dashpot: (c.dashpot * normal.root_stiffness).keep(!out.at_limit),
             twisting_dashpot: R::zero(),
             at_limit: out.at_limit,
             work: out.work,
             loss: out.loss,
-            step_stiffness: c[STEP] * normal.stiffness,
+            step_stiffness: c.step * normal.stiffness,
         }
     }
 
     /// `M^2 / 2 k`.
-    fn energy(_c: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+    fn energy(_c: &ElasticPlasticRollingConstants<f64>, history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         stored([history[0], history[1]], history[STIFFNESS_BEFORE])
     }
 }

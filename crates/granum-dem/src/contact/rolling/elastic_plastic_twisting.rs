@@ -16,21 +16,30 @@
 use granum_simd::Real;
 
 use super::ElasticPlasticRolling;
-use super::elastic_plastic::{ROLLING_DAMPING, ROLLING_FRICTION};
+use super::elastic_plastic::{ElasticPlasticRollingConstants, ROLLING_DAMPING, ROLLING_FRICTION};
 use super::slider::{slide, stored};
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_MOMENT_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Rolling resistance by model C of Ai et al. (2011), and twisting resistance of the same kind.
 #[derive(Clone, Copy, Debug)]
 pub struct ElasticPlasticTwisting;
 
-/// `mu_t R*`, m. It follows the constants of rolling.
-const ARM: usize = 4;
-/// `2 zeta_t I_t^(1/2)`: multiplied by the square root of the stiffness it gives the coefficient of the dashpot.
-const DASHPOT: usize = 5;
+law_constants! {
+    /// Constants of the elastic-plastic resistance to rolling and twisting for a pair.
+    pub struct ElasticPlasticTwistingConstants<R> {
+        /// Those of rolling; what counts as a tangential stiffness includes the twisting spring.
+        pub rolling: ElasticPlasticRollingConstants<R>,
+        /// `mu_t R*`, m.
+        pub arm: R,
+        /// `2 zeta_t I_t^(1/2)`: multiplied by the square root of the stiffness it gives the coefficient of the dashpot.
+        pub dashpot: R,
+    }
+}
 
 /// Column of the couple about the normal; it follows those of rolling.
 const COUPLE: usize = ElasticPlasticRolling::HISTORY;
@@ -42,14 +51,15 @@ const SHAPE: f64 = 2.25;
 const ABOUT_CENTRE: f64 = 2.0 / 7.0;
 
 impl MomentLaw for ElasticPlasticTwisting {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = ElasticPlasticTwistingConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "elastic-plastic-twisting",
         label: "elastic-plastic rolling and twisting resistance",
         help: "elastic-plastic against rolling, and likewise against twisting, with a coefficient of its own",
         parameters: &[
             ROLLING_FRICTION,
             ROLLING_DAMPING,
-            Parameter {
+            LawParameter {
                 key: "twisting_friction",
                 unit: Unit::NUMBER,
                 default: 0.05,
@@ -58,7 +68,7 @@ impl MomentLaw for ElasticPlasticTwisting {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
-            Parameter {
+            LawParameter {
                 key: "twisting_damping",
                 unit: Unit::NUMBER,
                 default: 0.3,
@@ -72,36 +82,40 @@ impl MomentLaw for ElasticPlasticTwisting {
     const HISTORY: usize = STIFFNESS_BEFORE + 1;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> ElasticPlasticTwistingConstants<f64> {
         let [friction, damping] = [parameters[2], parameters[3]];
-        let mut c = ElasticPlasticRolling::prepare(pair, &parameters[..2]);
-        c[ARM] = friction * pair.effective_radius;
-        c[DASHPOT] = 2.0 * damping * (ABOUT_CENTRE * pair.rolling_inertia).sqrt();
+        let arm = friction * pair.effective_radius;
+        let rolling = ElasticPlasticRolling::prepare(pair, &parameters[..2]);
         // Grains that twist in phase oscillate at most as fast as with half of this stiffness against rolling.
-        let arm = c[ARM] / pair.smaller_radius;
-        c[ElasticPlasticRolling::STEP] += 0.5 * SHAPE * arm * arm;
-        c
+        let share = arm / pair.smaller_radius;
+        let step = rolling.step + 0.5 * SHAPE * share * share;
+        ElasticPlasticTwistingConstants {
+            rolling: ElasticPlasticRollingConstants { step, ..rolling },
+            arm,
+            dashpot: 2.0 * damping * (ABOUT_CENTRE * pair.rolling_inertia).sqrt(),
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &ElasticPlasticTwistingConstants<R>,
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
+        energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
-        let rolling = ElasticPlasticRolling::update(c, normal, spin, dt, history);
-        let root = R::splat(SHAPE.sqrt()) * c[ARM] * normal.root_stiffness;
+        let rolling = ElasticPlasticRolling::update(&c.rolling, normal, spin, dt, history, energies);
+        let root = R::splat(SHAPE.sqrt()) * c.arm * normal.root_stiffness;
         let stiffness = root * root;
-        let limit = c[ARM] * normal.friction_load;
+        let limit = c.arm * normal.friction_load;
         let before = history[STIFFNESS_BEFORE];
         let out = slide([history[COUPLE]], before, stiffness, limit, [dt * spin.twisting]);
         history[COUPLE] = out.couple[0];
         history[STIFFNESS_BEFORE] = stiffness;
         Moment {
             couple: [rolling.couple[0], rolling.couple[1], out.couple[0]],
-            twisting_dashpot: (c[DASHPOT] * root).keep(!out.at_limit),
+            twisting_dashpot: (c.dashpot * root).keep(!out.at_limit),
             at_limit: rolling.at_limit | out.at_limit,
             work: rolling.work + out.work,
             loss: rolling.loss + out.loss,
@@ -109,7 +123,8 @@ impl MomentLaw for ElasticPlasticTwisting {
         }
     }
 
-    fn energy(c: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
-        ElasticPlasticRolling::energy(c, history) + stored([history[COUPLE]], history[STIFFNESS_BEFORE])
+    fn energy(c: &ElasticPlasticTwistingConstants<f64>, history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+        ElasticPlasticRolling::energy(&c.rolling, history)
+            + stored([history[COUPLE]], history[STIFFNESS_BEFORE])
     }
 }

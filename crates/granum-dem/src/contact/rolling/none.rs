@@ -2,17 +2,20 @@
 
 use granum_simd::Real;
 
-use crate::contact::description::Description;
+use crate::contact::law::constants::NoConstants;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_MOMENT_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
-use crate::contact::pair_properties::PairProperties;
 
 /// Free rolling.
 #[derive(Clone, Copy, Debug)]
 pub struct NoMoments;
 
 impl MomentLaw for NoMoments {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = NoConstants;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "none",
         label: "free rolling",
         help: "contacts resist neither rolling nor twisting",
@@ -22,22 +25,23 @@ impl MomentLaw for NoMoments {
     const HISTORY: usize = 0;
     const PLANE_VECTORS: usize = 0;
 
-    fn prepare(_pair: &PairProperties, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        [0.0; LAW_CONSTANTS]
+    fn prepare(_pair: &PairProperties, _parameters: &[f64]) -> NoConstants {
+        NoConstants
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        _c: &[R; LAW_CONSTANTS],
+        _c: &NoConstants,
         _normal: &Normal<R>,
         _spin: RelativeSpin<R>,
         _dt: R,
         _history: &mut [R; MAX_MOMENT_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
         Moment::none()
     }
 
-    fn energy(_c: &[f64; LAW_CONSTANTS], _history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+    fn energy(_c: &NoConstants, _history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         0.0
     }
 }

@@ -1,6 +1,7 @@
 //! A spring with a slider, in the plane of rolling or about the normal: the common part of the elastic-plastic laws.
 
 use granum_simd::Real;
+use granum_simd::vectors::dot;
 
 /// Result of a step.
 pub(super) struct Slid<R: Real, const D: usize> {
@@ -55,13 +56,4 @@ fn energy<R: Real, const D: usize>(couple: [R; D], stiffness: R) -> R {
 /// Energy of a spring with a couple, J: `M^2 / 2 k`.
 pub(super) fn stored<const D: usize>(couple: [f64; D], stiffness: f64) -> f64 {
     if stiffness > 0.0 { 0.5 * dot(couple, couple) / stiffness } else { 0.0 }
-}
-
-#[inline(always)]
-fn dot<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> R {
-    let mut sum = a[D - 1] * b[D - 1];
-    for k in (0..D - 1).rev() {
-        sum = a[k].mul_add(b[k], sum);
-    }
-    sum
 }

@@ -17,39 +17,48 @@
 //! exceeds the limit it loads the spring against the motion, so that the loss of the slider is negative there.
 
 use granum_simd::Real;
+use granum_simd::vectors::dot;
 
 use super::elastic_plastic::ROLLING_FRICTION;
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_MOMENT_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// The spring-dashpot-slider of Luding (2008).
 #[derive(Clone, Copy, Debug)]
 pub struct SpringDashpotSlider;
 
-/// k_r, N/m.
-const STIFFNESS: usize = 0;
-/// Its reciprocal, m/N.
-const COMPLIANCE: usize = 1;
-/// gamma_r, N s/m.
-const VISCOSITY: usize = 2;
-/// mu_r.
-const FRICTION: usize = 3;
-/// R*, m.
-const RADIUS: usize = 4;
-/// What counts as a tangential stiffness for the time step, N/m: of the spring, and of a spring with the frequency `gamma_r R*^2 / I_r`,
-/// at which the dashpot damps.
-const STEP: usize = 5;
+law_constants! {
+    /// Constants of the spring, dashpot and slider against rolling for a pair.
+    pub struct SpringDashpotSliderConstants<R> {
+        /// `k_r`, N/m.
+        pub stiffness: R,
+        /// `1 / k_r`, m/N.
+        pub compliance: R,
+        /// `gamma_r`, N s/m.
+        pub viscosity: R,
+        /// `mu_r`.
+        pub friction: R,
+        /// `R*`, m.
+        pub effective_radius: R,
+        /// What counts as a tangential stiffness for the time step, N/m: of the spring, and of a spring with the frequency
+        /// `gamma_r R*^2 / I_r`, at which the dashpot damps.
+        pub step: R,
+    }
+}
 
 impl MomentLaw for SpringDashpotSlider {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = SpringDashpotSliderConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "spring-dashpot-slider",
         label: "spring-dashpot-slider rolling resistance",
         help: "a spring of constant stiffness and a dashpot with a slider against rolling: Luding 2008, as rolling sds in LAMMPS",
         parameters: &[
             ROLLING_FRICTION,
-            Parameter {
+            LawParameter {
                 key: "rolling_stiffness",
                 unit: Unit::STIFFNESS,
                 default: 1e3,
@@ -58,7 +67,7 @@ impl MomentLaw for SpringDashpotSlider {
                 without_area: false,
                 mixing: Mixing::Harmonic,
             },
-            Parameter {
+            LawParameter {
                 key: "rolling_viscosity",
                 unit: Unit { symbol: "N s/m", powers: [1, 0, -1] },
                 default: 1e-3,
@@ -72,73 +81,68 @@ impl MomentLaw for SpringDashpotSlider {
     const HISTORY: usize = 2;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> SpringDashpotSliderConstants<f64> {
         let [friction, stiffness, viscosity] = [parameters[0], parameters[1], parameters[2]];
         let square = pair.effective_radius * pair.effective_radius;
         let [spring, dashpot] = [square * stiffness, square * viscosity];
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[STIFFNESS] = stiffness;
-        c[COMPLIANCE] = 1.0 / stiffness;
-        c[VISCOSITY] = viscosity;
-        c[FRICTION] = friction;
-        c[RADIUS] = pair.effective_radius;
-        c[STEP] =
-            (spring + dashpot * dashpot / pair.rolling_inertia) / (pair.smaller_radius * pair.smaller_radius);
-        c
+        let both = spring + dashpot * dashpot / pair.rolling_inertia;
+        SpringDashpotSliderConstants {
+            stiffness,
+            compliance: 1.0 / stiffness,
+            viscosity,
+            friction,
+            effective_radius: pair.effective_radius,
+            step: both / (pair.smaller_radius * pair.smaller_radius),
+        }
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &SpringDashpotSliderConstants<R>,
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
         let (one, half, tiny) = (R::splat(1.0), R::splat(0.5), R::splat(1e-200));
-        let limit = c[FRICTION] * normal.friction_load;
+        let limit = c.friction * normal.friction_load;
         let before = [history[0], history[1]];
-        let velocity = [c[RADIUS] * spin.rolling[0], c[RADIUS] * spin.rolling[1]];
+        let velocity = [c.effective_radius * spin.rolling[0], c.effective_radius * spin.rolling[1]];
         let way = [dt * velocity[0], dt * velocity[1]];
         let (mut free, mut dashpot, mut force) = (before, before, before);
         for k in 0..2 {
             free[k] = before[k] + way[k];
-            dashpot[k] = c[VISCOSITY] * velocity[k];
-            force[k] = c[STIFFNESS].mul_add(free[k], dashpot[k]);
+            dashpot[k] = c.viscosity * velocity[k];
+            force[k] = c.stiffness.mul_add(free[k], dashpot[k]);
         }
         let square = dot(force, force);
         let at_limit = square.gt(limit * limit);
         let factor = R::select(at_limit, limit / square.sqrt().max(tiny), one);
         let mut now = before;
         for k in 0..2 {
-            let reduced = c[COMPLIANCE] * factor.mul_add(force[k], -dashpot[k]);
+            let reduced = c.compliance * factor.mul_add(force[k], -dashpot[k]);
             now[k] = R::select(at_limit, reduced, free[k]).keep(normal.touching);
         }
         [history[0], history[1]] = now;
-        let half_spring = half * c[STIFFNESS];
+        let half_spring = half * c.stiffness;
         let work = half_spring * dot([before[0] + now[0], before[1] + now[1]], way);
         let gained = half_spring * (dot(now, now) - dot(before, before));
-        let lever = c[STIFFNESS] * c[RADIUS];
+        let lever = c.stiffness * c.effective_radius;
         Moment {
             couple: [lever * now[0], lever * now[1], R::zero()],
-            dashpot: c[VISCOSITY] * (c[RADIUS] * c[RADIUS]),
+            dashpot: c.viscosity * (c.effective_radius * c.effective_radius),
             twisting_dashpot: R::zero(),
             at_limit,
             work,
             loss: work - gained,
-            step_stiffness: c[STEP],
+            step_stiffness: c.step,
         }
     }
 
     /// `k_r xi^2 / 2`.
-    fn energy(c: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+    fn energy(c: &SpringDashpotSliderConstants<f64>, history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         let xi = [history[0], history[1]];
-        0.5 * c[STIFFNESS] * dot(xi, xi)
+        0.5 * c.stiffness * dot(xi, xi)
     }
-}
-
-/// This is a function and not a closure: a closure that is not inlined would be compiled without vector instructions.
-#[inline(always)]
-fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0].mul_add(b[0], a[1] * b[1])
 }

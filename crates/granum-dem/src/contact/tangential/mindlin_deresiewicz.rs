@@ -27,20 +27,33 @@
 //! becomes P, and the springs of that state would carry more than their limit: up to 0.35 % of the work at the limit is then in no
 //! column.
 
+use granum_simd::vectors::{add_scaled, dot, select, subtract};
 use granum_simd::{Real, cbrt};
 
-use crate::contact::description::Description;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Mindlin and Deresiewicz (1953), incremental, with two levels of turning points.
 #[derive(Clone, Copy, Debug)]
 pub struct MindlinDeresiewicz;
 
-pub(super) const EIGHT_MODULI: usize = 0;
-pub(super) const FRICTION: usize = 1;
-pub(super) const ROOT_MODULI: usize = 2;
+law_constants! {
+    /// Constants of the law of Mindlin and Deresiewicz for a pair.
+    pub struct MindlinDeresiewiczConstants<R> {
+        /// `8 G*`, Pa: multiplied by the contact radius it gives the stiffness.
+        pub eight_moduli: R,
+        /// `mu`.
+        pub friction: R,
+        /// `(8 G*)^(1/2)`.
+        pub root_eight_moduli: R,
+    }
+}
+
+/// Columns of the history after the three vectors: the number of the curve, and the friction load of the last step.
 const STAGE: usize = 6;
 const LOAD: usize = 7;
 
@@ -70,29 +83,10 @@ pub(super) struct Outcome<R: Real> {
     pub(super) discards: R::Mask,
 }
 
-#[inline(always)]
-pub(super) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0].mul_add(b[0], a[1] * b[1])
-}
-
+/// Square of the length of a vector.
 #[inline(always)]
 pub(super) fn square<R: Real>(a: [R; 2]) -> R {
     dot(a, a)
-}
-
-#[inline(always)]
-fn subtract<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-#[inline(always)]
-pub(super) fn add_scaled<R: Real>(a: [R; 2], s: R, b: [R; 2]) -> [R; 2] {
-    [s.mul_add(b[0], a[0]), s.mul_add(b[1], a[1])]
-}
-
-#[inline(always)]
-pub(super) fn select<R: Real>(mask: R::Mask, yes: [R; 2], no: [R; 2]) -> [R; 2] {
-    [R::select(mask, yes[0], no[0]), R::select(mask, yes[1], no[1])]
 }
 
 /// One step of the law: `step` in m, `stiffness` 8 G* a, `limit` mu F after and before the step.
@@ -111,7 +105,7 @@ pub(super) fn advance<R: Real>(
     // The force measured from the start of the present curve, and whether the step reverses it.
     let loading = state.stage.lt(R::splat(0.5));
     let unloading = state.stage.eq(one);
-    let origin = select::<R>(unloading, state.turning, state.returning);
+    let origin = select::<R, 2>(unloading, state.turning, state.returning);
     let origin = [origin[0].keep(!loading), origin[1].keep(!loading)];
     let counted = subtract(state.force, origin);
     let scale = R::splat(NOTHING) * limit_before;
@@ -120,8 +114,8 @@ pub(super) fn advance<R: Real>(
     let turn = directed & dot(counted, step).lt(zero);
     let (returns, turns) = (turn & unloading, turn & !unloading);
     let remembered = !loading;
-    state.returning = select::<R>(returns, state.force, state.returning);
-    state.turning = select::<R>(turns, state.force, state.turning);
+    state.returning = select::<R, 2>(returns, state.force, state.returning);
+    state.turning = select::<R, 2>(turns, state.force, state.turning);
     let loading = loading & !turn;
     let unloading = (unloading & !turn) | turns;
     let reloading = !(loading | unloading);
@@ -131,7 +125,7 @@ pub(super) fn advance<R: Real>(
     // The direction in which slip spreads.
     let along = directed & !turn;
     let step_square = square(step);
-    let vector = select::<R>(along, counted, step);
+    let vector = select::<R, 2>(along, counted, step);
     let vector_square = R::select(along, counted_square, step_square);
     let length = vector_square.sqrt();
     let inverse_length = length * (one / vector_square.max(tiny));
@@ -147,12 +141,12 @@ pub(super) fn advance<R: Real>(
 
     // Turning points move outwards with the limit and are discarded when passed.
     let outward = growth / square(state.turning).sqrt().max(tiny);
-    let moved = select::<R>(reloading, state.turning, [-direction[0], -direction[1]]);
+    let moved = select::<R, 2>(reloading, state.turning, [-direction[0], -direction[1]]);
     let by = R::select(reloading, outward, growth).keep(!loading);
     state.turning = add_scaled(state.turning, by, moved);
     state.returning = add_scaled(state.returning, -growth.keep(reloading), direction);
-    let base = select::<R>(unloading, state.turning, state.returning);
-    let other = select::<R>(unloading, [zero; 2], state.returning);
+    let base = select::<R, 2>(unloading, state.turning, state.returning);
+    let other = select::<R, 2>(unloading, [zero; 2], state.returning);
     let span = square(subtract(state.turning, other));
     let span = R::select(unloading, R::splat(4.0) * span, span);
     let passed = square(subtract(force, base)).ge(span);
@@ -187,8 +181,8 @@ pub(super) fn energy<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
     let (zero, one) = (R::zero(), R::splat(1.0));
     let (first, third) = (state.stage.lt(R::splat(0.5)), state.stage.gt(R::splat(1.5)));
     // Start and end of each curve; an absent curve ends where it starts.
-    let turn = select::<R>(first, state.force, state.turning);
-    let end = select::<R>(third, state.returning, state.force);
+    let turn = select::<R, 2>(first, state.force, state.turning);
+    let end = select::<R, 2>(third, state.returning, state.force);
     let twice = limit + limit;
     let curves = [
         curve(turn, limit, one),
@@ -253,7 +247,8 @@ pub(super) fn state_of<R: Real>(history: &[R; MAX_HISTORY]) -> State<R> {
 }
 
 impl TangentialLaw for MindlinDeresiewicz {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = MindlinDeresiewiczConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "mindlin-deresiewicz",
         label: "Mindlin–Deresiewicz",
         help: "incremental, with turning points: Mindlin and Deresiewicz 1953, Thornton and Yin 1991",
@@ -271,30 +266,36 @@ impl TangentialLaw for MindlinDeresiewicz {
         }
     }
 
-    fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
-        c[FRICTION] = pair.friction;
-        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
-        c
+    fn prepare(
+        pair: &PairProperties,
+        _normal: &NormalTraits,
+        _parameters: &[f64],
+    ) -> MindlinDeresiewiczConstants<f64> {
+        let eight_moduli = 8.0 * pair.effective_shear_modulus;
+        MindlinDeresiewiczConstants {
+            eight_moduli,
+            friction: pair.friction,
+            root_eight_moduli: eight_moduli.sqrt(),
+        }
     }
 
     #[inline(always)]
-    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
-        c[EIGHT_MODULI] * normal.radius
+    fn stiffness<R: Real>(c: &MindlinDeresiewiczConstants<R>, normal: &Normal<R>) -> R {
+        c.eight_moduli * normal.radius
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &MindlinDeresiewiczConstants<R>,
         normal: &Normal<R>,
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Tangential<R> {
         let stiffness = Self::stiffness(c, normal);
-        let limit = c[FRICTION] * normal.friction_load;
+        let limit = c.friction * normal.friction_load;
         let mut state = state_of(history);
-        let outcome = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
+        let outcome = advance(&mut state, increment, stiffness, limit, c.friction * history[LOAD]);
         [history[0], history[1]] = state.force;
         [history[2], history[3]] = state.turning;
         [history[4], history[5]] = state.returning;
@@ -303,7 +304,7 @@ impl TangentialLaw for MindlinDeresiewicz {
         Tangential {
             force: state.force,
             stiffness,
-            root_stiffness: c[ROOT_MODULI] * normal.root_tangential_measure,
+            root_stiffness: c.root_eight_moduli * normal.root_tangential_measure,
             sliding: outcome.sliding,
             friction_loss: outcome.friction_loss,
             micro_slip_loss: outcome.micro_slip_loss,
@@ -312,12 +313,12 @@ impl TangentialLaw for MindlinDeresiewicz {
     }
 
     #[inline(always)]
-    fn discarded<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
+    fn discarded<R: Real>(c: &MindlinDeresiewiczConstants<R>, stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        excess(&state_of(history), stiffness, c.friction * history[LOAD])
     }
 
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        energy(&state_of(history), R::splat(1.0) / stiffness.max(R::splat(TINY)), c[FRICTION] * history[LOAD])
+    fn energy<R: Real>(c: &MindlinDeresiewiczConstants<R>, stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        energy(&state_of(history), R::splat(1.0) / stiffness.max(R::splat(TINY)), c.friction * history[LOAD])
     }
 }

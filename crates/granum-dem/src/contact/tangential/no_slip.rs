@@ -12,31 +12,44 @@
 
 use granum_simd::{Mask, Real};
 
-use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::description::{LawDescription, LawParameter, Mixing, Unit};
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// No-slip Mindlin with rescaling.
 #[derive(Clone, Copy, Debug)]
 pub struct NoSlip;
 
-/// Ratio of the tangential stiffness to the tangential measure of the normal law.
-const COEFFICIENT: usize = 0;
-const FRICTION: usize = 1;
-const ROOT_COEFFICIENT: usize = 2;
-const STEP_COEFFICIENT: usize = 3;
+law_constants! {
+    /// Constants of the no-slip law for a pair.
+    pub struct NoSlipConstants<R> {
+        /// Ratio of the tangential stiffness to the tangential measure of the normal law: `8 G*` or `k_t/k_n`.
+        pub coefficient: R,
+        /// `mu`.
+        pub friction: R,
+        /// Square root of the coefficient.
+        pub root_coefficient: R,
+        /// The coefficient for the time step.
+        pub step_coefficient: R,
+    }
+}
+
+/// The history column that follows the force: the tangential measure before the step.
 const MEASURE_BEFORE: usize = 2;
 
 /// Below this ratio of tangential to normal stiffness, spinning is no longer the fastest mode of oscillation of the grains.
 const LEAST_STEP_RATIO: f64 = 1.0 / 3.0;
 
 impl TangentialLaw for NoSlip {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = NoSlipConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "no-slip",
         label: "no-slip Mindlin",
         help: "no-slip Mindlin; with normal = \"hooke\" a linear spring and a slider",
-        parameters: &[Parameter {
+        parameters: &[LawParameter {
             key: "tangential_stiffness_ratio",
             unit: Unit::NUMBER,
             // Gives equal half periods of the normal and the tangential motion of solid spheres.
@@ -50,40 +63,41 @@ impl TangentialLaw for NoSlip {
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
+    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> NoSlipConstants<f64> {
         let [coefficient, step] = if normal.contact_area {
             [8.0 * pair.effective_shear_modulus; 2]
         } else {
             [parameters[0], parameters[0].max(LEAST_STEP_RATIO)]
         };
-        c[COEFFICIENT] = coefficient;
-        c[FRICTION] = pair.friction;
-        c[ROOT_COEFFICIENT] = coefficient.sqrt();
-        c[STEP_COEFFICIENT] = step;
-        c
+        NoSlipConstants {
+            coefficient,
+            friction: pair.friction,
+            root_coefficient: coefficient.sqrt(),
+            step_coefficient: step,
+        }
     }
 
     #[inline(always)]
-    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
-        c[COEFFICIENT] * normal.tangential_measure
+    fn stiffness<R: Real>(c: &NoSlipConstants<R>, normal: &Normal<R>) -> R {
+        c.coefficient * normal.tangential_measure
     }
 
     #[inline(always)]
-    fn step_stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
-        c[STEP_COEFFICIENT] * normal.tangential_measure
+    fn step_stiffness<R: Real>(c: &NoSlipConstants<R>, normal: &Normal<R>) -> R {
+        c.step_coefficient * normal.tangential_measure
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &NoSlipConstants<R>,
         normal: &Normal<R>,
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Tangential<R> {
         let (tiny, one) = (R::splat(1e-200), R::splat(1.0));
         let stiffness = Self::stiffness(c, normal);
-        let limit = c[FRICTION] * normal.friction_load;
+        let limit = c.friction * normal.friction_load;
         let before = history[MEASURE_BEFORE];
         let held = [history[0], history[1]];
         let ratio = normal.tangential_measure / before.max(tiny);
@@ -112,7 +126,7 @@ impl TangentialLaw for NoSlip {
         Tangential {
             force,
             stiffness,
-            root_stiffness: c[ROOT_COEFFICIENT] * normal.root_tangential_measure,
+            root_stiffness: c.root_coefficient * normal.root_tangential_measure,
             sliding,
             friction_loss: slipped * pull,
             micro_slip_loss: lost,

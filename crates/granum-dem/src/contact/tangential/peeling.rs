@@ -15,26 +15,37 @@
 //!
 //! `F` is the friction load of the normal law (Thornton 1991): `N + 2 N_c` above `-0.3 N_c`.
 
+use granum_simd::vectors::{add_scaled, dot, select};
 use granum_simd::{Real, cbrt};
 
 use super::mindlin_deresiewicz::{
-    EIGHT_MODULI, FRICTION, MindlinDeresiewicz, Outcome, ROOT_MODULI, State, add_scaled, advance, dot,
-    energy, excess, select, square, state_of,
+    MindlinDeresiewicz, MindlinDeresiewiczConstants, Outcome, State, advance, energy, excess, square,
+    state_of,
 };
-use crate::contact::description::Description;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::energy_channel::LawEnergies;
+use crate::contact::law::limits::MAX_HISTORY;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
-use crate::contact::pair_properties::PairProperties;
+use crate::law_constants;
 
 /// Savkoor and Briggs (1977), then Mindlin and Deresiewicz (1953).
 #[derive(Clone, Copy, Debug)]
 pub struct Peeling;
 
-/// `4 E* / 3 R*`: multiplied by a^3 it gives a load.
-const LOAD_OF_CUBE: usize = 3;
-const TWICE_PULL_OFF: usize = 4;
-/// `E* / 4 G*`.
-const COMPLIANCE_RATIO: usize = 5;
+law_constants! {
+    /// Constants of contacts that peel before they slip, for a pair.
+    pub struct PeelingConstants<R> {
+        /// Those of the peeled contact.
+        pub peeled: MindlinDeresiewiczConstants<R>,
+        /// `4 E* / 3 R*`: multiplied by a^3 it gives a load.
+        pub load_of_cube: R,
+        /// `2 N_c`, N.
+        pub twice_pull_off: R,
+        /// `E* / 4 G*`.
+        pub compliance_ratio: R,
+    }
+}
 
 /// Until the contact has peeled, the column of the turning point holds the accumulated displacement, m.
 const DISPLACEMENT: usize = 2;
@@ -55,7 +66,8 @@ fn loading_curve<R: Real>(displacement: R, stiffness: R, limit: R) -> R {
 }
 
 impl TangentialLaw for Peeling {
-    const DESCRIPTION: Description = Description {
+    type Constants<R: Real> = PeelingConstants<R>;
+    const DESCRIPTION: LawDescription = LawDescription {
         name: "peeling",
         label: "Savkoor–Briggs peeling, then Mindlin–Deresiewicz",
         help: "Mindlin-Deresiewicz after Savkoor-Briggs peeling; needs normal = \"jkr\"",
@@ -73,47 +85,49 @@ impl TangentialLaw for Peeling {
         }
     }
 
-    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = MindlinDeresiewicz::prepare(pair, normal, parameters);
-        c[LOAD_OF_CUBE] = 4.0 / 3.0 * pair.effective_modulus / pair.effective_radius;
-        c[TWICE_PULL_OFF] = 3.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
-        c[COMPLIANCE_RATIO] = 0.25 * pair.effective_modulus / pair.effective_shear_modulus;
-        c
+    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> PeelingConstants<f64> {
+        PeelingConstants {
+            peeled: MindlinDeresiewicz::prepare(pair, normal, parameters),
+            load_of_cube: 4.0 / 3.0 * pair.effective_modulus / pair.effective_radius,
+            twice_pull_off: 3.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius,
+            compliance_ratio: 0.25 * pair.effective_modulus / pair.effective_shear_modulus,
+        }
     }
 
     #[inline(always)]
-    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
-        MindlinDeresiewicz::stiffness(c, normal)
+    fn stiffness<R: Real>(c: &PeelingConstants<R>, normal: &Normal<R>) -> R {
+        MindlinDeresiewicz::stiffness(&c.peeled, normal)
     }
 
     #[inline(always)]
     fn update<R: Real>(
-        c: &[R; LAW_CONSTANTS],
+        c: &PeelingConstants<R>,
         normal: &Normal<R>,
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
+        _energies: &mut LawEnergies<R>,
     ) -> Tangential<R> {
         let (zero, one, two, tiny) = (R::zero(), R::splat(1.0), R::splat(2.0), R::splat(TINY));
         let force = [history[0], history[1]];
-        let limit = c[FRICTION] * normal.friction_load;
+        let limit = c.peeled.friction * normal.friction_load;
         let fresh = history[STATUS].lt(R::splat(0.5));
         let held = history[STATUS].eq(one);
 
         // Radius of the contact: during peeling reduced by the force, afterwards that of N + 2 N_c.
         let cube = normal.radius * normal.radius * normal.radius;
-        let core = normal.force + c[TWICE_PULL_OFF];
-        let rim = c[LOAD_OF_CUBE].mul_add(cube, -core);
+        let core = normal.force + c.twice_pull_off;
+        let rim = c.load_of_cube.mul_add(cube, -core);
         let rim_square = rim * rim;
-        let reduced = square(force).mul_add(-c[COMPLIANCE_RATIO], rim_square).max(zero).sqrt();
+        let reduced = square(force).mul_add(-c.compliance_ratio, rim_square).max(zero).sqrt();
         let signed = R::select(rim.lt(zero), -reduced, reduced);
-        let radius = cbrt(((core + signed.keep(fresh)) / c[LOAD_OF_CUBE]).max(zero));
-        let stiffness = c[EIGHT_MODULI] * radius;
-        let root_stiffness = c[ROOT_MODULI] * radius.sqrt();
+        let radius = cbrt(((core + signed.keep(fresh)) / c.load_of_cube).max(zero));
+        let stiffness = c.peeled.eight_moduli * radius;
+        let root_stiffness = c.peeled.root_eight_moduli * radius.sqrt();
 
         // Peeling: no slip up to T_c, then the force drops or is held.
         let trial = add_scaled(force, stiffness, increment);
         let trial_length = square(trial).sqrt();
-        let critical = (rim_square / c[COMPLIANCE_RATIO].max(tiny)).sqrt();
+        let critical = (rim_square / c.compliance_ratio.max(tiny)).sqrt();
         let gone = add_scaled([history[DISPLACEMENT], history[DISPLACEMENT + 1]], one, increment);
         let peels = trial_length.ge(critical);
         let peeling = fresh & !peels;
@@ -130,16 +144,16 @@ impl TangentialLaw for Peeling {
         let old = !(fresh | held);
         let mut state = State {
             force,
-            turning: select::<R>(old, [history[2], history[3]], [zero; 2]),
-            returning: select::<R>(old, [history[4], history[5]], [zero; 2]),
+            turning: select::<R, 2>(old, [history[2], history[3]], [zero; 2]),
+            returning: select::<R, 2>(old, [history[4], history[5]], [zero; 2]),
             stage: history[STAGE].keep(old),
         };
         let Outcome { sliding, friction_loss, micro_slip_loss, discards } =
-            advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
+            advance(&mut state, increment, stiffness, limit, c.peeled.friction * history[LOAD]);
 
         let before = peeling | holds | drops;
-        let force = select::<R>(before, stuck, state.force);
-        let turning = select::<R>(peeling | holds, gone, state.turning);
+        let force = select::<R, 2>(before, stuck, state.force);
+        let turning = select::<R, 2>(peeling | holds, gone, state.turning);
         [history[0], history[1]] = force;
         [history[2], history[3]] = [turning[0].keep(!drops), turning[1].keep(!drops)];
         [history[4], history[5]] = [state.returning[0].keep(!before), state.returning[1].keep(!before)];
@@ -160,19 +174,19 @@ impl TangentialLaw for Peeling {
     }
 
     #[inline(always)]
-    fn discarded<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
+    fn discarded<R: Real>(c: &PeelingConstants<R>, stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        excess(&state_of(history), stiffness, c.peeled.friction * history[LOAD])
     }
 
     /// Once peeled, the energy is that of Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
     #[inline(always)]
-    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+    fn energy<R: Real>(c: &PeelingConstants<R>, stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         let load = history[LOAD];
         let before = history[STATUS].lt(R::splat(1.5));
         let spring = R::splat(0.5) * square([history[0], history[1]]) / stiffness;
-        let own = c[EIGHT_MODULI] * cbrt((load / c[LOAD_OF_CUBE]).max(R::zero()));
+        let own = c.peeled.eight_moduli * cbrt((load / c.load_of_cube).max(R::zero()));
         let compliance = R::splat(1.0) / own.max(R::splat(TINY));
-        let peeled = energy(&state_of(history), compliance, c[FRICTION] * load);
+        let peeled = energy(&state_of(history), compliance, c.peeled.friction * load);
         R::select(before, spring.keep(stiffness.gt(R::zero())), peeled)
     }
 }

@@ -1,5 +1,6 @@
 //! The balance of the work of a tangential force: stored, lost in micro-slip, lost in sliding.
 
+use crate::contact::law::constants::named;
 use proptest::prelude::*;
 
 use granum_simd::Isa;
@@ -7,7 +8,7 @@ use granum_simd::Isa;
 use super::One;
 use super::observed::observed;
 use super::{ALL, Bench, LawPair, spheres};
-use crate::contact::kind::{NormalKind, TangentialKind};
+use crate::contact::choice::kind::{NormalKind, TangentialKind};
 use crate::contact::law::{NormalLaw, TangentialLaw};
 use crate::contact::normal::Hertz;
 use crate::contact::tangential::MindlinDeresiewicz;
@@ -71,8 +72,8 @@ const APPROACH: f64 = 2e-8;
 
 /// The limit force, and the displacement at which it is reached, `3/2 L / 8 G* a`.
 fn limits(bench: &Bench) -> (f64, f64) {
-    let normal = Hertz::evaluate(&bench.constants.normal, APPROACH, true);
-    let stiffness = MindlinDeresiewicz::stiffness(&bench.constants.tangential, &normal);
+    let normal = Hertz::evaluate(&named(&bench.constants.normal), APPROACH, true);
+    let stiffness = MindlinDeresiewicz::stiffness(&named(&bench.constants.tangential), &normal);
     (0.3 * normal.force, 0.45 * normal.force / stiffness)
 }
 

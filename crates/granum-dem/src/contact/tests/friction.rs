@@ -1,9 +1,10 @@
 //! Tangential laws compared with analytical solutions: Mindlin-Deresiewicz curves and loops, sliding, passivity.
 
 use super::*;
-use crate::contact::kind::TangentialKind;
+use crate::contact::choice::kind::TangentialKind;
 use crate::contact::law::Normal;
-use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_HISTORY};
+use crate::contact::tangential::mindlin_deresiewicz::MindlinDeresiewiczConstants;
 use proptest::prelude::*;
 
 /// Column of the stage in the history of the law.
@@ -11,7 +12,7 @@ const STAGE: usize = 6;
 
 /// A contact in the units `mu F = 1`, `8 G* a = 1`, driven along one direction.
 struct Unit {
-    constants: [f64; LAW_CONSTANTS],
+    constants: MindlinDeresiewiczConstants<f64>,
     history: [f64; MAX_HISTORY],
     force: f64,
 }
@@ -40,7 +41,13 @@ impl Unit {
         };
         // Oblique in the plane, so that both components are tested.
         let increment = [0.6 * slip, -0.8 * slip];
-        let out = MindlinDeresiewicz::update(&self.constants, &normal, increment, &mut self.history);
+        let out = MindlinDeresiewicz::update(
+            &self.constants,
+            &normal,
+            increment,
+            &mut self.history,
+            &mut [0.0; LAW_CHANNELS],
+        );
         self.force = 0.6 * out.force[0] - 0.8 * out.force[1];
         assert!((0.8 * out.force[0] + 0.6 * out.force[1]).abs() < 1e-10);
         self.force

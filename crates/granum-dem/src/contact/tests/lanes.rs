@@ -5,9 +5,9 @@ use std::marker::PhantomData;
 
 use super::*;
 use crate::contact::adhesion::CapillaryBridge;
-use crate::contact::columns::Batch;
-use crate::contact::kind::{AdhesionKind, RollingKind};
+use crate::contact::choice::kind::{AdhesionKind, RollingKind};
 use crate::contact::law::AdhesionLaw;
+use crate::contact::slot::columns::Batch;
 use granum_simd::{Kernel, LANES, Lanes, Twice, dispatch, dispatch_or};
 
 const STEPS: usize = 400;
@@ -105,7 +105,7 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
         one.keep(out.sliding) + one.keep(out.discards),
         out.tangential_work,
         out.friction_loss + out.micro_slip_loss,
-        out.damping_loss + out.adhesion_made + out.adhesion_broken + out.plastic_loss,
+        out.damping_loss + out.adhesion_made + out.adhesion_broken + out.channels[0][0],
         out.couple[0],
         out.couple[1],
         out.couple[2],
@@ -240,7 +240,8 @@ impl Kernel for ThroughSlots<'_> {
 fn constants_of(contact: &ContactModel, interface_energy: f64) -> PairConstants<f64> {
     let pair = PairProperties { damping: 0.1, ..spheres(interface_energy) };
     let mut constants = contact.constants(&pair);
-    constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE, 0.1]);
+    constants.adhesion =
+        crate::contact::law::constants::columns(CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE, 0.1]));
     constants
 }
 

@@ -11,22 +11,23 @@ mod spring_dashpot_slider;
 mod tables;
 mod twisting;
 
-use super::columns::One;
-use super::interaction::{Interaction, Kinematics, Memory, dot, interact};
-use super::law;
-use super::normal::{Hertz, Jkr};
-use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, SpringDashpotSlider};
-use super::selection::ContactModel;
-use super::set::Compiled;
-use super::slots::{Open, Slots};
-use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
-use crate::contact::constants::PairConstants;
-use crate::contact::description::Description;
-use crate::contact::kind::{NormalKind, TangentialKind};
+use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::kind::{NormalKind, TangentialKind};
+use crate::contact::evaluation::constants::PairConstants;
+use crate::contact::evaluation::interaction::{Interaction, Kinematics, interact};
+use crate::contact::evaluation::memory::Memory;
+use crate::contact::evaluation::set::Compiled;
+use crate::contact::law::description::LawDescription;
+use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::law::{MomentLaw, NormalLaw, NormalTraits, TangentialLaw};
-use crate::contact::pair_properties::PairProperties;
+use crate::contact::normal::{Hertz, Jkr};
+use crate::contact::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, SpringDashpotSlider};
+use crate::contact::slot::columns::One;
+use crate::contact::slot::slots::{Open, Slots};
+use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 use crate::material::Material;
 use granum_simd::Isa;
+use granum_simd::vectors::dot;
 
 /// Spheres of the default material, d = 0.1 mm, with an interface energy, J/m2.
 fn spheres(interface_energy: f64) -> PairProperties {
@@ -84,7 +85,7 @@ fn tangential(out: &Interaction<f64>) -> [f64; 2] {
 }
 
 /// The defaults of a law's parameters.
-fn defaults(description: &Description) -> Vec<f64> {
+fn defaults(description: &LawDescription) -> Vec<f64> {
     description.parameters.iter().map(|parameter| parameter.default).collect()
 }
 
@@ -120,7 +121,7 @@ const ALL: [LawPair; 13] = [
 /// The list contains every pair of granum's laws that can be combined.
 #[test]
 fn no_pair_of_laws_is_left_out() {
-    let sets = super::check::sets();
+    let sets = crate::contact::choice::check::sets();
     for set in &sets {
         assert!(ALL.contains(&(set.normal, set.tangential)), "{:?} {:?}", set.normal, set.tangential);
     }

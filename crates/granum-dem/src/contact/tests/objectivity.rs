@@ -1,8 +1,8 @@
 //! A loaded pair that rotates as a rigid body keeps its forces: one full rotation about (1, 2, 3).
 
 use super::*;
-use crate::contact::frame::{Frame, Turn};
-use crate::contact::interaction::{add_scaled, cross, scale};
+use crate::contact::evaluation::frame::{Frame, Turn};
+use granum_simd::vectors::{add_scaled, cross, scale};
 
 /// The vector rotated by an angle about the unit axis (1, 2, 3) / sqrt 14.
 fn turned(v: [f64; 3], angle: f64) -> [f64; 3] {
@@ -16,11 +16,11 @@ const START: [f64; 3] = [1.0, 0.0, 0.0];
 
 /// The force stored in the history of a pair in the initial direction.
 fn force_of(memory: &Memory<f64>) -> [f64; 3] {
-    law::tangential_force(&Memory { normal: START, ..*memory })
+    crate::contact::evaluation::memory::tangential_force(&Memory { normal: START, ..*memory })
 }
 
 fn swap(memory: &mut Memory<f64>, plane_vectors: usize) {
-    law::swap_sides(memory.normal, plane_vectors, &mut memory.history);
+    crate::contact::evaluation::memory::swap_sides(memory.normal, plane_vectors, &mut memory.history);
     memory.normal = memory.normal.map(|x| -x);
 }
 
@@ -28,14 +28,14 @@ fn swap(memory: &mut Memory<f64>, plane_vectors: usize) {
 fn history_alone(steps: usize) -> f64 {
     let angle = std::f64::consts::TAU / steps as f64;
     let mut vector = [0.8, -0.6];
-    let begin = Frame::of(START).vector(vector);
+    let begin = Frame::new(START).vector(vector);
     for k in 0..steps {
         let (old, new) = (turned(START, k as f64 * angle), turned(START, (k + 1) as f64 * angle));
         let sum: [f64; 3] = std::array::from_fn(|a| old[a] + new[a]);
         let middle = scale(1.0 / dot(sum, sum).sqrt(), sum);
         vector = Turn::new(old, new, dot(old, new), angle * dot(NORMAL, middle)).apply(vector);
     }
-    let end = Frame::of(START).vector(vector);
+    let end = Frame::new(START).vector(vector);
     let off: [f64; 3] = std::array::from_fn(|a| end[a] - begin[a]);
     dot(off, off).sqrt()
 }

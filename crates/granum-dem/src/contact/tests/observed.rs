@@ -3,9 +3,9 @@
 use granum_simd::{Isa, LANES, Row8};
 
 use super::{ALL, Bench, spheres};
-use crate::contact::constants::PairConstants;
-use crate::contact::memory::Memory;
-use crate::contact::observed::ObservedBatch;
+use crate::contact::evaluation::constants::PairConstants;
+use crate::contact::evaluation::memory::Memory;
+use crate::contact::evaluation::observed::ObservedBatch;
 
 /// A contact: its history, its overlap, m, and whether it touches.
 type Observed = (Memory<f64>, f64, bool);

@@ -2,8 +2,8 @@
 //! passivity.
 
 use super::*;
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_MOMENT_HISTORY};
 use crate::contact::law::{Moment, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 use proptest::prelude::*;
 
 type Rolling = ElasticPlasticRolling;
@@ -13,7 +13,7 @@ const LOAD: f64 = 2e-4;
 
 /// A Hertz contact under a load whose rotation is prescribed.
 struct Cradle {
-    constants: [f64; LAW_CONSTANTS],
+    constants: <Rolling as MomentLaw>::Constants<f64>,
     normal: Normal<f64>,
     history: [f64; MAX_MOMENT_HISTORY],
     work: f64,
@@ -33,7 +33,14 @@ impl Cradle {
     /// Rotates i relative to j by two angles in one step; returns the state of the contact, with the couple on j.
     fn turn(&mut self, by: [f64; 2]) -> Moment<f64> {
         let spin = RelativeSpin { rolling: by, twisting: 0.0 };
-        let out = Rolling::update(&self.constants, &self.normal, spin, 1.0, &mut self.history);
+        let out = Rolling::update(
+            &self.constants,
+            &self.normal,
+            spin,
+            1.0,
+            &mut self.history,
+            &mut [0.0; LAW_CHANNELS],
+        );
         self.work += out.work;
         self.lost += out.loss;
         out
@@ -158,7 +165,7 @@ fn error_of_a_turn<M: MomentLaw>(steps: usize) -> f64 {
         // About (1, 2, 3): the component of the x axis along this axis is unchanged, the rest rotates.
         let along = NORMAL.map(|n| n * NORMAL[0]);
         let across: [f64; 3] = std::array::from_fn(|a| [1.0, 0.0, 0.0][a] - along[a]);
-        let side = super::super::interaction::cross(NORMAL, [1.0, 0.0, 0.0]);
+        let side = granum_simd::vectors::cross(NORMAL, [1.0, 0.0, 0.0]);
         let n: [f64; 3] = std::array::from_fn(|a| along[a] + across[a] * angle.cos() + side[a] * angle.sin());
         n
     };
@@ -179,7 +186,7 @@ fn error_of_a_turn<M: MomentLaw>(steps: usize) -> f64 {
         couples.push(interact(&laws, &constants, &motion, 1.0, &mut memory));
     }
     // The couple without the dashpot, which acts only in the first step.
-    let first = crate::contact::frame::Frame::of(turned(0.0));
+    let first = crate::contact::evaluation::frame::Frame::new(turned(0.0));
     let held = |memory: &Memory<f64>| first.vector([memory.moments[0], memory.moments[1]]);
     let mut start = Memory::<f64>::new();
     let motion = Kinematics {
@@ -264,7 +271,7 @@ proptest! {
         for (x, y) in path {
             let out = cradle.turn([x, y]);
             prop_assert!(out.loss >= -1e-12 * cradle.work.abs(), "{:e}", out.loss);
-            prop_assert!(out.couple[0].hypot(out.couple[1]) <= cradle.constants[0] * LOAD * (1.0 + 1e-12));
+            prop_assert!(out.couple[0].hypot(out.couple[1]) <= cradle.constants.arm * LOAD * (1.0 + 1e-12));
         }
         prop_assert!(cradle.work >= 0.0);
         prop_assert!((cradle.work - cradle.stored() - cradle.lost).abs() < 1e-10 * cradle.work);

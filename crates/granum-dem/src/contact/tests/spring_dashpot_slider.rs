@@ -3,8 +3,8 @@
 use std::array::from_fn;
 
 use super::*;
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_MOMENT_HISTORY};
 use crate::contact::law::{Moment, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 use crate::contact::normal::Hooke;
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ const RADIUS: f64 = 2.5e-5;
 
 /// A contact under a load whose rotation is prescribed.
 struct Cradle {
-    constants: [f64; LAW_CONSTANTS],
+    constants: <Rolling as MomentLaw>::Constants<f64>,
     normal: Normal<f64>,
     history: [f64; MAX_MOMENT_HISTORY],
     work: f64,
@@ -42,7 +42,14 @@ impl Cradle {
     fn turn(&mut self, by: [f64; 2], dt: f64) -> (Moment<f64>, [f64; 2]) {
         let rolling = by.map(|angle| angle / dt);
         let spin = RelativeSpin { rolling, twisting: 0.0 };
-        let out = Rolling::update(&self.constants, &self.normal, spin, dt, &mut self.history);
+        let out = Rolling::update(
+            &self.constants,
+            &self.normal,
+            spin,
+            dt,
+            &mut self.history,
+            &mut [0.0; LAW_CHANNELS],
+        );
         self.work += out.work;
         self.lost += out.loss;
         self.damped += out.dashpot * (rolling[0] * by[0] + rolling[1] * by[1]);

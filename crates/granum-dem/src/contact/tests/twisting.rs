@@ -1,9 +1,10 @@
 //! Resistance to twisting against analysis: stiffness and limit, cycles, turning, sides, passivity.
 
 use super::*;
-use crate::contact::frame::swap_sides;
+use crate::contact::evaluation::frame::swap_sides;
+use crate::contact::law::constants::named;
+use crate::contact::law::limits::{LAW_CHANNELS, MAX_MOMENT_HISTORY};
 use crate::contact::law::{Moment, Normal, RelativeSpin};
-use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 
 type Twisting = ElasticPlasticTwisting;
 
@@ -13,7 +14,7 @@ const FRICTION: f64 = 0.08;
 
 /// A contact of Hertz under a load, twisted and rolled by hand.
 struct Cradle {
-    constants: [f64; LAW_CONSTANTS],
+    constants: <Twisting as MomentLaw>::Constants<f64>,
     normal: Normal<f64>,
     history: [f64; MAX_MOMENT_HISTORY],
     work: f64,
@@ -33,7 +34,14 @@ impl Cradle {
 
     fn turn(&mut self, rolling: [f64; 2], twisting: f64) -> Moment<f64> {
         let spin = RelativeSpin { rolling, twisting };
-        let out = Twisting::update(&self.constants, &self.normal, spin, 1.0, &mut self.history);
+        let out = Twisting::update(
+            &self.constants,
+            &self.normal,
+            spin,
+            1.0,
+            &mut self.history,
+            &mut [0.0; LAW_CHANNELS],
+        );
         self.work += out.work;
         self.lost += out.loss;
         out
@@ -92,7 +100,14 @@ fn rolling_and_twisting_do_not_see_each_other() {
         let (rolling, twisting) = ([wave(0.11), wave(0.07)], 10.0 * wave(0.05));
         let out = both.turn(rolling, twisting);
         let spin = RelativeSpin { rolling, twisting };
-        let reference = ElasticPlasticRolling::update(&alone, &both.normal, spin, 1.0, &mut history);
+        let reference = ElasticPlasticRolling::update(
+            &alone,
+            &both.normal,
+            spin,
+            1.0,
+            &mut history,
+            &mut [0.0; LAW_CHANNELS],
+        );
         assert_eq!(out.couple[..2], reference.couple[..2]);
         assert_eq!(out.couple[2], twisted.turn([0.0; 2], twisting).couple[2]);
         assert_eq!(out.dashpot, reference.dashpot);
@@ -193,7 +208,7 @@ fn a_long_turn_as_one_body_changes_nothing() {
     let (turns, steps) = (200, 1000);
     let angle = std::f64::consts::TAU / f64::from(steps);
     // The x axis turned about (1, 2, 3).
-    let side = super::super::interaction::cross(super::NORMAL, [1.0, 0.0, 0.0]);
+    let side = granum_simd::vectors::cross(super::NORMAL, [1.0, 0.0, 0.0]);
     let at = |step: i32| -> [f64; 3] {
         let angle = f64::from(step % steps) * angle;
         std::array::from_fn(|a| {
@@ -222,7 +237,7 @@ fn a_long_turn_as_one_body_changes_nothing() {
         }
     }
     let end = memory.moments;
-    let stored = Twisting::energy(&constants.rolling, &memory.moments);
+    let stored = Twisting::energy(&named(&constants.rolling), &memory.moments);
     let size = |couple: &[f64]| (couple[0] * couple[0] + couple[1] * couple[1]).sqrt();
     let turned = ((end[0] - start[0]).powi(2) + (end[1] - start[1]).powi(2)).sqrt() / size(&start);
     println!(

@@ -1,6 +1,6 @@
 //! A saved state of the simulation within a checkpoint, to which later stages return.
 
-use granum_dem::contact::registry::Laws;
+use granum_dem::contact::choice::registry::Laws;
 use granum_dem::simulation::Simulation;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
