@@ -58,8 +58,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let table = RunsTable::of(&entries);
-    print!("{}", table.select(Selection::Main).csv());
-    let friction = table.column("grains.material.friction").and_then(|column| column.as_numbers());
+    granum::io::formats::csv::write_rows(&mut std::io::stdout(), &table.select(Selection::Main))?;
+    let friction = table.column("grains.material.friction").and_then(|column| column.numbers());
     assert_eq!(friction, Some(&[0.2, 0.2, 0.5, 0.5][..]));
     std::fs::remove_dir_all(folder)?;
     Ok(())

@@ -1,8 +1,11 @@
-//! Tables of numbers by column, the common form of all time series, data sets and snapshots.
+//! Tables by column, of numbers and of words: the common form of all time series, data sets, snapshots and tables of runs.
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use crate::names::suggestion;
+use crate::quantity::format_number;
 
 /// Errors of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,11 +37,14 @@ pub enum TableError {
         /// The nearest name, or all existing names.
         suggestion: String,
     },
+    /// A column of words was requested as numbers.
+    #[error("column {0} holds words, not numbers")]
+    Words(String),
 }
 
 type Result<T> = std::result::Result<T, TableError>;
 
-/// The kind of the numbers of a column, which decides how Parquet stores them. In memory all are doubles, in CSV text.
+/// The kind of the values of a column, which decides how Parquet stores them. In memory all are doubles, in CSV text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ColumnKind {
     /// Real numbers (`DOUBLE`).
@@ -48,9 +54,11 @@ pub enum ColumnKind {
     Integer,
     /// Truth values, 0 or 1 (`BOOLEAN`).
     Boolean,
+    /// Words, such as the names of laws (UTF-8 text): a value is the number of a word in [`Column::words`], from 0.
+    Word,
 }
 
-/// A named column of numbers.
+/// A named column of numbers or of words.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     /// Name, unique in its table.
@@ -61,12 +69,77 @@ pub struct Column {
     pub values: Vec<f64>,
     /// The kind of the values.
     pub kind: ColumnKind,
+    /// The words of a column of words, each once; empty for numbers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<String>,
 }
 
 impl Column {
     /// A column of real numbers from its parts.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
-        Column { name: name.into(), unit: unit.into(), values, kind: ColumnKind::Real }
+        Column { name: name.into(), unit: unit.into(), values, kind: ColumnKind::Real, words: Vec::new() }
+    }
+
+    /// A column of words, with one text for each row; an empty text stands for none.
+    ///
+    /// ```
+    /// use granum_core::Column;
+    ///
+    /// let law = Column::of_words("contact.normal", ["hertz", "jkr", "hertz"]);
+    /// assert_eq!((law.values.as_slice(), law.words.len()), (&[0.0, 1.0, 0.0][..], 2));
+    /// assert_eq!(law.word(2), Some("hertz"));
+    /// ```
+    pub fn of_words<T: Into<String>>(name: impl Into<String>, texts: impl IntoIterator<Item = T>) -> Self {
+        let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
+        let mut words = Vec::new();
+        let number = |text: T| {
+            let text = text.into();
+            if let Some(number) = numbers.get(&text) {
+                return *number as f64;
+            }
+            words.push(text.clone());
+            numbers.insert(text, words.len() - 1);
+            (words.len() - 1) as f64
+        };
+        let values = texts.into_iter().map(number).collect();
+        Column { words, kind: ColumnKind::Word, ..Column::new(name, "", values) }
+    }
+
+    /// The same column without a row.
+    fn without_values(&self) -> Column {
+        let Column { name, unit, kind, words, .. } = self;
+        Column {
+            name: name.clone(),
+            unit: unit.clone(),
+            values: Vec::new(),
+            kind: *kind,
+            words: words.clone(),
+        }
+    }
+
+    /// True if it holds words.
+    pub fn has_words(&self) -> bool {
+        self.kind == ColumnKind::Word
+    }
+
+    /// The numbers; `None` for a column of words.
+    pub fn numbers(&self) -> Option<&[f64]> {
+        (!self.has_words()).then_some(self.values.as_slice())
+    }
+
+    /// The word of a row; `None` for a column of numbers or a row that does not exist.
+    pub fn word(&self, row: usize) -> Option<&str> {
+        let number = self.values.get(row).filter(|_| self.has_words())?;
+        self.words.get(*number as usize).map(String::as_str)
+    }
+
+    /// The value of a row as text in full precision; empty for NaN and where there is none.
+    pub fn text(&self, row: usize) -> String {
+        match (self.word(row), self.values.get(row)) {
+            (Some(word), _) => word.to_string(),
+            (None, Some(value)) if !self.has_words() && !value.is_nan() => format_number(*value),
+            _ => String::new(),
+        }
     }
 
     /// The same column with another kind. A value that does not fit the kind (a fraction, NaN) is an error when the column
@@ -124,6 +197,11 @@ impl Table {
         &self.columns
     }
 
+    /// The columns in their order, taken out of the table.
+    pub fn into_columns(self) -> Vec<Column> {
+        self.columns
+    }
+
     /// The names in their order.
     pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.columns.iter().map(|column| column.name.as_str())
@@ -137,10 +215,10 @@ impl Table {
     /// The values of a column.
     ///
     /// # Errors
-    /// [`TableError`] that suggests the nearest name.
+    /// [`TableError`] that suggests the nearest name, or if the column holds words.
     pub fn column(&self, name: &str) -> Result<&[f64]> {
-        match self.columns.iter().find(|column| column.name == name) {
-            Some(column) => Ok(&column.values),
+        match self.get(name).map(|column| column.numbers()) {
+            Some(numbers) => numbers.ok_or_else(|| TableError::Words(name.to_string())),
             None => {
                 let suggestion = suggestion(name, self.names());
                 Err(TableError::Missing { name: name.to_string(), suggestion })
@@ -148,9 +226,33 @@ impl Table {
         }
     }
 
-    /// The values of a column, if there is one with the given name.
+    /// The values of a column, if there is one of numbers with the given name.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
-        self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
+        self.get(name).and_then(Column::numbers)
+    }
+
+    /// The column of the given name, of numbers or of words, if there is one.
+    pub fn get(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// True if a column holds words.
+    pub fn has_words(&self) -> bool {
+        self.columns.iter().any(Column::has_words)
+    }
+
+    /// The columns for which `keep` is true.
+    pub fn columns_where(&self, keep: impl Fn(&Column) -> bool) -> Table {
+        Table { columns: self.columns.iter().filter(|column| keep(column)).cloned().collect() }
+    }
+
+    /// The rows of the given numbers, in their order; a number beyond the last row is omitted.
+    pub fn rows_at(&self, rows: &[usize]) -> Table {
+        let chosen = |column: &Column| Column {
+            values: rows.iter().filter_map(|row| column.values.get(*row).copied()).collect(),
+            ..column.without_values()
+        };
+        Table { columns: self.columns.iter().map(chosen).collect() }
     }
 
     /// The values of several columns, in the requested order.
@@ -215,6 +317,19 @@ mod tests {
         table.set(column("a", 3)).unwrap();
         table.set(column("b", 3)).unwrap();
         assert_eq!((table.rows(), table.names().collect::<Vec<_>>()), (3, vec!["a", "b"]));
+    }
+
+    #[test]
+    fn words_are_no_numbers() {
+        let law = Column::of_words("law", ["hertz", "", "jkr", "hertz"]);
+        let table = Table::new(vec![law, Column::new("x", "m", vec![1.0, f64::NAN, 0.5, 2.0])]).unwrap();
+        assert_eq!(table.column("law").unwrap_err().to_string(), "column law holds words, not numbers");
+        assert_eq!((table.values("law"), table.has("law"), table.has_words()), (None, true, true));
+        let texts = |row| table.columns().iter().map(|column| column.text(row)).collect::<Vec<_>>();
+        assert_eq!([texts(0), texts(1), texts(4)], [["hertz", "1"], ["", ""], ["", ""]]);
+        let some = table.rows_at(&[3, 2, 9]);
+        assert_eq!((some.rows(), some.get("law").unwrap().word(1)), (2, Some("jkr")));
+        assert_eq!(table.columns_where(|column| column.unit == "m").names().collect::<Vec<_>>(), ["x"]);
     }
 
     #[test]

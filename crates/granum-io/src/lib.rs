@@ -29,7 +29,9 @@ pub use case::{Case, Reading};
 pub use contain::is_contained;
 pub use error::{Error, InputError, Result};
 pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};
-pub use formats::{Formats, read_columns, read_packing, read_table, write_packing, write_table};
+pub use formats::{
+    Formats, read_columns, read_packing, read_table, read_table_with_words, write_packing, write_table,
+};
 pub use granum_core::{Column, ColumnKind, Table};
 pub use laboratory::{Conventions, LaboratoryTest, read_laboratory};
 pub use packing::Packing;

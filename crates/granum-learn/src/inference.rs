@@ -2,13 +2,14 @@
 
 use granum_core::{Column, Table};
 
-use crate::error::Result;
+use crate::dataset::Category;
+use crate::error::{LearnError, Result};
 use crate::surrogate::{Estimate, Prediction, RunInputs, Surrogate};
 
 /// The column of a table with the number of the run of each row.
 pub const RUN: &str = "run";
 
-/// Predicts every row of a table. The rows are the states of one run; if there is a column `run`, a run starts wherever its
+/// Predicts every row of a table. A category among the inputs (`contact.normal`) is a column of words. The rows are the states of one run; if there is a column `run`, a run starts wherever its
 /// value changes. The result has the inputs of the surrogate, then for each output `predicted_NAME`,
 /// followed by `standard_deviation_NAME`, `lower_NAME` and `upper_NAME` if the surrogate provides them (NaN for rows
 /// without them), and last `outside`, which is 1 if an input is outside the trained range.
@@ -37,9 +38,16 @@ pub const RUN: &str = "run";
 /// If a column is missing, and as [`Surrogate::predict`].
 pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Result<Table> {
     let columns = surrogate.columns();
+    let categories = columns.categories();
+    let table = &with_columns_of_words(table, &categories)?;
     let inputs = chosen(table, &columns.input_names())?;
     let predictions = surrogate.predict(&run_inputs(table, &inputs)?, level)?;
-    let mut all = inputs.columns().to_vec();
+    // What was given as words is shown as words.
+    let words = categories.iter().filter_map(|category| table.get(&category.name));
+    let mut all: Vec<Column> = words.cloned().collect();
+    let is_shown = |column: &&Column| !all.iter().any(|words| is_word_of(&column.name, &words.name));
+    let others: Vec<Column> = inputs.columns().iter().filter(is_shown).cloned().collect();
+    all.extend(others);
     for (k, output) in columns.outputs.iter().enumerate() {
         let mut add = |prefix: &str, value: &dyn Fn(&Estimate) -> f64| {
             let values = predictions.iter().map(|prediction| value(&prediction.values[k])).collect();
@@ -58,6 +66,36 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
     let outside = |prediction: &Prediction| f64::from(u8::from(!prediction.outside.is_empty()));
     all.push(Column::new("outside", "", predictions.iter().map(outside).collect()));
     Ok(Table::new(all)?)
+}
+
+/// True for the column of a word of a category.
+fn is_word_of(column: &str, category: &str) -> bool {
+    Category::parts(column).is_some_and(|(name, _)| name == category)
+}
+
+/// The table with a column of zeros and ones for each word of the categories that it has as columns of words.
+fn with_columns_of_words(table: &Table, categories: &[Category]) -> Result<Table> {
+    let mut table = table.clone();
+    for category in categories {
+        let Some(given) = table.get(&category.name).filter(|column| column.has_words()).cloned() else {
+            continue;
+        };
+        for row in 0..table.rows() {
+            let word = given.word(row).unwrap_or_default();
+            if !category.words.iter().any(|known| known == word) {
+                let (name, known) = (&category.name, category.list());
+                return Err(LearnError::Rows(format!(
+                    "row {}: {name} is {word:?}; the surrogate was fitted to {known}",
+                    row + 1
+                )));
+            }
+        }
+        for (word, name) in category.words.iter().zip(category.columns()) {
+            let is_it = |row: usize| f64::from(u8::from(given.word(row) == Some(word)));
+            table.set(Column::new(name, "", (0..table.rows()).map(is_it).collect()))?;
+        }
+    }
+    Ok(table)
 }
 
 /// The rows of the inputs, divided into runs by the column `run` of the table.

@@ -15,7 +15,7 @@ use crate::error::Result;
 pub const PACKING: &str = "packing";
 const NO_PACKING: &str = "none";
 
-/// Files of a run with the data from which networks learn.
+/// Files of a run with the data from which networks learn, beside those of further histograms.
 const LEARNED: [&str; 2] = ["series.parquet", "forces.parquet"];
 
 /// The role of a run.
@@ -56,12 +56,17 @@ impl StudyRun {
             None => packing(&record.source),
         };
         values.extend(packing.map(|packing| (PACKING.to_string(), packing)));
-        let digest = |name: &str| Ok((name.to_string(), file_digest(&run.path().join(name))?));
+        let histograms = run.histograms()?.into_iter().map(|name| format!("histograms/{name}.parquet"));
+        let files = LEARNED.map(String::from).into_iter().chain(histograms);
+        let digest = |name: String| {
+            let digest = file_digest(&run.path().join(&name))?;
+            Ok((name, digest))
+        };
         Ok(StudyRun {
             name: last_part(run.path()),
             role,
             values,
-            content: LEARNED.into_iter().map(digest).collect::<Result<_>>()?,
+            content: files.map(digest).collect::<Result<_>>()?,
         })
     }
 

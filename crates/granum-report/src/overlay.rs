@@ -1,8 +1,8 @@
 //! The report of several runs: their curves over each other, and their results in a table.
 
+use granum_core::Column;
 use granum_core::words::listed;
 use granum_io::case::SEED;
-use granum_io::formats::mixed::{MixedColumn, MixedTable, MixedValues};
 use granum_run::runs_table::{RunEntry, RunGroup, RunsTable, Selection, differing_keys, groups};
 use granum_run::strength::{Curves, symmetry};
 use maud::{Markup, html};
@@ -92,8 +92,8 @@ fn differences(entries: &[RunEntry]) -> String {
 }
 
 /// The table of the main results.
-fn results(label: &str, caption: &str, table: &MixedTable) -> Table {
-    let head = |column: &MixedColumn| literal(&column.name.replace('_', " "));
+fn results(label: &str, caption: &str, table: &granum_core::Table) -> Table {
+    let head = |column: &Column| literal(&column.name.replace('_', " "));
     let heads: Vec<String> = table.columns().iter().map(head).collect();
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let mut out = Table::new(label, caption, &heads);
@@ -103,10 +103,10 @@ fn results(label: &str, caption: &str, table: &MixedTable) -> Table {
     out
 }
 
-fn cell(column: &MixedColumn, row: usize) -> String {
-    match &column.values {
-        MixedValues::Words(words) => words.get(row).map_or_else(String::new, |word| literal(word)),
-        MixedValues::Numbers(numbers) => match (numbers.get(row).copied(), column.unit.as_str()) {
+fn cell(column: &Column, row: usize) -> String {
+    match column.numbers() {
+        None => column.word(row).map_or_else(String::new, literal),
+        Some(numbers) => match (numbers.get(row).copied(), column.unit.as_str()) {
             (Some(value), "Pa") => quantity(value, "Pa"),
             (Some(value), "deg") if value.is_finite() => format!("{}°", trimmed(value)),
             (Some(value), _) => trimmed(value),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use granum_io::formats::mixed::{MixedColumn, MixedTable};
+use granum_core::Column;
 use granum_run::runs_table::{RunEntry, RunGroup, groups};
 use granum_run::strength::critical_state_line::{CriticalStateLine, LateState, REFERENCE_STRESS};
 use granum_run::strength::one_material;
@@ -61,7 +61,7 @@ pub(crate) fn table(page: &mut Page, run: &RunReport) -> Option<Markup> {
 
 /// The measures of several runs, a row for each, and below them the mean and the standard deviation (with n - 1) of every group of runs
 /// that differ in the seeds of their samples alone.
-pub fn scatter_table(entries: &[RunEntry], measures: &[Measures]) -> MixedTable {
+pub fn scatter_table(entries: &[RunEntry], measures: &[Measures]) -> granum_core::Table {
     let groups: Vec<RunGroup> = groups(entries).into_iter().filter(|group| group.runs.len() > 1).collect();
     let mut names: Vec<String> = entries.iter().map(|entry| entry.name.clone()).collect();
     for group in &groups {
@@ -69,8 +69,7 @@ pub fn scatter_table(entries: &[RunEntry], measures: &[Measures]) -> MixedTable 
         let count = group.runs.len();
         names.extend([format!("mean of {count}: {label}"), format!("standard deviation: {label}")]);
     }
-    let mut table = MixedTable::default();
-    table.push(MixedColumn::words("name", names));
+    let mut columns = vec![Column::of_words("name", names)];
     for known in MEASURES.iter().filter(|known| measures.iter().any(|of| of.contains_key(known.name))) {
         let of = |run: usize| measures.get(run).and_then(|of| of.get(known.name)).copied();
         let mut values: Vec<f64> = (0..entries.len()).map(|run| of(run).unwrap_or(f64::NAN)).collect();
@@ -80,9 +79,10 @@ pub fn scatter_table(entries: &[RunEntry], measures: &[Measures]) -> MixedTable 
             values.extend([mean, deviation.unwrap_or(f64::NAN)]);
         }
         let unit = if known.unit == "1" { "" } else { known.unit };
-        table.push(MixedColumn::numbers(known.name, unit, values));
+        columns.push(Column::new(known.name, unit, values));
     }
-    table
+    // This cannot fail: the names of measures differ, and every column has a value for each run and two for each group.
+    granum_core::Table::new(columns).unwrap_or_default()
 }
 
 fn capital(text: &str) -> String {
@@ -191,7 +191,7 @@ mod tests {
         let angle = |value: f64| Measures::from([("peak_friction_angle".to_owned(), value)]);
         let table = scatter_table(&entries, &[angle(30.0), angle(32.0), Measures::new()]);
         assert_eq!(table.rows(), 5);
-        let values = table.columns()[1].as_numbers().unwrap();
+        let values = table.columns()[1].numbers().unwrap();
         assert!(
             values[2].is_nan() && values[3] == 31.0 && (values[4] - 2f64.sqrt()).abs() < 1e-12,
             "{values:?}"

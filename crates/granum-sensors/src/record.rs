@@ -150,50 +150,36 @@ impl Record {
         self.histograms(FORCES)
     }
 
-    /// The histograms as tables with their names, one row per bin: `state`, `deviator_strain`, the centre of the bin (named as
-    /// what is counted, e.g. `force`), `bin_width`, `count`, `probability_density`, before them `stage` where the series has
-    /// it. With [`Record::series`] they are the whole record.
+    /// The histograms as tables with their names, one row per bin: the key of the state, which is `stage` and `state`, the centre of the
+    /// bin (named as what is counted, e.g. `force`), `bin_width`, `count`, `probability_density`. The table of the forces has the
+    /// `deviator_strain` after the key, where the series has it. With [`Record::series`] they are the whole record.
     pub fn histogram_tables(&self) -> impl Iterator<Item = (&str, Table)> {
         self.histograms.iter().map(|histograms| (histograms.name.as_str(), self.table_of(histograms)))
     }
 
     fn table_of(&self, histograms: &Histograms) -> Table {
-        let series = |name: &str| self.series.values(name).unwrap_or(&[]);
-        let (states, strains, stage) =
-            (series("state"), series("deviator_strain"), self.series.values("stage"));
-        let (quantity, unit) = (histograms.quantity.as_str(), histograms.unit.as_str());
-        let mut table = [
-            ("state", ""),
-            ("deviator_strain", ""),
-            (quantity, unit),
-            ("bin_width", unit),
-            ("count", ""),
-            ("probability_density", ""),
-        ]
-        .map(|(name, unit)| column(name, unit, Vec::new()));
-        let mut stages = Vec::new();
-        for (k, ((histogram, &state), &strain)) in
-            histograms.states.iter().zip(states).zip(strains).enumerate()
-        {
-            if let Some(stage) = stage.and_then(|stage| stage.get(k)) {
-                stages.extend(std::iter::repeat_n(*stage, histogram.bins()));
-            }
-            for bin in 0..histogram.bins() {
-                let row = [
-                    state,
-                    strain,
-                    histogram.centre(bin),
-                    histogram.bin_width,
-                    histogram.counts[bin] as f64,
-                    histogram.density(bin),
-                ];
-                for (column, value) in table.iter_mut().zip(row) {
-                    column.values.push(value);
-                }
-            }
+        let each = |value: &dyn Fn(&Histogram, usize) -> f64| -> Vec<f64> {
+            let states = histograms.states.iter();
+            states.flat_map(|histogram| (0..histogram.bins()).map(|bin| value(histogram, bin))).collect()
+        };
+        let of_state = |values: &[f64]| -> Vec<f64> {
+            let states = histograms.states.iter().zip(values);
+            states.flat_map(|(histogram, value)| std::iter::repeat_n(*value, histogram.bins())).collect()
+        };
+        let key = StateKeys::of(&self.series);
+        let mut columns =
+            vec![column("stage", "", of_state(&key.stages)), column("state", "", of_state(&key.states))];
+        if let Some(strains) = self.series.values("deviator_strain").filter(|_| histograms.name == FORCES) {
+            columns.push(column("deviator_strain", "", of_state(strains)));
         }
-        let stage = stage.map(|_| column("stage", "", stages));
-        table_of(stage.into_iter().chain(table))
+        let unit = histograms.unit.as_str();
+        columns.extend([
+            column(&histograms.quantity, unit, each(&|histogram, bin| histogram.centre(bin))),
+            column("bin_width", unit, each(&|histogram, _| histogram.bin_width)),
+            column("count", "", each(&|histogram, bin| histogram.counts[bin] as f64)),
+            column("probability_density", "", each(&|histogram, bin| histogram.density(bin))),
+        ]);
+        table_of(columns)
     }
 
     /// Reconstructs a record from its tables: the series, and those of the histograms with their names.
@@ -220,26 +206,45 @@ fn above(name: &str) -> String {
     format!("{name}_above")
 }
 
+/// The keys of the rows of a table: the number of the stage and of the state in it.
+struct StateKeys {
+    stages: Vec<f64>,
+    states: Vec<f64>,
+}
+
+impl StateKeys {
+    /// Without a column `stage` all rows are of stage 1, and without a column `state` these are numbered from 0.
+    fn of(table: &Table) -> StateKeys {
+        let rows = table.rows();
+        let numbered = || (0..rows).map(|row| row as f64).collect();
+        StateKeys {
+            stages: table.values("stage").map_or_else(|| vec![1.0; rows], <[f64]>::to_vec),
+            states: table.values("state").map_or_else(numbered, <[f64]>::to_vec),
+        }
+    }
+
+    fn at(&self, row: usize) -> Option<[f64; 2]> {
+        Some([*self.stages.get(row)?, *self.states.get(row)?])
+    }
+}
+
 /// The histograms of one name, one for each row of the series.
 fn read_histograms(series: &Table, name: &str, table: &Table) -> Result<Histograms, RecordError> {
     let states = series.column("state")?;
     let below = (below(name), series.column(&below(name))?);
     let above = (above(name), series.column(&above(name))?);
     let of = table.column("state")?;
-    let stage_of = table.values("stage").unwrap_or(&[]);
-    let stages = series.values("stage").unwrap_or(&[]);
+    let (wanted, keys) = (StateKeys::of(series), StateKeys::of(table));
     // The column of the counted quantity precedes that of the bin width.
     let names: Vec<&str> = table.names().collect();
     let width = names.iter().position(|name| *name == "bin_width").unwrap_or(0);
     let quantity = names.get(width.saturating_sub(1)).copied().unwrap_or("force");
     let mut found = Histograms { name: name.into(), quantity: quantity.into(), ..Histograms::default() };
-    found.unit =
-        table.columns().iter().find(|c| c.name == quantity).map_or_else(String::new, |c| c.unit.clone());
+    found.unit = table.get(quantity).map_or_else(String::new, |column| column.unit.clone());
     let mut row = 0;
     for (k, &state) in states.iter().enumerate() {
         let start = row;
-        let stage = stages.get(k);
-        while row < of.len() && of[row] == state && stage_of.get(row) == stage {
+        while row < of.len() && keys.at(row) == wanted.at(k) {
             row += 1;
         }
         let mut histogram = read_histogram(table, quantity, start..row, state)?;
@@ -352,11 +357,40 @@ mod tests {
         let tables: Vec<(&str, Table)> = record.histogram_tables().collect();
         assert_eq!(tables.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["forces", "overlaps"]);
         assert_eq!(tables[0].1.rows(), 4 * record.forces()[0].bins());
-        let names = ["state", "deviator_strain", "force", "bin_width", "count", "probability_density"];
-        assert_eq!(tables[0].1.names().collect::<Vec<_>>(), names);
-        assert_eq!(tables[1].1.names().nth(2), Some("overlap"));
+        let names = |of: usize| tables[of].1.names().collect::<Vec<_>>();
+        let after = ["bin_width", "count", "probability_density"];
+        assert_eq!(names(0), [&["stage", "state", "deviator_strain", "force"][..], &after].concat());
+        assert_eq!(names(1), [&["stage", "state", "overlap"][..], &after].concat());
         assert!(record.histograms("overlaps").iter().all(|histogram| histogram.total() > 0));
         let tables = tables.iter().map(|(name, table)| (*name, table));
+        assert_eq!(Record::from_tables(record.series.clone(), tables), Ok(record.clone()));
+    }
+
+    /// The histograms are keyed by stage and state: no other column of the series is needed for them.
+    #[test]
+    fn histograms_need_no_strain() {
+        let record = record();
+        let mut without = record.clone();
+        without.series.remove("deviator_strain");
+        for (name, table) in without.histogram_tables() {
+            assert_eq!(table.rows(), 4 * record.histograms(name)[0].bins(), "{name}");
+        }
+    }
+
+    /// A run of an earlier version, whose histograms have no stage and the deviator strain in its place.
+    #[test]
+    fn tables_of_earlier_versions_are_read() {
+        let record = record();
+        let earlier = |mut table: Table| {
+            table.remove("stage");
+            let strain = table.values("state").unwrap().iter().map(|state| 0.1 * state).collect();
+            table.set(Column::new("deviator_strain", "", strain)).unwrap();
+            table
+        };
+        let tables: Vec<(&str, Table)> =
+            record.histogram_tables().map(|(name, table)| (name, earlier(table))).collect();
+        let tables = tables.iter().map(|(name, table)| (*name, table));
+        // What is counted stands before the width of a bin, wherever else the strain stands.
         assert_eq!(Record::from_tables(record.series.clone(), tables), Ok(record.clone()));
     }
 

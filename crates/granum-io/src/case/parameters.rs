@@ -35,7 +35,8 @@ pub struct CaseParameter {
 }
 
 impl CaseParameter {
-    fn new(key: impl Into<String>, unit: &str, value: ParameterValue) -> CaseParameter {
+    /// A parameter from its parts.
+    pub fn new(key: impl Into<String>, unit: &str, value: ParameterValue) -> CaseParameter {
         CaseParameter { key: key.into(), unit: unit.into(), value }
     }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, InputError, Result};
-use crate::formats::TableFormat;
+use crate::formats::{TableFormat, csv_words};
 use crate::shell::ShowPath;
 use granum_core::names::suggestion;
 use granum_core::quantity::format_number;
@@ -27,6 +27,9 @@ impl TableFormat for Csv {
     }
     fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
         read(path, names)
+    }
+    fn read_with_words(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
+        csv_words::read(path, names)
     }
     fn write(&self, path: &Path, table: &Table) -> Result<()> {
         write(path, table)
@@ -227,12 +230,16 @@ pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, c
     })
 }
 
-/// Writes a table under a temporary name and renames it.
+/// Writes a table under a temporary name and renames it. In a table with words a number that is not known is an empty cell, in one of
+/// numbers it is `nan`.
 ///
 /// # Errors
 /// [`Error::Rule`] if a name could not be read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
 /// written.
 pub fn write(path: &Path, table: &Table) -> Result<()> {
+    if table.has_words() {
+        return write_atomically(path, |file| csv_words::write_rows(file, table));
+    }
     check_names(table).map_err(Error::Rule)?;
     write_atomically(path, |file| write_rows(file, table))
 }
@@ -242,6 +249,9 @@ pub fn write(path: &Path, table: &Table) -> Result<()> {
 /// # Errors
 /// Errors of the writer; [`io::ErrorKind::InvalidInput`] if a name could not be read back.
 pub fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<()> {
+    if table.has_words() {
+        return csv_words::write_rows(writer, table);
+    }
     check_names(table).map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
     let names: Vec<&str> = table.names().collect();
     writeln!(writer, "{}", names.join(","))?;

@@ -20,6 +20,7 @@ use crate::packing::Packing;
 mod beginning;
 mod column_names;
 pub mod csv;
+mod csv_words;
 pub mod extended_xyz;
 pub mod grain_table;
 pub mod gsd;
@@ -29,7 +30,6 @@ pub mod lammps_dump;
 pub mod mercury_data;
 pub mod mercury_fstat;
 pub mod mercury_restart;
-pub mod mixed;
 pub mod packing_csv;
 mod packing_format;
 pub mod parquet;
@@ -333,6 +333,15 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Table> {
 /// As for [`Formats::read_table`].
 pub fn read_columns(path: impl AsRef<Path>, names: &[&str]) -> Result<Table> {
     Formats::standard().read_table(path.as_ref(), Some(names))
+}
+
+/// Reads the named columns of a table, in the requested order, or all: columns of numbers and columns of words.
+///
+/// # Errors
+/// As for [`Formats::table`] and [`TableFormat::read_with_words`].
+pub fn read_table_with_words(path: impl AsRef<Path>, names: Option<&[&str]>) -> Result<Table> {
+    let path = path.as_ref();
+    Formats::standard().table(path)?.read_with_words(path, names)
 }
 
 /// Writes a table under a temporary name and renames it. Equal tables give equal bytes.

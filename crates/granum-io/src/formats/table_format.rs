@@ -17,6 +17,14 @@ pub trait TableFormat: Send + Sync {
     /// # Errors
     /// If the file cannot be read or is not of this format; if a column is missing, with the nearest name.
     fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table>;
+    /// Reads the named columns of a file, in that order, or all, with those that hold text as columns of words. A format that knows
+    /// numbers only reads these.
+    ///
+    /// # Errors
+    /// As [`TableFormat::read`].
+    fn read_with_words(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
+        self.read(path, names)
+    }
     /// Writes a table under a temporary name and renames it. Equal tables give equal bytes.
     ///
     /// # Errors

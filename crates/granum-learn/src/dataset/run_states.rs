@@ -1,24 +1,25 @@
 //! The states of one run.
 
+use std::borrow::Cow;
+
 use granum_core::digest::Digest;
 use granum_core::names::suggestion;
+use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
-use granum_io::case::CaseParameter;
-use granum_io::{Case, Run};
+use granum_io::Run;
+use granum_io::case::{CaseParameter, ParameterValue};
 use granum_run::record::read_record;
 use granum_sensors::Record;
 
+use super::category::Category;
+use super::column_group::ColumnGroup;
+use super::keys::{STAGE, STATE};
+use super::run_columns::{RunColumns, record_error};
 use super::variable::Variable;
 use crate::error::{LearnError, Result};
 
-/// The columns of the key.
-pub(crate) const STAGE: &str = "stage";
-/// See [`STAGE`].
-pub(crate) const STATE: &str = "state";
-/// Arc length of the strain path up to a state.
-const ARC_LENGTH: &str = "arc_length";
-/// The histogram of contact forces; its columns are named after the centres of its bins, e.g. `probability_density_0.125`.
-pub(crate) const DENSITY: &str = "probability_density";
+/// A list of more numbers than this is one word, by which equal lists are recognised.
+const LONGEST_LIST: usize = 16;
 
 /// A record with its name and seed.
 #[derive(Clone, Copy, Debug)]
@@ -31,45 +32,7 @@ pub struct NamedRecord<'a> {
     pub record: &'a Record,
 }
 
-/// The columns of a histogram: one for each bin.
-///
-/// ```
-/// use granum_core::{Column, Table};
-/// use granum_learn::dataset::{ColumnGroup, RunStates};
-///
-/// let columns = ["probability_density_0.5", "probability_density_1.5"];
-/// let table = Table::new(columns.iter().map(|name| Column::new(*name, "", vec![0.6, 0.7])).collect())?;
-/// let centres = vec![0.5, 1.5];
-/// let (name, binned) = ("probability_density".to_string(), "force".to_string());
-/// let run = RunStates::new("run", table)?.with_group(ColumnGroup { name, binned, bin_width: 1.0, centres })?;
-/// assert_eq!(run.group("probability_density").unwrap().columns().collect::<Vec<_>>(), columns);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct ColumnGroup {
-    /// The quantity in the columns; the name of each column consists of it and the centre of the bin.
-    pub name: String,
-    /// The binned variable.
-    pub binned: String,
-    /// Width of a bin.
-    pub bin_width: f64,
-    /// Centre of each bin.
-    pub centres: Vec<f64>,
-}
-
-impl ColumnGroup {
-    /// Name of the column of a bin.
-    pub fn column(&self, centre: f64) -> String {
-        format!("{}_{centre}", self.name)
-    }
-
-    /// Names of all columns.
-    pub fn columns(&self) -> impl Iterator<Item = String> + '_ {
-        self.centres.iter().map(|&centre| self.column(centre))
-    }
-}
-
-/// The states of one run: a table with a row for each state, and parameters that are the same in all of them.
+/// The states of one run: a table with a row for each state, and parameters that are the same in all of them, numbers and words.
 ///
 /// See [`super::Dataset`] for an example.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +40,8 @@ pub struct RunStates {
     name: String,
     table: Table,
     groups: Vec<ColumnGroup>,
-    parameters: Vec<(Variable, f64)>,
+    /// Numbers and words; lists have been taken apart.
+    parameters: Vec<CaseParameter>,
 }
 
 impl RunStates {
@@ -99,15 +63,17 @@ impl RunStates {
                 table.values(STATE).map_or_else(|| (0..rows).map(|k| k as f64).collect(), <[f64]>::to_vec),
             ),
         ];
-        columns.extend(table.columns().iter().filter(|c| c.name != STAGE && c.name != STATE).cloned());
+        let others = table.into_columns().into_iter();
+        columns.extend(others.filter(|column| column.name != STAGE && column.name != STATE));
         let table = Table::new(columns).map_err(|error| record_error(name, error.to_string()))?;
         let run = RunStates { name: name.into(), table, groups: Vec::new(), parameters: Vec::new() };
         run.check_key()?;
         Ok(run)
     }
 
-    /// A run from the measurements of a test: the columns of the series, one column for each bin of the histogram of
-    /// forces, the arc length of the strain path, and the seed of the sample as `preparation.seed`.
+    /// A run from the measurements of a test: the columns of the series, one column for each bin of every histogram, the arc
+    /// length of the strain path, the measures of the sample (`sample.solid_fraction`, every column of the state 0), and the seed of
+    /// the sample as `preparation.seed`.
     ///
     /// For a test with stages the sensors provide the `arc_length`. For other tests it is summed over the recorded states
     /// from the strains along the axes.
@@ -115,51 +81,70 @@ impl RunStates {
     /// # Errors
     /// If there is not one histogram for each state, or if the bins differ between states.
     pub fn from_record(named: &NamedRecord) -> Result<RunStates> {
-        let mut run = RunStates::of_sensors(named.name, named.record)?;
-        run.set_parameter(granum_io::case::SEED, "", named.seed as f64);
+        let mut run = RunStates::of_record(named.name, named.record.clone())?;
+        run.set_parameter(CaseParameter::new(
+            granum_io::case::SEED,
+            "",
+            ParameterValue::Number(named.seed as f64),
+        ));
         Ok(run)
     }
 
-    /// Reads the folder of a run, with all numbers of its case file as parameters (`grains.material.friction`). Parameters
-    /// of unused parts of the case, and choices such as the names of contact laws, do not become columns.
+    /// As [`RunStates::from_record`], without the seed: the tables of the record become those of the run.
+    ///
+    /// # Errors
+    /// As [`RunStates::from_record`].
+    pub fn of_record(name: &str, record: Record) -> Result<RunStates> {
+        let RunColumns { table, groups, sample } = RunColumns::new(name, record)?;
+        Ok(RunStates { groups, parameters: sample, ..RunStates::new(name, table)? })
+    }
+
+    /// Reads the folder of a run, with every resolved key of its case as a parameter: numbers (`grains.material.friction`), words
+    /// (`contact.normal`), and the numbers of lists one by one (`KEY.1`, `KEY.2`). Keys of unused parts of the case are left out.
     ///
     /// # Errors
     /// If the folder contains no record of a test, and as [`RunStates::from_record`].
     pub fn read(name: &str, run: &Run) -> Result<RunStates> {
-        let mut states = RunStates::of_sensors(name, &read_record(run)?)?;
-        for (variable, value) in numbers_of(&run.case()?) {
-            states.set_parameter(&variable.name, &variable.unit, value);
-        }
+        let mut states = RunStates::of_record(name, read_record(run)?)?;
+        run.case()?
+            .parameters()
+            .into_iter()
+            .flat_map(taken_apart)
+            .for_each(|found| states.set_parameter(found));
         Ok(states)
     }
 
-    fn of_sensors(name: &str, record: &Record) -> Result<RunStates> {
-        let (group, densities) = histogram(name, record)?;
-        let mut table = record.series.clone();
-        let arc_length = if table.has(ARC_LENGTH) { None } else { arc_length(&table) };
-        let arc_length = arc_length.map(|values| Column::new(ARC_LENGTH, "", values));
-        for column in arc_length.into_iter().chain(densities) {
-            table.set(column).map_err(|error| record_error(name, error.to_string()))?;
-        }
-        Ok(RunStates { groups: group.into_iter().collect(), ..RunStates::new(name, table)? })
-    }
-
-    /// Adds a parameter.
+    /// Adds a number as a parameter.
     ///
     /// # Errors
     /// If a column already has this name, or the value is not a finite number.
     pub fn with_parameter(mut self, name: &str, unit: &str, value: f64) -> Result<RunStates> {
-        if self.table.has(name) {
-            return Err(record_error(&self.name, format!("{name} is a column of its states already")));
-        }
+        self.check_free(name)?;
         if !value.is_finite() {
             return Err(record_error(
                 &self.name,
                 format!("parameter {name} is {value}, not a finite number"),
             ));
         }
-        self.set_parameter(name, unit, value);
+        self.set_parameter(CaseParameter::new(name, unit, ParameterValue::Number(value)));
         Ok(self)
+    }
+
+    /// Adds a word as a parameter.
+    ///
+    /// # Errors
+    /// If a column already has this name.
+    pub fn with_word(mut self, name: &str, word: &str) -> Result<RunStates> {
+        self.check_free(name)?;
+        self.set_parameter(CaseParameter::new(name, "", ParameterValue::Word(word.into())));
+        Ok(self)
+    }
+
+    fn check_free(&self, name: &str) -> Result<()> {
+        match self.table.has(name) {
+            true => Err(record_error(&self.name, format!("{name} is a column of its states already"))),
+            false => Ok(()),
+        }
     }
 
     /// Declares columns of the table to be a histogram, whose name then represents all of them.
@@ -175,10 +160,9 @@ impl RunStates {
         Ok(self)
     }
 
-    fn set_parameter(&mut self, name: &str, unit: &str, value: f64) {
-        let variable = Variable { name: name.into(), unit: unit.into() };
-        self.parameters.retain(|(known, _)| known.name != name);
-        self.parameters.push((variable, value));
+    fn set_parameter(&mut self, parameter: CaseParameter) {
+        self.parameters.retain(|known| known.key != parameter.key);
+        self.parameters.push(parameter);
     }
 
     /// Its name.
@@ -206,33 +190,98 @@ impl RunStates {
         self.groups.iter().find(|group| group.name == name)
     }
 
-    /// A parameter of the run.
+    /// The parameters of the run, numbers and words.
+    pub fn parameters(&self) -> &[CaseParameter] {
+        &self.parameters
+    }
+
+    fn find(&self, name: &str) -> Option<&CaseParameter> {
+        self.parameters.iter().find(|known| known.key == name)
+    }
+
+    /// A parameter of the run that is a number.
     pub fn parameter(&self, name: &str) -> Option<f64> {
-        self.parameters.iter().find(|(variable, _)| variable.name == name).map(|(_, value)| *value)
+        self.find(name).and_then(CaseParameter::number)
     }
 
-    /// Names and units of all columns, including parameters.
+    /// A parameter of the run as a word: its own, or the text of its number with the unit.
+    pub fn word(&self, name: &str) -> Option<String> {
+        let found = self.find(name)?;
+        Some(match &found.value {
+            ParameterValue::Word(word) => word.clone(),
+            ParameterValue::Number(number) => {
+                format!("{} {}", format_number(*number), found.unit).trim_end().to_string()
+            }
+            ParameterValue::List(numbers) => listed(numbers),
+        })
+    }
+
+    /// Names and units of all columns of numbers, including parameters.
     pub fn variables(&self) -> Vec<Variable> {
-        let of = |column: &Column| Variable { name: column.name.clone(), unit: column.unit.clone() };
-        let columns = self.table.columns().iter().map(of);
-        columns.chain(self.parameters.iter().map(|(variable, _)| variable.clone())).collect()
+        let columns = self.table.columns().iter().filter(|column| !column.has_words());
+        let columns = columns.map(|column| Variable { name: column.name.clone(), unit: column.unit.clone() });
+        let numbers = self.parameters.iter().filter(|found| found.number().is_some());
+        let numbers = numbers.map(|found| Variable { name: found.key.clone(), unit: found.unit.clone() });
+        columns.chain(numbers).collect()
     }
 
-    /// True if there is a column or parameter of the given name.
+    /// The name and unit of a column of numbers: of the table, a parameter, or a word of a category (`contact.normal=hertz`). The bin
+    /// of a histogram may be given with its centre in other digits.
+    pub fn variable(&self, name: &str) -> Option<Variable> {
+        let named = |name: &str, unit: &str| Variable { name: name.into(), unit: unit.into() };
+        if let Some(column) = self.table.get(name).filter(|column| !column.has_words()) {
+            return Some(named(name, &column.unit));
+        }
+        if let Some(found) = self.find(name).filter(|found| found.number().is_some()) {
+            return Some(named(name, &found.unit));
+        }
+        if let Some(column) = self.bin_meant(name) {
+            return Some(named(&column.name, &column.unit));
+        }
+        let (category, _) = Category::parts(name)?;
+        self.find(category).map(|_| named(name, ""))
+    }
+
+    /// The column of the bin that a name means.
+    fn bin_meant(&self, name: &str) -> Option<&Column> {
+        let meant = self.groups.iter().find_map(|group| group.column_meant(name))?;
+        self.table.get(&meant)
+    }
+
+    /// True if there is a column or parameter of numbers of the given name.
     pub fn has(&self, name: &str) -> bool {
-        self.table.has(name) || self.parameter(name).is_some()
+        self.variable(name).is_some()
     }
 
     /// The values of a column, or of a parameter for every state.
     ///
     /// # Errors
-    /// If there is none of the given name; the message suggests another name.
+    /// If there is none of the given name; the message suggests another name. If it is a word.
     pub fn column(&self, name: &str) -> Result<Vec<f64>> {
+        Ok(self.values(name)?.into_owned())
+    }
+
+    /// As [`RunStates::column`], without a copy of what the table has.
+    ///
+    /// # Errors
+    /// As [`RunStates::column`].
+    pub fn values(&self, name: &str) -> Result<Cow<'_, [f64]>> {
         if let Some(values) = self.table.values(name) {
-            return Ok(values.to_vec());
+            return Ok(Cow::Borrowed(values));
         }
         if let Some(value) = self.parameter(name) {
-            return Ok(vec![value; self.rows()]);
+            return Ok(Cow::Owned(vec![value; self.rows()]));
+        }
+        if let Some(column) = self.bin_meant(name) {
+            return Ok(Cow::Borrowed(&column.values));
+        }
+        if let Some((category, word)) = Category::parts(name)
+            && let Some(own) = self.word(category)
+        {
+            return Ok(Cow::Owned(vec![f64::from(u8::from(own == word)); self.rows()]));
+        }
+        if let Some(word) = self.word(name) {
+            return Err(record_error(&self.name, format!("{name} is {word}, a word and not a number")));
         }
         let variables = self.variables();
         let names = variables.iter().map(|variable| variable.name.as_str());
@@ -242,13 +291,12 @@ impl RunStates {
     /// The states for which `keep` is true.
     pub(super) fn select(&self, keep: impl Fn(usize) -> bool) -> RunStates {
         let rows: Vec<usize> = (0..self.rows()).filter(|&row| keep(row)).collect();
-        let of = |column: &Column| {
-            let values = rows.iter().map(|&row| column.values[row]).collect();
-            Column::new(&column.name, &column.unit, values)
-        };
-        // The names are those of a valid table, so that this cannot fail.
-        let table = Table::new(self.table.columns().iter().map(of).collect()).unwrap_or_default();
-        RunStates { table, ..self.clone() }
+        RunStates {
+            name: self.name.clone(),
+            table: self.table.rows_at(&rows),
+            groups: self.groups.clone(),
+            parameters: self.parameters.clone(),
+        }
     }
 
     /// An error in a row, with the key of the row.
@@ -263,7 +311,7 @@ impl RunStates {
     }
 
     fn check_key(&self) -> Result<()> {
-        let (stages, states) = (self.column(STAGE)?, self.column(STATE)?);
+        let (stages, states) = (self.values(STAGE)?, self.values(STATE)?);
         for row in 0..self.rows() {
             let key = [stages[row], states[row]];
             if key.iter().any(|x| !(*x >= 0.0 && x.fract() == 0.0 && *x <= 9e15)) {
@@ -284,77 +332,35 @@ impl RunStates {
             digest.text(&column.name);
             digest.text(&column.unit);
             digest.numbers(&column.values);
+            column.words.iter().for_each(|word| digest.text(word));
         }
-        for (variable, value) in &self.parameters {
-            digest.text(&variable.name);
-            digest.text(&variable.unit);
-            digest.numbers(&[*value]);
-        }
-    }
-}
-
-/// The error of a record that cannot be used.
-pub fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
-    LearnError::Record { run: run.to_owned(), reason: reason.into() }
-}
-
-/// The numerical values of a case with their keys, those of its materials and stages included.
-fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
-    let number = |found: CaseParameter| {
-        let value = found.number()?;
-        Some((Variable { name: found.key, unit: found.unit }, value))
-    };
-    case.parameters().into_iter().filter_map(number).collect()
-}
-
-/// The histograms of forces as columns.
-fn histogram(name: &str, record: &Record) -> Result<(Option<ColumnGroup>, Vec<Column>)> {
-    let (histograms, states) = (record.forces(), record.series.rows());
-    if !histograms.is_empty() && histograms.len() != states {
-        return Err(record_error(name, format!("{states} states have {} histograms", histograms.len())));
-    }
-    let Some(first) = histograms.first() else { return Ok((None, Vec::new())) };
-    let centres: Vec<f64> = (0..first.bins()).map(|bin| first.centre(bin)).collect();
-    for (k, other) in histograms.iter().enumerate() {
-        let alike = other.bins() == centres.len()
-            && (0..other.bins()).all(|bin| (other.centre(bin) - centres[bin]).abs() < 1e-6 * first.bin_width);
-        if !alike || (other.bin_width - first.bin_width).abs() > 1e-9 * first.bin_width {
-            let reason = "its histogram does not have the bins of the first state";
-            return Err(record_error(
-                name,
-                format!("state {k}: {reason}; record with bins of width {}", first.bin_width),
-            ));
+        for found in &self.parameters {
+            digest.text(&found.key);
+            digest.text(&found.unit);
+            match &found.value {
+                ParameterValue::Number(number) => digest.numbers(&[*number]),
+                ParameterValue::Word(word) => digest.text(word),
+                ParameterValue::List(numbers) => digest.numbers(numbers),
+            }
         }
     }
-    let bin_width = first.bin_width;
-    let group = ColumnGroup { name: DENSITY.into(), binned: "force".into(), bin_width, centres };
-    let column = |(bin, name): (usize, String)| {
-        Column::new(name, "", histograms.iter().map(|histogram| histogram.density(bin)).collect())
-    };
-    let columns = group.columns().enumerate().map(column).collect();
-    Ok((Some(group), columns))
 }
 
-/// The arc length of the strain path up to each state, from the strains along the axes at the recorded states.
-fn arc_length(series: &Table) -> Option<Vec<f64>> {
-    let strains: Vec<&[f64]> = ["axial_strain", "lateral_strain_2", "lateral_strain_3"]
-        .iter()
-        .map(|name| series.values(name))
-        .collect::<Option<_>>()?;
-    let mut length = 0.0;
-    let step = |row: usize| {
-        let square = |strain: &&[f64]| {
-            let before = if row == 0 { 0.0 } else { strain[row - 1] };
-            (strain[row] - before) * (strain[row] - before)
-        };
-        (2.0 / 3.0 * strains.iter().map(square).sum::<f64>()).sqrt()
+/// The numbers of a list as parameters of their own.
+fn taken_apart(found: CaseParameter) -> Vec<CaseParameter> {
+    let ParameterValue::List(numbers) = &found.value else { return vec![found] };
+    if numbers.len() > LONGEST_LIST {
+        return vec![CaseParameter::new(found.key, "", ParameterValue::Word(listed(numbers)))];
+    }
+    let number = |(k, number): (usize, &f64)| {
+        CaseParameter::new(format!("{}.{}", found.key, k + 1), &found.unit, ParameterValue::Number(*number))
     };
-    Some(
-        (0..series.rows())
-            .map(|row| {
-                length += step(row);
-                length
-            })
-            .collect(),
-    )
+    numbers.iter().enumerate().map(number).collect()
+}
+
+/// A word by which equal lists are recognised.
+fn listed(numbers: &[f64]) -> String {
+    let mut digest = Digest::new();
+    digest.numbers(numbers);
+    format!("sha256:{}", digest.finish())
 }

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::keys::STATE;
 use super::named_columns::Dataset;
-use super::run_states::{RunStates, STATE};
+use super::run_states::RunStates;
 use crate::error::{LearnError, Result};
 
 /// The rule for splitting a data set: every n-th state of the training runs is used for training (n is the stride), the others
@@ -85,10 +86,7 @@ impl Split {
 
     fn uses(&self, run: &RunStates, row: usize) -> bool {
         let inside = |(name, [low, high]): &(String, [f64; 2])| {
-            let value = run
-                .table()
-                .values(name)
-                .map_or_else(|| run.parameter(name), |values| values.get(row).copied());
+            let value = run.parameter(name).or_else(|| run.values(name).ok()?.get(row).copied());
             value.is_some_and(|value| value >= *low && value <= *high)
         };
         state_of(run, row) >= self.first_state && self.within.as_ref().is_none_or(inside)

@@ -133,7 +133,10 @@ fn a_histogram_is_a_column_for_each_bin() {
         refused(&|record| drop(record.histograms[0].states.pop())).contains("9 states have 8 histograms")
     );
     let text = refused(&|record| record.histograms[0].states[4].bin_width = 0.2);
-    assert!(text.contains("state 4: its histogram does not have the bins of the first state"), "{text}");
+    assert!(
+        text.contains("histogram forces: state 4: its histogram does not have the bins of the first state"),
+        "{text}"
+    );
 }
 
 /// The folder of a run provides the measurements, the arc length of the path, and the numbers of its case.
@@ -167,9 +170,124 @@ fn a_run_folder_gives_its_case_as_parameters() {
     // The stages are parameters too, with the defaults of their path.
     assert_eq!(dataset.column("stage.1.lateral_stress").unwrap(), [5e4; 9]);
     assert_eq!(dataset.runs()[0].parameter("stage.1.axial_strain"), Some(0.2));
-    // Names of contact laws are not numbers and therefore not columns.
-    assert!(dataset.column("contact.normal").is_err());
+    // The law is a word, and the sample has been measured.
+    assert_eq!(dataset.category("contact.normal").unwrap().words, ["jkr"]);
+    let error = dataset.column("contact.normal").unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "data set: contact.normal holds words (jkr), not numbers; it can be an input of surrogates and nothing else"
+    );
+    assert_eq!(
+        dataset.column("sample.stress_ratio").unwrap(),
+        [record.series.column("stress_ratio").unwrap()[0]; 9]
+    );
+    let runs = dataset.runs_table().unwrap();
+    assert_eq!((runs.rows(), runs.get("contact.normal").unwrap().word(0)), (1, Some("jkr")));
+    assert_eq!(runs.column("stage.1.lateral_stress").unwrap(), [5e4]);
     // For strains e (2, -1, -1) / 3, the arc length sqrt(2/3 e:e) is 2/3 e.
     let arc = dataset.column("arc_length").unwrap();
     assert!(arc.iter().zip(&strain).all(|(arc, strain)| (arc - 2.0 / 3.0 * strain).abs() < 1e-12), "{arc:?}");
+}
+
+#[test]
+fn every_histogram_is_alike() {
+    let mut record = record(Law::Plain, 1, 8);
+    // The histogram of any sensor, with bins whose centres show rounding errors, and a unit.
+    let states = (0..9).map(|k| {
+        let mut radii = granum_sensors::Histogram::new(0.1, 0.0, 0.5);
+        (0..=k).for_each(|value| radii.add(0.05 * f64::from(value)));
+        radii
+    });
+    let (name, quantity, unit) = ("radii".to_string(), "radius".to_string(), "m".to_string());
+    record.histograms.push(granum_sensors::Histograms { name, quantity, unit, states: states.collect() });
+    let run = RunStates::of_record("run", record.clone()).unwrap();
+    let group = run.group("radii_probability_density").unwrap();
+    assert_eq!(group.binned, "radius");
+    assert_eq!(group.columns().nth(3).unwrap(), "radii_probability_density_0.35");
+    let dataset = Dataset::new(vec![run]).unwrap();
+    let column = dataset.column("radii_probability_density_0.35").unwrap();
+    assert!(column.iter().zip(record.histograms("radii")).all(|(value, known)| *value == known.density(3)));
+    assert_eq!(dataset.variable("radii_probability_density_0.35").unwrap().unit, "1/m");
+    // Earlier versions wrote the centre with its rounding error.
+    assert_eq!(dataset.column("radii_probability_density_0.35000000000000003").unwrap(), column);
+    assert_eq!(
+        dataset.expand(&["radii_probability_density_0.350"]).unwrap(),
+        ["radii_probability_density_0.35"]
+    );
+    assert_eq!(dataset.expand(&["radii_probability_density", "stress_ratio"]).unwrap().len(), 6);
+    let error = dataset.column("radii_probability_densty").unwrap_err().to_string();
+    assert!(error.contains("did you mean radii_probability_density?"), "{error}");
+    let sections = dataset.catalogue(&granum_sensors::Sensors::standard());
+    let listed =
+        |name: &str| sections.iter().flat_map(|section| &section.entries).find(|entry| entry.name == name);
+    let meaning = &listed("radii_probability_density").unwrap().meaning;
+    assert!(meaning.contains("density of radius in 5 bins, radii_probability_density_0.05 to"), "{meaning}");
+    assert!(
+        listed("stress_ratio").unwrap().meaning == "q/p" && listed("probability_density_0.125").is_none()
+    );
+    assert_eq!(listed("sample.deviator_fabric").unwrap().unit, "");
+
+    // Another run with other bins.
+    let mut finer = record.clone();
+    finer.histograms[1]
+        .states
+        .iter_mut()
+        .for_each(|radii| *radii = granum_sensors::Histogram::new(0.05, 0.0, 0.5));
+    let runs = [("coarse", record), ("fine", finer)]
+        .map(|(name, record)| RunStates::of_record(name, record).unwrap());
+    let error =
+        Dataset::new(runs.into()).unwrap().expand(&["radii_probability_density"]).unwrap_err().to_string();
+    assert!(
+        error.contains("fine do not have the bins of radii_probability_density that coarse has"),
+        "{error}"
+    );
+}
+
+/// The sample before it was strained is measured in the state 0; a record without that state says nothing of it.
+#[test]
+fn the_sample_is_what_the_state_0_measured() {
+    let mut record = record(Law::Plain, 1, 8);
+    record.series.set(Column::new("solid_fraction", "", vec![0.625; 9])).unwrap();
+    let run = RunStates::of_record("run", record.clone()).unwrap();
+    assert_eq!(
+        (run.parameter("sample.solid_fraction"), run.parameter("sample.void_ratio")),
+        (Some(0.625), Some(0.6))
+    );
+    assert_eq!(run.parameter("sample.observations"), None);
+    record.series.set(Column::new("void_ratio", "", vec![0.61; 9])).unwrap();
+    let measured = RunStates::of_record("run", record.clone()).unwrap();
+    assert_eq!(measured.parameter("sample.void_ratio"), Some(0.61));
+    record.series.set(Column::new("state", "", (1..10).map(f64::from).collect())).unwrap();
+    let later = RunStates::of_record("run", record).unwrap();
+    assert!(later.parameters().is_empty());
+}
+
+#[test]
+fn words_are_inputs_by_one_column_each() {
+    let run = |name: &str, law: &str| cyclic(name, 0.3).with_word("contact.normal", law).unwrap();
+    let dataset = Dataset::new(vec![run("a", "hertz"), run("b", "jkr"), run("c", "hertz")]).unwrap();
+    let columns = dataset.expand(&["contact.normal", "arc_length"]).unwrap();
+    assert_eq!(columns, ["contact.normal=hertz", "contact.normal=jkr", "arc_length"]);
+    assert_eq!(dataset.values(&columns).unwrap()[15..21], [1.0, 0.0, 0.05, 0.0, 1.0, 0.0]);
+    assert_eq!(dataset.table().unwrap().get("contact.normal").unwrap().word(7), Some("jkr"));
+    dataset.check_words(&columns).unwrap();
+    let error =
+        dataset.check_words(["contact.normal=hertz", "contact.normal=hooke"]).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "record `b`: contact.normal is jkr, of which nothing can be known from runs with hertz, hooke"
+    );
+    // A number in one run and a word in another is a category.
+    let mixed = Dataset::new(vec![
+        cyclic("a", 0.3).with_parameter("preparation.friction", "", 0.1).unwrap(),
+        cyclic("b", 0.3).with_word("preparation.friction", "auto").unwrap(),
+    ]);
+    assert_eq!(mixed.unwrap().category("preparation.friction").unwrap().words, ["0.1", "auto"]);
+
+    let spec = |inputs: &[&str], outputs: &[&str]| crate::FitSpec::new(inputs.to_vec(), outputs.to_vec());
+    let refused = |spec: crate::FitSpec| spec.columns(&dataset).unwrap_err().to_string();
+    let text = refused(spec(&["arc_length"], &["contact.normal"]));
+    assert_eq!(text, "data set: contact.normal holds words (hertz, jkr); an output must be a number");
+    let text = refused(spec(&["contact.normal"], &["stress_ratio"]).with_coordinate("contact.normal"));
+    assert!(text.contains("the coordinate must be a number"), "{text}");
 }

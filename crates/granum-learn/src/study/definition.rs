@@ -71,8 +71,11 @@ impl StudyDefinition {
             check_units(&columns)?;
             dataset.values(&columns.output_names())?;
             dataset.values(&columns.input_names())?;
+            for input in &fit.inputs {
+                check_words(input, dataset, &parts.training)?;
+            }
             for (input, variable) in fit.inputs.iter().map(|input| (input, dataset.variable(input))) {
-                // A histogram has no column of its own name, and some of its bins may be empty in all states.
+                // A category holds words. A histogram has no column of its own name, and some of its bins may be empty in all states.
                 if variable.is_err() {
                     continue;
                 }
@@ -125,6 +128,25 @@ impl StudyDefinition {
 }
 
 const MEAN_CURVE: &str = crate::surrogate::mean_curve::NAME;
+
+/// Checks an input that holds words: the training runs must have several of them, and all that the other runs have.
+fn check_words(input: &str, dataset: &Dataset, training: &Dataset) -> Result<()> {
+    let Some(all) = dataset.category(input) else { return Ok(()) };
+    let bad = |reason: String| Err(LearnError::Dataset(reason));
+    let Some(known) = training.category(input) else {
+        let words = all.list();
+        return bad(format!(
+            "the input {input} is a number in the training runs and a word in others ({words})"
+        ));
+    };
+    if let [same] = known.words.as_slice() {
+        return bad(format!(
+            "the input {input} is {same} in all training runs, so that nothing can be learned from it; leave it out, or train on \
+             runs that differ in it"
+        ));
+    }
+    dataset.check_words(known.columns())
+}
 
 /// A member that is to be fitted.
 pub(super) struct Planned {

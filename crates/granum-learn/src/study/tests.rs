@@ -172,3 +172,64 @@ fn a_stopped_training_goes_on_to_the_same_surrogates() {
     let whole = train(&dataset, &definition).unwrap();
     assert_eq!(resumed.evaluate(&dataset).unwrap(), whole.evaluate(&dataset).unwrap());
 }
+
+/// A law that is a word: the stress follows the strain with another factor for each law.
+fn with_law(k: u32, law: &str, factor: f64) -> RunStates {
+    let x: Vec<f64> = (0..30).map(|i| f64::from(i) / 29.0).collect();
+    let y = x.iter().map(|x| factor * x + 0.002 * (17.0 * x + f64::from(k)).sin()).collect();
+    let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)]).unwrap();
+    RunStates::new(&format!("run-{k}"), table).unwrap().with_word("contact.normal", law).unwrap()
+}
+
+#[test]
+fn a_word_is_an_input_that_is_learned_from() {
+    let laws = ["hertz", "jkr", "hertz", "jkr", "hertz", "jkr"];
+    let run = |k: usize| with_law(k as u32 + 1, laws[k], if laws[k] == "hertz" { 1.0 } else { 2.0 });
+    let dataset = Dataset::new((0..6).map(run).collect()).unwrap();
+    let fit = FitSpec::new(["x", "contact.normal"], ["y"]).with_coordinate("x");
+    let split = Split::default().unseen(["run-5", "run-6"]);
+    let definition = StudyDefinition::new([fit.clone()], ["ridge"], split.clone());
+    let methods = SurrogateMethods::standard();
+    let study = Study::train(&dataset, &definition, &methods, &Silent).unwrap();
+    let scores = study.evaluate(&dataset).unwrap();
+    let [with, without] =
+        ["y-ridge", "y-ridge-coordinate-only"].map(|name| scores.member(name).unwrap().unseen.score);
+    assert!(with.relative_rmse < 0.7 * without.relative_rmse, "{with:?} {without:?}");
+    let base = tempfile::tempdir().unwrap();
+    save(base.path(), &study, &dataset).unwrap();
+    let loaded = load(base.path(), &methods).unwrap().study;
+    let surrogate = loaded.member("y-ridge").unwrap().surrogate.as_ref();
+    let categories = surrogate.columns().categories();
+    assert_eq!(categories, [crate::dataset::Category::new("contact.normal", ["hertz", "jkr"])]);
+
+    // A table has the law as a word.
+    let asked = |laws: [&str; 2]| {
+        Table::new(vec![Column::new("x", "", vec![0.9; 2]), Column::of_words("contact.normal", laws)])
+            .unwrap()
+    };
+    let answers = crate::inference::predict_table(surrogate, &asked(["hertz", "jkr"]), 0.9).unwrap();
+    let y = answers.column("predicted_y").unwrap();
+    assert!(y[1] > y[0] + 0.3, "{y:?}");
+    assert_eq!(answers.names().take(2).collect::<Vec<_>>(), ["contact.normal", "x"]);
+    let error =
+        crate::inference::predict_table(surrogate, &asked(["hertz", "hooke"]), 0.9).unwrap_err().to_string();
+    assert!(
+        error.contains("row 2: contact.normal is \"hooke\"; the surrogate was fitted to hertz, jkr"),
+        "{error}"
+    );
+
+    // A law that the training runs do not have, and one that all of them have, are refused before anything is fitted.
+    let refused = |laws: [&str; 6]| {
+        let run = |k: usize| with_law(k as u32 + 1, laws[k], 1.0);
+        let dataset = Dataset::new((0..6).map(run).collect()).unwrap();
+        let definition = StudyDefinition::new([fit.clone()], ["ridge"], split.clone());
+        Study::train(&dataset, &definition, &methods, &Silent).err().unwrap().to_string()
+    };
+    let text = refused(["hertz", "jkr", "hertz", "jkr", "hertz", "hooke"]);
+    assert_eq!(
+        text,
+        "record `run-6`: contact.normal is hooke, of which nothing can be known from runs with hertz, jkr"
+    );
+    let text = refused(["jkr", "jkr", "jkr", "jkr", "jkr", "jkr"]);
+    assert!(text.contains("the input contact.normal is jkr in all training runs"), "{text}");
+}

@@ -56,9 +56,10 @@ impl RunInputs {
     /// The inputs of a surrogate for all states of a data set.
     ///
     /// # Errors
-    /// If a column is missing, or a value is not finite.
+    /// If a column is missing, a value is not finite, or a run has a word to which the surrogate was not fitted.
     pub fn from_dataset(dataset: &Dataset, columns: &Columns) -> Result<RunInputs> {
         let names = columns.input_names();
+        dataset.check_words(&names)?;
         let lengths = dataset.runs().iter().map(RunStates::rows).collect();
         RunInputs::new(dataset.values(&names)?, names.len(), lengths)
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::{Dataset, Variable};
+use crate::dataset::{Category, Dataset, Variable};
 use crate::error::{LearnError, Result};
 
 /// The specification of a fit, which is the same for all methods.
@@ -17,9 +17,10 @@ use crate::error::{LearnError, Result};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FitSpec {
-    /// Names of the input columns; the name of a histogram (`probability_density`) represents all of its bins.
+    /// Names of the input columns; the name of a histogram (`probability_density`) represents all of its bins, and that of a category
+    /// (`contact.normal`) is one column of zeros and ones for each of its words in the data set of the fit.
     pub inputs: Vec<String>,
-    /// Names of the output columns, with the same rule.
+    /// Names of the output columns, with the same rule for histograms; they cannot be categories.
     pub outputs: Vec<String>,
     /// The input that parametrises the path of a test, if there is one: the meaning of the other inputs depends on it, and
     /// intervals may vary along it.
@@ -68,6 +69,13 @@ impl FitSpec {
     /// coordinate is not an input.
     pub fn columns(&self, dataset: &Dataset) -> Result<Columns> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
+        let no_number = self.outputs.iter().map(|name| (name, "an output"));
+        for (name, what) in no_number.chain(self.coordinate.iter().map(|name| (name, "the coordinate"))) {
+            if let Some(category) = dataset.category(name) {
+                let words = category.list();
+                return bad(format!("{name} holds words ({words}); {what} must be a number"));
+            }
+        }
         let (inputs, outputs) = (dataset.expand(&self.inputs)?, dataset.expand(&self.outputs)?);
         for (names, what) in [(&inputs, "input"), (&outputs, "output")] {
             if names.is_empty() {
@@ -114,6 +122,11 @@ impl Columns {
     /// Names of the inputs.
     pub fn input_names(&self) -> Vec<String> {
         self.inputs.iter().map(|variable| variable.name.clone()).collect()
+    }
+
+    /// The categories among the inputs, each with the words to which a surrogate is fitted.
+    pub fn categories(&self) -> Vec<Category> {
+        Category::among(self.inputs.iter().map(|variable| variable.name.as_str()))
     }
 
     /// Names of the outputs.

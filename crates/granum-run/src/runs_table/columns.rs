@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use granum_io::formats::mixed::{MixedColumn, MixedTable};
+use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::{RunRecord, RunStatus};
 use granum_sensors::Sensors;
@@ -58,7 +58,7 @@ pub enum Selection {
 /// A table of runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunsTable {
-    table: MixedTable,
+    table: Table,
     /// For each column, true if it is a main one.
     main: Vec<bool>,
 }
@@ -68,78 +68,76 @@ impl RunsTable {
     pub fn of(runs: &[RunEntry]) -> RunsTable {
         let mut table = RunsTable::default();
         let words = |of: &dyn Fn(&RunEntry) -> String| runs.iter().map(of).collect::<Vec<_>>();
-        table.add(MixedColumn::words("name", words(&|run| run.name.clone())), true);
+        table.add(Column::of_words("name", words(&|run| run.name.clone())), true);
         let status = words(&|run| status(run.record.status).into());
         let unusual = runs.iter().any(|run| run.record.status != RunStatus::Finished);
-        table.add(MixedColumn::words("status", status), unusual);
+        table.add(Column::of_words("status", status), unusual);
         for key in differing_keys(runs) {
             table.add(of_key(&key), true);
         }
         let number = |of: &dyn Fn(&RunEntry) -> f64| runs.iter().map(of).collect::<Vec<_>>();
-        table.add(MixedColumn::numbers("grains", "", number(&|run| run.record.grains as f64)), false);
+        table.add(Column::new("grains", "", number(&|run| run.record.grains as f64)), false);
         for (name, unit) in measures(runs) {
             let values = number(&|run| measure(&run.record, &name));
             let main = MAIN.contains(&name.as_str()) || name.starts_with("k0_");
-            table.add(MixedColumn::numbers(name, unit, values), main);
+            table.add(Column::new(name, unit, values), main);
         }
         let checks = number(&|run| run.record.quality.len() as f64);
-        table.add(MixedColumn::numbers("checks", "", checks), false);
+        table.add(Column::new("checks", "", checks), false);
         let failed_count =
             number(&|run| run.record.quality.iter().filter(|flag| !flag.passed).count() as f64);
-        table.add(MixedColumn::numbers("checks_failed", "", failed_count), true);
-        table.add(MixedColumn::words("failed_checks", words(&failed)), false);
-        table.add(MixedColumn::words("case_digest", words(&|run| run.record.case_digest.clone())), false);
+        table.add(Column::new("checks_failed", "", failed_count), true);
+        table.add(Column::of_words("failed_checks", words(&failed)), false);
+        table.add(Column::of_words("case_digest", words(&|run| run.record.case_digest.clone())), false);
         if runs.iter().any(|run| run.digest.is_some()) {
             let digests = words(&|run| run.digest.clone().unwrap_or_default());
-            table.add(MixedColumn::words("digest", digests), false);
+            table.add(Column::of_words("digest", digests), false);
         }
-        table.add(
-            MixedColumn::words("granum_version", words(&|run| run.record.granum_version.clone())),
-            false,
-        );
-        table.add(MixedColumn::words("folder", words(&|run| run.folder.shown())), false);
+        table.add(Column::of_words("granum_version", words(&|run| run.record.granum_version.clone())), false);
+        table.add(Column::of_words("folder", words(&|run| run.folder.shown())), false);
         table
     }
 
-    fn add(&mut self, column: MixedColumn, main: bool) {
+    fn add(&mut self, column: Column, main: bool) {
         // No two columns have the same name: keys of cases have a dot, and measures none of these names.
         if self.column(&column.name).is_none() {
-            self.table.push(column);
+            // This cannot fail: every column has one value for each run.
+            let _ = self.table.set(column);
             self.main.push(main);
         }
     }
 
     /// The table with the selected columns.
-    pub fn select(&self, selection: Selection) -> MixedTable {
-        let columns = self.table.columns().iter().zip(&self.main);
-        let kept = columns.filter(|(_, main)| selection == Selection::All || **main);
-        let mut table = MixedTable::default();
-        kept.for_each(|(column, _)| table.push(column.clone()));
-        table
+    pub fn select(&self, selection: Selection) -> Table {
+        let main = |column: &Column| {
+            let named = self.table.names().zip(&self.main).find(|(name, _)| *name == column.name);
+            named.is_some_and(|(_, main)| *main)
+        };
+        self.table.columns_where(|column| selection == Selection::All || main(column))
     }
 
     /// A column.
-    pub fn column(&self, name: &str) -> Option<&MixedColumn> {
-        self.table.columns().iter().find(|column| column.name == name)
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.table.get(name)
     }
 }
 
 /// The column of a key: of numbers, or of words where it is a word in some run.
-fn of_key(key: &DifferingKey) -> MixedColumn {
+fn of_key(key: &DifferingKey) -> Column {
     let number = |value: &KeyValue| match value {
         KeyValue::Number(number) => Some(*number),
         KeyValue::Absent => Some(f64::NAN),
         KeyValue::Word(_) => None,
     };
     match key.values.iter().map(number).collect::<Option<Vec<f64>>>() {
-        Some(numbers) => MixedColumn::numbers(&key.key, &key.unit, numbers),
+        Some(numbers) => Column::new(&key.key, &key.unit, numbers),
         None => {
             let word = |value: &KeyValue| match value {
                 KeyValue::Number(number) => granum_core::quantity::format_number(*number),
                 KeyValue::Word(word) => word.clone(),
                 KeyValue::Absent => String::new(),
             };
-            MixedColumn::words(&key.key, key.values.iter().map(word).collect())
+            Column::of_words(&key.key, key.values.iter().map(word))
         }
     }
 }

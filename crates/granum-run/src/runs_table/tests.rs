@@ -23,7 +23,7 @@ fn a_row_has_the_keys_that_differ_the_measures_and_the_checks() {
     );
     let table = RunsTable::of(&[a, b]);
     let numbers =
-        |name: &str| table.column(name).unwrap_or_else(|| panic!("{name}")).as_numbers().unwrap().to_vec();
+        |name: &str| table.column(name).unwrap_or_else(|| panic!("{name}")).numbers().unwrap().to_vec();
     assert_eq!(numbers("stage.1.lateral_stress"), [5e4, 1e5]);
     assert_eq!(table.column("stage.1.lateral_stress").unwrap().unit, "Pa");
     assert_eq!(table.column("contact.normal").unwrap().text(1), "hertz");

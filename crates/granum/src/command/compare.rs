@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use granum_io::formats::mixed::{MixedColumn, MixedTable};
+use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Conventions, LaboratoryTest, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
@@ -202,7 +202,7 @@ fn curves(context: &Context, folder: &Path) -> Result<RunCurves, Failure> {
 
 /// The strength of runs, with the scatter of those that differ in their seeds alone, and the critical state line through them.
 struct Strength {
-    table: MixedTable,
+    table: Table,
     line: Option<CriticalStateLine>,
     /// Keys by which the runs are of different materials, which have no line in common.
     materials_differ_in: Vec<String>,
@@ -220,7 +220,7 @@ impl Strength {
 
     /// The rows of the table as objects.
     fn rows(&self) -> Vec<Value> {
-        let cell = |column: &MixedColumn, row: usize| match column.as_numbers() {
+        let cell = |column: &Column, row: usize| match column.numbers() {
             Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
             None => json!(column.text(row)),
         };

@@ -21,6 +21,7 @@ mod pair;
 mod predict;
 mod predict_surrogate;
 mod prediction_input;
+mod prediction_words;
 mod prepare;
 mod records;
 mod relation;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use granum_core::Table;
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, read_columns, write_table};
 use granum_learn::Surrogate;
@@ -10,6 +11,7 @@ use granum_learn::surrogate::{Cause, Estimate};
 use serde_json::{Value, json};
 
 use super::prediction_input::{LEVEL, outside_text, row};
+use super::prediction_words::InputWords;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -22,8 +24,10 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
         let known = columns.inputs.iter().find(|input| input.name == name);
         known.map_or_else(String::new, |input| input.unit.clone())
     };
-    let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), names.join(", "));
-    let row = row(&names, &unit, flags, &needs)?;
+    let words = InputWords::new(columns);
+    let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), words.names().join(", "));
+    let (given, numbers) = words.given(flags, &needs)?;
+    let row = words.row(&names, &given, row(&words.numbers, &unit, &numbers, &needs)?);
     let prediction = surrogate.predict_rows(&row, LEVEL)?.pop().unwrap_or_default();
     let named = columns.outputs.iter().zip(&prediction.values);
     let outside = prediction.outside.iter();
@@ -79,14 +83,16 @@ pub fn many(
     if let Some(output) = output {
         check_output_file(output, context.force)?;
     }
-    let names = surrogate.columns().input_names();
-    let inputs: Vec<&str> = names.iter().map(String::as_str).collect();
+    let words = InputWords::new(surrogate.columns());
+    let inputs: Vec<&str> = words.numbers.iter().map(String::as_str).collect();
     // A column that divides the rows into runs is used if there is one.
     let with_runs: Vec<&str> = inputs.iter().copied().chain([RUN]).collect();
-    let table = match inputs.contains(&RUN) {
+    let mut table = match inputs.contains(&RUN) {
+        _ if inputs.is_empty() => Table::default(),
         true => read_columns(input, &inputs)?,
         false => read_columns(input, &with_runs).or_else(|_| read_columns(input, &inputs))?,
     };
+    words.read_into(&mut table, input)?;
     let answers = predict_table(surrogate, &table, LEVEL)
         .map_err(|error| Failure::new(format!("{}: {error}", input.shown())))?;
     let outside =

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_core::parallel;
-use granum_io::formats::mixed::{MixedTable, MixedValues};
+use granum_core::{Column, parallel};
 use granum_io::shell::ShowPath;
-use granum_io::{Run, RunStatus, check_output_file};
+use granum_io::{Run, RunStatus, check_output_file, write_table};
 use granum_run::runs_table::{RunEntry, RunsTable, Selection, find_runs};
 use serde_json::{Map, Value, json};
 
@@ -59,7 +58,7 @@ impl Table {
         let table = RunsTable::of(&runs);
         let full = table.select(Selection::All);
         if let Some(path) = &self.output {
-            full.write(path)?;
+            write_table(path, &full)?;
         }
         let shown = if self.all { full.clone() } else { table.select(Selection::Main) };
         output::say(context, &as_json(&full, self.output.as_ref()), || {
@@ -83,20 +82,20 @@ fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<Run
 }
 
 /// The columns with their units, and the runs as objects.
-fn as_json(table: &MixedTable, output: Option<&PathBuf>) -> Value {
+fn as_json(table: &granum_core::Table, output: Option<&PathBuf>) -> Value {
     let units: Map<String, Value> = (table.columns().iter())
         .filter(|column| !column.unit.is_empty())
         .map(|column| (column.name.clone(), json!(column.unit)))
         .collect();
     let row = |row: usize| {
-        let value = |values: &MixedValues| match values {
-            MixedValues::Numbers(values) => match values.get(row).filter(|value| value.is_finite()) {
+        let value = |column: &Column| match column.numbers() {
+            Some(values) => match values.get(row).filter(|value| value.is_finite()) {
                 Some(whole) if whole.fract() == 0.0 && whole.abs() < 1e15 => json!(*whole as i64),
                 value => json!(value),
             },
-            MixedValues::Words(values) => json!(values.get(row)),
+            None => json!(column.word(row)),
         };
-        let cells = table.columns().iter().map(|column| (column.name.clone(), value(&column.values)));
+        let cells = table.columns().iter().map(|column| (column.name.clone(), value(column)));
         Value::Object(cells.collect())
     };
     let runs: Vec<Value> = (0..table.rows()).map(row).collect();

@@ -1,7 +1,7 @@
 //! A table of numbers and words as aligned text.
 
 use granum_core::quantity::format_number;
-use granum_io::formats::mixed::{MixedColumn, MixedTable, MixedValues};
+use granum_core::{Column, Table};
 
 /// Significant digits of numbers.
 const DIGITS: usize = 4;
@@ -10,7 +10,7 @@ const GAP: &str = "  ";
 
 /// The lines of a table: names, units if there are any, and a line for each row. A long name is broken at its dots and
 /// underscores, so that a column is not wider than it must be.
-pub fn lines(table: &MixedTable) -> Vec<String> {
+pub fn lines(table: &Table) -> Vec<String> {
     let columns: Vec<Vec<String>> =
         table.columns().iter().map(|column| cells(column, table.rows())).collect();
     let heads: Vec<Vec<String>> = (table.columns().iter().zip(&columns))
@@ -40,9 +40,9 @@ pub fn lines(table: &MixedTable) -> Vec<String> {
     let line = |row: usize| {
         let cell = |k: usize| {
             let (text, width) = (&full[k][row], widths[k]);
-            match table.columns()[k].values {
-                MixedValues::Numbers(_) => format!("{text:>width$}"),
-                MixedValues::Words(_) => format!("{text:<width$}"),
+            match table.columns()[k].has_words() {
+                false => format!("{text:>width$}"),
+                true => format!("{text:<width$}"),
             }
         };
         (0..full.len()).map(cell).collect::<Vec<_>>().join(GAP).trim_end().to_string()
@@ -50,10 +50,10 @@ pub fn lines(table: &MixedTable) -> Vec<String> {
     (0..rows).map(line).collect()
 }
 
-fn cells(column: &MixedColumn, rows: usize) -> Vec<String> {
-    match &column.values {
-        MixedValues::Numbers(values) => values.iter().map(|value| number(*value)).collect(),
-        MixedValues::Words(_) => (0..rows)
+fn cells(column: &Column, rows: usize) -> Vec<String> {
+    match column.numbers() {
+        Some(values) => values.iter().map(|value| number(*value)).collect(),
+        None => (0..rows)
             .map(|row| column.text(row).replace(char::is_control, " "))
             .map(|text| if text.is_empty() { "-".into() } else { text })
             .collect(),
@@ -101,10 +101,12 @@ mod tests {
 
     #[test]
     fn columns_are_aligned_below_their_names_and_units() {
-        let mut table = MixedTable::default();
-        table.push(MixedColumn::words("name", vec!["a".into(), "long-name".into()]));
-        table.push(MixedColumn::numbers("stage.1.lateral_stress", "Pa", vec![5e4, 1e5]));
-        table.push(MixedColumn::numbers("void_ratio", "", vec![2.0 / 3.0, f64::NAN]));
+        let table = Table::new(vec![
+            Column::of_words("name", ["a", "long-name"]),
+            Column::new("stage.1.lateral_stress", "Pa", vec![5e4, 1e5]),
+            Column::new("void_ratio", "", vec![2.0 / 3.0, f64::NAN]),
+        ])
+        .unwrap();
         let wanted = [
             "           stage.1.",
             "           lateral_",

@@ -52,7 +52,7 @@ const PAPER_TRAINER: &str = "traingdx";
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
-                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns"
+                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns\n  granum train run-1 run-2 --columns"
 )]
 pub struct Train {
     /// Run folders for training.
@@ -185,6 +185,9 @@ impl StudyObserver for Show<'_> {
 impl Train {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut options = self.options()?;
+        if self.study.lists_columns() {
+            return train_study::list_columns(context, &self.runs, &self.unseen);
+        }
         if self.study.is_given() {
             let (runs, unseen, out, threads) = (&self.runs, &self.unseen, &self.out, options.threads);
             return train_study::train(

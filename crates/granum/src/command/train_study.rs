@@ -8,12 +8,14 @@ use granum::contents::{FolderKind, check_free};
 use granum_io::run::RunRecord;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run};
+use granum_learn::dataset::CatalogueEntry;
 use granum_learn::runs::{RunRole, differences_but_seed};
 use granum_learn::study::{self, STUDY_FILE, Study, StudyDefinition, StudyObserver, StudyPlan, StudyScores};
 use granum_learn::surrogate::{Surrogate, save};
 use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split, SurrogateMethods};
 use granum_run::laboratory::Field;
 use granum_run::runs_table::{RunEntry, differing_keys};
+use granum_sensors::Sensors;
 use serde_json::json;
 
 use super::records::{self, Recorded};
@@ -28,12 +30,14 @@ use crate::surrogate_methods::surrogate_methods;
 #[derive(Args, Clone, Default)]
 #[command(next_help_heading = "Any columns instead of the mappings of the paper")]
 pub struct StudyFlags {
-    /// Columns that are inputs: of the series (stress_ratio), of the case (grains.material.friction), or the name of a
-    /// histogram for all of its bins (probability_density).
+    /// Columns that are inputs: of the series (stress_ratio), of the case (grains.material.friction, contact.normal), of the sample
+    /// (sample.void_ratio), the bin of a histogram (probability_density_0.125), or the name of a histogram for all of its
+    /// bins (probability_density). --columns lists them. A word such as contact.normal becomes a column of zeros and ones
+    /// for each law that the training runs have.
     #[arg(long, value_name = "COLUMN", value_delimiter = ',', requires = "output",
           conflicts_with_all = ["trainer", "form", "epoch_factor", "mixed"])]
     input: Vec<String>,
-    /// Columns that are predicted, each by a surrogate of its own.
+    /// Columns that are predicted, each by a surrogate of its own; any column of numbers.
     #[arg(long, value_name = "COLUMN", value_delimiter = ',', requires = "input")]
     output: Vec<String>,
     /// The column along which a test runs, such as deviator_strain or arc_length; it is an input as well. Without it, means and
@@ -42,6 +46,9 @@ pub struct StudyFlags {
     coordinate: Option<String>,
     #[arg(long, value_name = "NAME", value_delimiter = ',', default_value = "feed-forward", help = methods())]
     method: Vec<String>,
+    /// List the columns that all of the runs have, with their units and meanings; train nothing.
+    #[arg(long, conflicts_with_all = ["input", "output", "trainer", "form", "epoch_factor", "mixed"])]
+    columns: bool,
 }
 
 /// The help text of `--method`: the names of all methods.
@@ -51,6 +58,11 @@ fn methods() -> String {
 }
 
 impl StudyFlags {
+    /// True if the columns are to be listed.
+    pub fn lists_columns(&self) -> bool {
+        self.columns
+    }
+
     /// True if a study of columns was asked for.
     pub fn is_given(&self) -> bool {
         !self.input.is_empty()
@@ -105,7 +117,6 @@ fn run(
     records::check_different(&all)?;
     let folders: Vec<&PathBuf> = training.runs.iter().chain(training.unseen).collect();
     let dataset = dataset(&all, &folders)?;
-    check_numbers(&dataset, &all, &fits)?;
     note_differences(context, &all, &fits);
     let names_of_unseen = dataset.runs()[learned.len()..].iter().map(|run| run.name().to_owned());
     let mut definition = StudyDefinition::new(fits, names, Split::default().unseen(names_of_unseen));
@@ -146,19 +157,34 @@ pub fn dataset(runs: &[&Recorded], folders: &[&PathBuf]) -> Result<Dataset, Fail
     Ok(Dataset::new(runs.iter().zip(folders).map(read).collect::<Result<_, LearnError>>()?)?)
 }
 
-/// Refuses keys of the case whose values are words.
-fn check_numbers(dataset: &Dataset, runs: &[&Recorded], fits: &[FitSpec]) -> Result<(), Failure> {
-    for name in fits.iter().flat_map(|fit| fit.inputs.iter().chain(&fit.outputs)) {
-        let known = dataset.runs().iter().any(|run| run.has(name) || run.group(name).is_some());
-        let word = runs.iter().find_map(|run| run.known.values.get(name));
-        if let Some(word) = word.filter(|_| !known) {
-            return Err(Failure::new(format!(
-                "{name} is {word} in {}, not a number; inputs and outputs are columns of numbers",
-                runs[0].name
-            )));
+/// Lists the columns that runs have.
+pub fn list_columns(context: &Context, runs: &[PathBuf], unseen: &[PathBuf]) -> Result<(), Failure> {
+    let reading = context.nothing_written(Some("reading the runs"));
+    let all =
+        [records::read(context, runs, RunRole::Training)?, records::read(context, unseen, RunRole::Unseen)?];
+    let all: Vec<&Recorded> = all.iter().flatten().collect();
+    records::check_different(&all)?;
+    let folders: Vec<&PathBuf> = runs.iter().chain(unseen).collect();
+    let sections = dataset(&all, &folders)?.catalogue(&Sensors::standard());
+    drop(reading);
+    let entry = |kind: &str, entry: &CatalogueEntry| {
+        let CatalogueEntry { name, unit, meaning, .. } = entry;
+        json!({ "kind": kind, "name": name, "unit": unit, "meaning": meaning })
+    };
+    let each =
+        sections.iter().flat_map(|section| section.entries.iter().map(move |one| entry(section.title, one)));
+    output::say(context, &json!({ "columns": each.collect::<Vec<_>>() }), || {
+        let mut lines = Vec::new();
+        for section in &sections {
+            lines.push(format!("{}:", section.title));
+            lines.extend(section.entries.iter().map(|CatalogueEntry { name, unit, meaning, .. }| {
+                let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+                let meaning = if meaning.is_empty() { String::new() } else { format!(": {meaning}") };
+                format!("  {name}{unit}{meaning}")
+            }));
         }
-    }
-    Ok(())
+        lines.join("\n")
+    })
 }
 
 /// Says which keys differ between the runs without being an input, since the surrogates cannot know about them.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::networks::{make_run, make_run_of};
-use crate::{done, done_json, refused};
+use crate::{SMALL, done, done_json, refused};
 
 const TRAIN: [&str; 14] = [
     "train",
@@ -131,7 +131,7 @@ fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
     assert!(refuse(&with("stress_ration")).contains("did you mean stress_ratio?"));
     assert!(refuse(&with("stress_ratio")).contains("stress_ratio is both an input and an output"));
     let message = refuse(&with("contact.normal"));
-    assert!(message.contains("contact.normal is") && message.contains("not a number"), "{message}");
+    assert!(message.contains("the input contact.normal is jkr in all training runs"), "{message}");
     let message = refuse(&with("grains.count"));
     assert!(message.contains("in all training states") && message.contains("leave it out"), "{message}");
     let message = refuse(&["--input", "deviator_strain", "--output", "stress_ratio", "--method", "rigde"]);
@@ -142,4 +142,77 @@ fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
     assert!(refused(here, 2, &without).contains("--output"));
     let both = [&one[..], &["--form", "point"]].concat();
     assert!(refused(here, 2, &both).contains("cannot be used with"));
+}
+
+/// Words of the case, measures of the sample, and bins of any histogram are columns; a surrogate is asked with the word.
+#[test]
+fn words_samples_and_every_histogram_are_columns() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let case = SMALL
+        .replace("count = 150", "count = 100")
+        .replace("[recording]", "[recording]\nsensors = ['overlap_distribution']");
+    std::fs::write(here.join("case.toml"), case).unwrap();
+    for (name, law, seed) in
+        [("slip", "mindlin-deresiewicz", 1), ("stick", "no-slip", 2), ("new", "no-slip", 3)]
+    {
+        let [law, seed] = [format!("contact.tangential={law}"), format!("preparation.seed={seed}")];
+        done(here, &["shear", "case.toml", "--out", name, "--set", &law, "--set", &seed]);
+    }
+    done(here, &["export", "slip", "--table", "overlaps", "-o", "overlaps.csv"]);
+    let table = granum_io::read_table(here.join("overlaps.csv")).unwrap();
+    let names = ["stage", "state", "overlap", "bin_width", "count", "probability_density"];
+    assert_eq!(table.names().collect::<Vec<_>>(), names);
+
+    let listed = done_json(here, &["train", "slip", "stick", "--columns"]);
+    let meaning = |name: &str| -> String {
+        let all = listed["columns"].as_array().unwrap().iter();
+        let found = all
+            .clone()
+            .find(|column| column["name"] == name)
+            .unwrap_or_else(|| panic!("no {name}: {listed}"));
+        found["meaning"].as_str().unwrap().to_string()
+    };
+    assert_eq!(meaning("contact.tangential"), "a word, here mindlin-deresiewicz, no-slip");
+    assert_eq!(meaning("grains.count"), "100 in all runs");
+    assert!(meaning("overlaps_probability_density").contains("density of overlap in 24 bins"));
+    assert!(meaning("sample.coordination_number").contains("over all grains"));
+
+    let inputs = "contact.tangential,sample.void_ratio,overlaps_probability_density";
+    let outputs = "stress_ratio,overlaps_below,probability_density_0.625";
+    let fit =
+        ["--coordinate", "deviator_strain", "--method", "ridge", "--input", inputs, "--output", outputs];
+    let line = ["train", "slip", "stick", "--unseen", "new", "-o", "study"];
+    let trained = done_json(here, &[&line[..], &fit].concat());
+    assert_eq!(trained["fits"][2]["name"], "probability_density_0_625");
+
+    let simple =
+        ["--input", "contact.tangential", "--output", "stress_ratio", "--coordinate", "deviator_strain"];
+    done(
+        here,
+        &[&["train", "slip", "stick", "--unseen", "new", "-o", "laws", "--method", "ridge"][..], &simple]
+            .concat(),
+    );
+    let ask = |law: &str| {
+        let law = format!("contact.tangential={law}");
+        ["predict", "laws", "-m", "stress_ratio-ridge", "-s", "deviator_strain=0.01", "-s", &law]
+            .map(String::from)
+    };
+    let answer = |law: &str| {
+        done_json(here, &ask(law).each_ref().map(String::as_str))["outputs"][0]["mean"].as_f64().unwrap()
+    };
+    let (slip, stick) = (answer("mindlin-deresiewicz"), answer("no-slip"));
+    assert_ne!(slip, stick);
+    let message = refused(here, 1, &ask("rough").each_ref().map(String::as_str));
+    assert!(message.contains("it must be mindlin-deresiewicz or no-slip"), "{message}");
+    let rows = "contact.tangential,deviator_strain\nno-slip,0.01\nmindlin-deresiewicz,0.01\n";
+    std::fs::write(here.join("rows.csv"), rows).unwrap();
+    let many = ["predict", "laws", "-m", "stress_ratio-ridge", "--input", "rows.csv", "-o", "answers.csv"];
+    done(here, &many);
+    let answers = granum_io::read_columns(here.join("answers.csv"), &["predicted_stress_ratio"]).unwrap();
+    assert_eq!(answers.columns()[0].values, [stick, slip]);
+    let other =
+        ["train", "slip", "stick", "--unseen", "new", "-o", "none", "--input", "deviator_strain", "--output"];
+    let message = refused(here, 1, &[&other[..], &["contact.tangential"]].concat());
+    assert!(message.contains("an output must be a number"), "{message}");
 }

@@ -1,7 +1,7 @@
-//! Apache Parquet: flat numeric columns.
+//! Apache Parquet: flat columns of numbers and of words.
 //!
-//! Files are written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64` or
-//! `BOOLEAN` for columns of that [`ColumnKind`]), with units as key-value metadata `granum.units` (JSON). Nothing in the
+//! Files are written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64`,
+//! `BOOLEAN` or UTF-8 text for columns of that [`ColumnKind`]), with units as key-value metadata `granum.units` (JSON). Nothing in the
 //! file depends on time or machine: equal tables give equal bytes. Flat columns of booleans, integers and floating-point
 //! numbers are read from files of any writer, uncompressed or snappy; a null becomes NaN. Sizes given in the file are
 //! checked against the size of the file before memory is allocated for them.
@@ -9,6 +9,7 @@
 mod format;
 mod sizes;
 mod thrift;
+mod words;
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -18,7 +19,7 @@ use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaDataReader};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
@@ -30,7 +31,6 @@ use crate::atomic::write_atomically;
 use crate::contain::contain;
 use crate::error::{Error, Result};
 use crate::formats::TableFormat;
-use crate::formats::mixed::{MixedColumn, MixedTable, MixedValues};
 use granum_core::names::suggestion;
 use granum_core::{Column, ColumnKind, Table};
 
@@ -55,6 +55,9 @@ impl TableFormat for Parquet {
     }
     fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
         read(path, names)
+    }
+    fn read_with_words(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
+        read_with_words(path, names)
     }
     fn write(&self, path: &Path, table: &Table) -> Result<()> {
         write(path, table)
@@ -96,43 +99,6 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
     failed.map_or(written, Err)
 }
 
-/// Writes a table of numbers and words: numbers as `DOUBLE`, words as UTF-8 text.
-pub(super) fn write_mixed(path: &Path, table: &MixedTable) -> Result<()> {
-    write_atomically(path, |file| write_mixed_to(file, table).map_err(io_error))
-}
-
-fn write_mixed_to<W: Write + Send>(writer: W, table: &MixedTable) -> parquet::errors::Result<()> {
-    let field = |column: &MixedColumn| {
-        let field = match column.values {
-            MixedValues::Numbers(_) => Type::primitive_type_builder(&column.name, Physical::DOUBLE),
-            MixedValues::Words(_) => Type::primitive_type_builder(&column.name, Physical::BYTE_ARRAY)
-                .with_converted_type(ConvertedType::UTF8),
-        };
-        Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
-    };
-    let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
-    let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
-    let mut file = begin(writer, fields, &units)?;
-    let mut group = file.next_row_group()?;
-    for column in table.columns() {
-        if let Some(mut writer) = group.next_column()? {
-            match &column.values {
-                MixedValues::Numbers(values) => {
-                    writer.typed::<DoubleType>().write_batch(values, None, None)?;
-                }
-                MixedValues::Words(values) => {
-                    let words: Vec<ByteArray> =
-                        values.iter().map(|word| ByteArray::from(word.as_str())).collect();
-                    writer.typed::<ByteArrayType>().write_batch(&words, None, None)?;
-                }
-            }
-            writer.close()?;
-        }
-    }
-    group.close()?;
-    file.close().map(|_| ())
-}
-
 /// Stores the error of a part, and returns an error for the writer.
 fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
     *failed = Some(error);
@@ -146,8 +112,10 @@ fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<S
             ColumnKind::Real => Physical::DOUBLE,
             ColumnKind::Integer => Physical::INT64,
             ColumnKind::Boolean => Physical::BOOLEAN,
+            ColumnKind::Word => Physical::BYTE_ARRAY,
         };
-        let field = Type::primitive_type_builder(&column.name, physical);
+        let text = if column.has_words() { ConvertedType::UTF8 } else { ConvertedType::NONE };
+        let field = Type::primitive_type_builder(&column.name, physical).with_converted_type(text);
         Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
     };
     let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
@@ -199,6 +167,10 @@ fn write_group<W: Write + Send>(
                     })?;
                     writer.typed::<BoolType>().write_batch(&values, None, None)?;
                 }
+                ColumnKind::Word => {
+                    let texts = words::texts(column, rows.clone());
+                    writer.typed::<ByteArrayType>().write_batch(&texts, None, None)?;
+                }
             }
             writer.close()?;
         }
@@ -245,7 +217,30 @@ fn io_error(error: ParquetError) -> io::Error {
 /// compression other than snappy, lacks a column, or a requested column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
-    read_contained(path, file, names)
+    read_contained(path, file, names, Taken::Numbers)
+}
+
+/// The same as [`read`], with columns of text (UTF-8) as words.
+///
+/// # Errors
+/// As for [`read`], and if a text is not UTF-8.
+pub fn read_with_words(path: &Path, names: Option<&[&str]>) -> Result<Table> {
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    read_contained(path, file, names, Taken::NumbersAndWords)
+}
+
+/// Which columns are taken.
+#[derive(Clone, Copy, PartialEq)]
+enum Taken {
+    Numbers,
+    NumbersAndWords,
+}
+
+impl Taken {
+    /// The reason why a column is not taken, if there is one.
+    fn refuses(self, column: &ColumnDescriptor) -> Option<String> {
+        not_numeric(column).filter(|_| self == Taken::Numbers || !words::is_text(column))
+    }
 }
 
 /// The same as [`read`], from memory; `name` is used in messages.
@@ -253,23 +248,33 @@ pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 /// # Errors
 /// [`Error::Content`] as for [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, names: Option<&[&str]>) -> Result<Table> {
-    read_contained(Path::new(name), bytes::Bytes::from(bytes), names)
+    read_contained(Path::new(name), bytes::Bytes::from(bytes), names, Taken::Numbers)
 }
 
-fn read_contained(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&str]>) -> Result<Table> {
-    contain(|| read_from(path, input, names)).unwrap_or_else(|| {
+fn read_contained(
+    path: &Path,
+    input: impl ChunkReader + 'static,
+    names: Option<&[&str]>,
+    taken: Taken,
+) -> Result<Table> {
+    contain(|| read_from(path, input, names, taken)).unwrap_or_else(|| {
         Err(Error::content(path, "is not a Parquet file or is damaged (its pages cannot be decoded)"))
     })
 }
 
-fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&str]>) -> Result<Table> {
+fn read_from(
+    path: &Path,
+    input: impl ChunkReader + 'static,
+    names: Option<&[&str]>,
+    taken: Taken,
+) -> Result<Table> {
     let bytes = input.len();
     let wrong = |why: String| Error::content(path, why);
     let damaged = |error: ParquetError| Error::content(path, explain(&error));
     sizes::check_footer(&input).map_err(wrong)?;
     let metadata = ParquetMetaDataReader::new().parse_and_finish(&input).map_err(damaged)?;
     let schema = metadata.file_metadata().schema_descr();
-    let wanted = choose(path, schema.columns(), names)?;
+    let wanted = choose(path, schema.columns(), names, taken)?;
     let allowed = FREE_VALUES.max(bytes.saturating_mul(VALUES_PER_BYTE));
     let rows = u64::try_from(metadata.file_metadata().num_rows()).unwrap_or(u64::MAX);
     if rows.saturating_mul(wanted.len() as u64) > allowed {
@@ -297,12 +302,23 @@ fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&st
             Column::new(name, unit, Vec::new()).of_kind(kind)
         })
         .collect();
+    let mut texts: Vec<Vec<String>> = vec![Vec::new(); columns.len()];
     for group in 0..metadata.num_row_groups() {
         let group = reader.get_row_group(group).map_err(damaged)?;
-        for (column, at) in columns.iter_mut().zip(&wanted) {
+        for ((column, at), texts) in columns.iter_mut().zip(&wanted).zip(&mut texts) {
             let left = (rows as usize).saturating_sub(column.values.len());
-            let result = read_chunk(group.as_ref(), *at, left, &mut column.values);
+            let result = match words::is_text(&schema.column(*at)) {
+                true => {
+                    words::read_chunk(group.as_ref(), *at, (rows as usize).saturating_sub(texts.len()), texts)
+                }
+                false => read_chunk(group.as_ref(), *at, left, &mut column.values),
+            };
             result.map_err(|why| Error::content(path, format!("column {}: {why}", column.name)))?;
+        }
+    }
+    for ((column, at), texts) in columns.iter_mut().zip(&wanted).zip(texts) {
+        if words::is_text(&schema.column(*at)) {
+            *column = Column::of_words(std::mem::take(&mut column.name), texts);
         }
     }
     if let Some(short) = columns.iter().find(|column| column.values.len() as u64 != rows) {
@@ -316,10 +332,15 @@ fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&st
 }
 
 /// Indices of the requested columns.
-fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>) -> Result<Vec<usize>> {
+fn choose(
+    path: &Path,
+    columns: &[Arc<ColumnDescriptor>],
+    names: Option<&[&str]>,
+    taken: Taken,
+) -> Result<Vec<usize>> {
     let Some(names) = names else {
         let numeric: Vec<usize> =
-            (0..columns.len()).filter(|at| not_numeric(&columns[*at]).is_none()).collect();
+            (0..columns.len()).filter(|at| taken.refuses(&columns[*at]).is_none()).collect();
         if numeric.is_empty() {
             return Err(Error::content(path, "has no flat numeric column"));
         }
@@ -335,7 +356,7 @@ fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>
                     let help = suggestion(name, columns.iter().map(|column| column.name()));
                     Error::content(path, format!("there is no column {name}; {help}"))
                 })?;
-            match not_numeric(&columns[at]) {
+            match taken.refuses(&columns[at]) {
                 None => Ok(at),
                 Some(why) => Err(Error::content(path, format!("column {name} {why}"))),
             }

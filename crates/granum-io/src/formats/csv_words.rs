@@ -1,0 +1,179 @@
+//! Comma-separated values with columns of words: tables of runs, for instance.
+//!
+//! A number that is not known is an empty cell; texts are quoted where they need it (RFC 4180), and a quoted text may not contain a line
+//! break when it is read. Equal tables give equal bytes.
+
+use std::io::{self, BufRead, Write};
+use std::path::Path;
+
+use granum_core::{Column, Table};
+
+use super::csv::{Lines, position};
+use crate::error::{Error, Result};
+
+/// Writes a table with words.
+///
+/// # Errors
+/// Errors of the writer.
+pub(super) fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<()> {
+    let mut line = |cells: Vec<String>| writeln!(writer, "{}", cells.join(","));
+    line(table.names().map(quoted).collect())?;
+    for row in 0..table.rows() {
+        line(table.columns().iter().map(|column| quoted(&column.text(row))).collect())?;
+    }
+    Ok(())
+}
+
+/// A cell of CSV.
+fn quoted(text: &str) -> String {
+    let is_plain = text.trim() == text && !text.contains([',', '"', '\n', '\r']) && !text.starts_with('#');
+    if is_plain { text.to_string() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+}
+
+/// Reads the named columns, in that order, or all. A column is one of numbers if each of its cells is a number or empty, otherwise one of
+/// words.
+///
+/// # Errors
+/// If the file cannot be read; [`Error::Input`] with its place for a quote that is not closed or a row of another length;
+/// [`Error::Content`] for a missing column.
+pub(super) fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
+    read_lines(&mut Lines::open(path)?, names)
+}
+
+fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Result<Table> {
+    let mut header: Option<Vec<String>> = None;
+    let mut texts: Vec<Vec<String>> = Vec::new();
+    while lines.advance()? {
+        if lines.is_empty() {
+            continue;
+        }
+        let cells = cells(lines)?;
+        let Some(header) = &header else {
+            texts = vec![Vec::new(); cells.len()];
+            header = Some(cells);
+            continue;
+        };
+        if cells.len() != header.len() {
+            let message =
+                format!("the row has {} cells, but the header names {} columns", cells.len(), header.len());
+            return Err(lines.error(0..lines.line().len(), message).into());
+        }
+        texts.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
+    }
+    let header = header.ok_or_else(|| {
+        Error::content(Path::new(lines.file()), "is empty; the first line must name the columns")
+    })?;
+    let wanted: Vec<usize> = match names {
+        None => (0..header.len()).collect(),
+        Some(names) => {
+            names.iter().map(|name| position(lines.file(), &header, name)).collect::<Result<_>>()?
+        }
+    };
+    Ok(Table::new(wanted.iter().map(|at| column(&header[*at], &texts[*at])).collect())?)
+}
+
+/// The cells of the current line without quotes.
+fn cells<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
+    let line = lines.line();
+    let mut cells = Vec::new();
+    let mut rest = line;
+    loop {
+        let start = rest.trim_start();
+        let (cell, after) = match start.strip_prefix('"') {
+            None => {
+                let end = start.find(',').unwrap_or(start.len());
+                (start[..end].trim_end().to_string(), &start[end..])
+            }
+            Some(inner) => match in_quotes(inner) {
+                Some((cell, after)) => (cell, after.trim_start()),
+                None => {
+                    let at = line.len() - start.len();
+                    return Err(lines.error(at..line.len(), "the quote is not closed".into()).into());
+                }
+            },
+        };
+        cells.push(cell);
+        match after.strip_prefix(',') {
+            Some(next) => rest = next,
+            None if after.is_empty() => return Ok(cells),
+            None => {
+                let at = line.len() - after.len();
+                return Err(lines.error(at..line.len(), "a comma must follow the quoted text".into()).into());
+            }
+        }
+    }
+}
+
+/// The text up to the closing quote, in which two quotes stand for one, and what follows.
+fn in_quotes(text: &str) -> Option<(String, &str)> {
+    let mut cell = String::new();
+    let mut rest = text;
+    loop {
+        let end = rest.find('"')?;
+        cell.push_str(&rest[..end]);
+        rest = &rest[end + 1..];
+        match rest.strip_prefix('"') {
+            Some(next) => {
+                cell.push('"');
+                rest = next;
+            }
+            None => return Some((cell, rest)),
+        }
+    }
+}
+
+fn column(name: &str, texts: &[String]) -> Column {
+    let number = |text: &String| if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
+    match texts.iter().map(number).collect::<Option<Vec<f64>>>() {
+        Some(numbers) => Column::new(name, "", numbers),
+        None => Column::of_words(name, texts.iter().map(String::as_str)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{read_table, read_table_with_words, write_table};
+
+    fn table() -> Table {
+        Table::new(vec![
+            Column::of_words("name", ["a,b", "say \"x\"", ""]),
+            Column::new("stress", "Pa", vec![5e4, f64::NAN, -1e-3]),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn words_are_quoted_where_they_need_it_and_come_back() {
+        let base = tempfile::tempdir().unwrap();
+        for name in ["t.csv", "t.parquet"] {
+            let path = base.path().join(name);
+            write_table(&path, &table()).unwrap();
+            let back = read_table_with_words(&path, Some(&["stress", "name"])).unwrap();
+            assert_eq!(back.get("name").unwrap(), table().get("name").unwrap(), "{name}");
+            let stress = back.column("stress").unwrap();
+            assert!(stress[0] == 5e4 && stress[1].is_nan() && stress[2] == -1e-3, "{name}");
+            let error = read_table_with_words(&path, Some(&["nam"])).unwrap_err().to_string();
+            assert!(error.contains("did you mean name?"), "{error}");
+        }
+        let text = std::fs::read_to_string(base.path().join("t.csv")).unwrap();
+        assert_eq!(text, "name,stress\n\"a,b\",50000\n\"say \"\"x\"\"\",\n,-0.001\n");
+        // A reader of numbers passes over the words of a Parquet file.
+        let numbers = read_table(base.path().join("t.parquet")).unwrap();
+        assert_eq!(numbers.names().collect::<Vec<_>>(), ["stress"]);
+        assert_eq!(numbers.columns()[0].unit, "Pa");
+        let error = write_table(base.path().join("t.xls"), &table()).unwrap_err().to_string();
+        assert!(error.contains(".csv or .parquet"), "{error}");
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        let message =
+            |text: &str| read_lines(&mut Lines::new(text.as_bytes(), "t.csv"), None).unwrap_err().to_string();
+        assert_eq!(message("a,b\n1,\"x\n"), "t.csv:2:3: the quote is not closed");
+        assert_eq!(message("a,b\n\"x\"y,1\n"), "t.csv:2:4: a comma must follow the quoted text");
+        assert_eq!(message("a,b\nx\n"), "t.csv:2:1: the row has 1 cells, but the header names 2 columns");
+        assert_eq!(message("# no\n"), "t.csv: is empty; the first line must name the columns");
+        assert!(message("a,a\n1,2\n").contains("two columns have the name a"));
+    }
+}
