@@ -42,9 +42,9 @@ fn seed(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Seed {
 fn cases() -> Vec<Seed> {
     let mut case = Case::default();
     let short = "[grains]\ncount = 1_000\ndiameter = \"0.2 mm\"\n[shear]\nstrain_rate = \"1e-5 /s\"\ndensity_scaling = 1e12\n";
-    let mut record = RunRecord::new("shear", "0.1.0", &case, Machine::here("avx2", 2));
-    record.steps.insert("shear".into(), 1000);
-    record.wall_seconds.insert("shear".into(), 0.3);
+    let mut record = RunRecord::new("test", "0.1.0", &case, Machine::here("avx2", 2));
+    record.steps.insert("test".into(), 1000);
+    record.wall_seconds.insert("test".into(), 0.3);
     record.measures.insert("solid_fraction".into(), f64::NAN);
     record.quality.push(QualityFlag::at_most("servo_error_rms", 0.004, 0.01, "lower the rate"));
     record.unwritten_case = Some("[grains]\ncount = 70\n".into());

@@ -117,7 +117,7 @@ mod tests {
     /// Creates the folder of a run with the given source.
     fn make(path: &Path, source: RunSource) -> Run {
         let folder = RunFolder::create(path, false).unwrap();
-        let mut record = RunRecord::new("shear", "0.1.0", &Case::default(), Machine::here("avx2", 1));
+        let mut record = RunRecord::new("test", "0.1.0", &Case::default(), Machine::here("avx2", 1));
         record.source = source;
         folder.write_record(&record).unwrap();
         folder.run()

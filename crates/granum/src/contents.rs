@@ -240,7 +240,7 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
     let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT].iter().any(|file| folder.join(file).is_file());
     match record.status {
         RunStatus::Finished if record.kind == "prepare" => {
-            Next::new("shear it", format!("granum shear CASE --sample {name}"))
+            Next::new("test it", format!("granum run CASE --sample {name}"))
         }
         RunStatus::Finished if folder.join(REPORT_FILE).is_file() => {
             let what = format!("its report is {}; write it again", folder.join(REPORT_FILE).shown());

@@ -55,7 +55,7 @@ impl Progress {
         Progress { display, phase: String::new(), started: Instant::now() }
     }
 
-    /// Starts a phase, e.g. "compress", "shear", "train F1".
+    /// Starts a phase, e.g. "compaction", "test", "train F1".
     pub fn phase(&mut self, name: impl Into<String>) {
         self.phase = name.into();
         self.started = Instant::now();
@@ -197,9 +197,9 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let room = |phase: &str, columns: usize| columns - phase.len() - AROUND;
-        let line = fitting(fields(), room("shear", 80));
+        let line = fitting(fields(), room("test", 80));
         assert_eq!(line, "strain 0.123  q/p 0.612  density 0.620  18.4 M/s  59 min 59 s left");
-        assert_eq!(fitting(fields(), room("shear", 100)).matches("p 20.0 kPa").count(), 1);
+        assert_eq!(fitting(fields(), room("test", 100)).matches("p 20.0 kPa").count(), 1);
         let mut many = vec![Field::new(0, "seed 11"), Field::new(4, "relaxation")];
         many.extend(fields());
         let line = fitting(many, room("DEM", 80));

@@ -31,7 +31,7 @@ pub use check::Fault;
 pub use run_folder::RunFolder;
 
 pub use record::{
-    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunRecord, RunSource, RunStatus,
+    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunRecord, RunSource, RunStatus, TEST,
     nulls_are_nan,
 };
 

@@ -110,6 +110,28 @@ impl Machine {
 /// Name of granum's own engine, which records leave out.
 pub const OWN_ENGINE: &str = "granum";
 
+/// The word for a test: the kind of its run, and the phase of its steps and times.
+pub const TEST: &str = "test";
+/// The word for it in records of earlier versions.
+const FIRST_WORD_FOR_TEST: &str = "shear";
+
+/// The present word for a kind of run, or for a phase.
+fn of_this_version(word: String) -> String {
+    if word == FIRST_WORD_FOR_TEST { TEST.to_string() } else { word }
+}
+
+fn kind_of_any_version<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<String, D::Error> {
+    String::deserialize(input).map(of_this_version)
+}
+
+/// Reads values by phase.
+pub(super) fn phases_of_any_version<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    input: D,
+) -> std::result::Result<BTreeMap<String, T>, D::Error> {
+    let phases = BTreeMap::<String, T>::deserialize(input)?;
+    Ok(phases.into_iter().map(|(phase, value)| (of_this_version(phase), value)).collect())
+}
+
 fn own_engine() -> String {
     OWN_ENGINE.to_string()
 }
@@ -125,7 +147,8 @@ pub struct RunRecord {
     pub format: u32,
     /// Version of granum that executed the run.
     pub granum_version: String,
-    /// The kind of the run, e.g. `prepare`, `shear`.
+    /// The kind of the run, e.g. `prepare`, [`TEST`].
+    #[serde(deserialize_with = "kind_of_any_version")]
     pub kind: String,
     /// Its status.
     pub status: RunStatus,
@@ -153,11 +176,11 @@ pub struct RunRecord {
     pub phase: String,
     /// Number of grains.
     pub grains: usize,
-    /// Steps by phase.
-    #[serde(default)]
+    /// Steps by phase: `prepare`, `consolidation`, [`TEST`].
+    #[serde(default, deserialize_with = "phases_of_any_version")]
     pub steps: BTreeMap<String, u64>,
     /// Seconds of wall time by phase; in the file `seconds.json`.
-    #[serde(default, skip_serializing)]
+    #[serde(default, skip_serializing, deserialize_with = "phases_of_any_version")]
     pub wall_seconds: BTreeMap<String, f64>,
     /// Quantities that the run measured once, by name, in SI units: solid fraction, coordination numbers...
     #[serde(default, deserialize_with = "nulls_are_nan")]

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fs;
 
 fn record() -> RunRecord {
-    let mut record = RunRecord::new("shear", "0.1.0", &Case::default(), Machine::here("avx2", 2));
+    let mut record = RunRecord::new(TEST, "0.1.0", &Case::default(), Machine::here("avx2", 2));
     record.status = RunStatus::Finished;
-    record.steps.insert("shear".into(), 1000);
-    record.wall_seconds.insert("shear".into(), 0.1 + 0.2);
+    record.steps.insert(TEST.into(), 1000);
+    record.wall_seconds.insert(TEST.into(), 0.1 + 0.2);
     record.measures.insert("solid_fraction".into(), 0.61);
     record.quality.push(QualityFlag::at_most("servo_error_rms", 0.004, 0.01, "lower the strain rate"));
     record
@@ -258,7 +258,9 @@ fn runs_of_earlier_versions_are_read_and_say_what_cannot_be_checked() {
     let mut old: serde_json::Value = serde_json::from_slice(&fs::read(path.join(RECORD)).unwrap()).unwrap();
     old["format"] = 1.into();
     old["machine"] = serde_json::to_value(Machine::here("avx2", 2)).unwrap();
+    // Tests were called after the section `[shear]`.
     old["wall_seconds"] = serde_json::json!({ "shear": 2.5 });
+    (old["kind"], old["steps"]) = ("shear".into(), serde_json::json!({ "shear": 1000 }));
     old.as_object_mut().unwrap().remove("sha256");
     let content = old["content"].as_object_mut().unwrap();
     content.retain(|name, _| !name.starts_with("snapshots"));
@@ -266,7 +268,8 @@ fn runs_of_earlier_versions_are_read_and_say_what_cannot_be_checked() {
     fs::remove_file(path.join(times::TIMES)).unwrap();
     fs::write(path.join("snapshots/my.json"), "{}").unwrap();
     let run = Run::at(&path).unwrap();
-    assert_eq!(run.record().unwrap().wall_seconds["shear"], 2.5);
+    let read = run.record().unwrap();
+    assert_eq!((read.kind.as_str(), read.steps[TEST], read.wall_seconds[TEST]), (TEST, 1000, 2.5));
     assert_eq!(run.snapshots().unwrap(), ["end"]);
     run.snapshot("end").unwrap();
     assert_eq!(run.uncheckable().unwrap(), content::snapshot_files("end"));

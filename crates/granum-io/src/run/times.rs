@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::record::{Machine, RunRecord};
+use super::record::{Machine, RunRecord, phases_of_any_version};
 use crate::error::Result;
 use crate::sealed::{unseal, write_sealed};
 
@@ -19,7 +19,7 @@ struct Times {
     #[serde(default)]
     machine: Machine,
     /// Seconds of wall time by phase.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "phases_of_any_version")]
     wall_seconds: BTreeMap<String, f64>,
 }
 

@@ -56,7 +56,7 @@ impl Laboratory {
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct Task<'a> {
-    /// `prepare` for a sample only, `shear` for a test.
+    /// `prepare` for a sample only, `test` ([`granum_io::run::TEST`]) for a test.
     pub kind: &'a str,
     /// The case, which determines the result.
     pub case: &'a Case,

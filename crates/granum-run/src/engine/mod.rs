@@ -20,6 +20,7 @@ impl Engines {
 #[cfg(test)]
 mod tests {
     use granum_dem::observer::{NoObserver, Observer};
+    use granum_io::run::TEST;
     use granum_io::{Case, RunFolder, RunStatus};
 
     use super::*;
@@ -40,7 +41,7 @@ mod tests {
             task: Task<'a>,
             observer: &mut dyn Observer,
         ) -> Result<PlannedRun<'a>, LaboratoryError> {
-            if task.kind != "shear" {
+            if task.kind != TEST {
                 let what = "it makes no samples; use the engine granum".to_string();
                 return Err(EngineError::Failed { engine: self.name(), what }.into());
             }
@@ -86,7 +87,7 @@ mod tests {
         case.grains.count = 60;
         case.recording.sensors = vec!["overlap_distributon".into()];
         let laboratory = Laboratory::here();
-        let begun = laboratory.planned("shear", &case, &Source::Case, &mut NoObserver);
+        let begun = laboratory.planned(TEST, &case, &Source::Case, &mut NoObserver);
         let message = begun.err().unwrap().to_string();
         let wanted = "there is no sensor \"overlap_distributon\"; did you mean overlap_distribution?";
         assert_eq!(message, format!("recording.sensors: {wanted}"));

@@ -31,7 +31,7 @@ struct Scales {
 }
 
 impl Scales {
-    fn of(case: &Case, mean_stress: f64) -> Option<Scales> {
+    fn at_stress(case: &Case, mean_stress: f64) -> Option<Scales> {
         let [smallest, _] = case.grains.size_range().ok()?;
         let diameter = case.grains.mean_diameter().ok()?;
         let components = &case.grains.mixture.components;
@@ -54,10 +54,10 @@ impl Scales {
 /// Estimates the steps of a case; `None` where it cannot be done.
 pub fn estimate(case: &Case) -> Option<Estimate> {
     let p = &case.preparation;
-    let compacted = Scales::of(case, p.compaction_stress.unwrap_or(p.mean_stress))?;
+    let compacted = Scales::at_stress(case, p.compaction_stress.unwrap_or(p.mean_stress))?;
     let preparation = compacted.steps(COMPACTION, p.inertial_number * compacted.rate);
     let test = case.test_definition();
-    let tested = Scales::of(case, test.mean_stress(case))?;
+    let tested = Scales::at_stress(case, test.mean_stress(case))?;
     let test = test.stages.iter().map(|stage| stage_steps(stage, &tested)).sum();
     Some(Estimate { preparation, test })
 }

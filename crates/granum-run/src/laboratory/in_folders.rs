@@ -2,7 +2,7 @@
 
 use granum_dem::observer::Observer;
 use granum_io::Case;
-use granum_io::run::{RunFolder, RunRecord};
+use granum_io::run::{RunFolder, RunRecord, TEST};
 
 use super::laboratory_error::LaboratoryError;
 use super::source::Source;
@@ -36,10 +36,10 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn Observer,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.engine()?.run(Task::new("shear", case, source, self), folder, observer)
+        self.engine()?.run(Task::new(TEST, case, source, self), folder, observer)
     }
 
-    /// Reads and checks the inputs of a run of a `kind` (`prepare`, `shear`), and warns the observer of anything that the
+    /// Reads and checks the inputs of a run of a `kind` (`prepare`, `test`), and warns the observer of anything that the
     /// user should know. Nothing is written, so that a mistake leaves no folder behind.
     ///
     /// # Errors

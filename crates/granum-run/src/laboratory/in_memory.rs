@@ -3,6 +3,7 @@
 use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::preparation::{Phase, PreparationError};
 use granum_dem::simulation::{Hardware, Simulation};
+use granum_io::run::TEST;
 use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
 
@@ -11,7 +12,7 @@ use super::source::Source;
 use crate::engine::engine_trait::{Laboratory, Task};
 use crate::engine::native::Native;
 use crate::engine::native::run;
-use crate::engine::native::run_state::Stage;
+use crate::engine::native::run_state::RunPart;
 use crate::engine::native::store::Store;
 
 /// The result of a test that was kept in memory.
@@ -48,8 +49,8 @@ impl Laboratory {
         let run::Begun { record: mut about, run_state } = run::begin(&task, &Native, observer)?;
         let run_state = self.go_on(case, run_state, Store(None), &mut about, observer)?;
         if about.status == RunStatus::Interrupted {
-            let phase = match &run_state.stage {
-                Stage::Preparation(state) | Stage::Consolidation(state) => state.phase(),
+            let phase = match &run_state.part {
+                RunPart::Preparation(state) | RunPart::Consolidation(state) => state.phase(),
                 _ => Phase::Compaction,
             };
             return Err(PreparationError::Stopped { phase }.into());
@@ -95,14 +96,14 @@ impl Laboratory {
         source: &Source,
         observer: &mut dyn Observer,
     ) -> Result<TestResult, LaboratoryError> {
-        let task = Task::new("shear", case, source, self);
+        let task = Task::new(TEST, case, source, self);
         let run::Begun { record: mut about, run_state } = run::begin(&task, &Native, observer)?;
         let run_state = self.go_on(case, run_state, Store(None), &mut about, observer)?;
         if about.status == RunStatus::Running {
             about.status = RunStatus::Finished;
         }
-        let record = match &run_state.stage {
-            Stage::Test(test) => test.record(),
+        let record = match &run_state.part {
+            RunPart::Test(test) => test.record(),
             _ => Record::default(),
         };
         Ok(TestResult { record, about, simulation: run_state.simulation })

@@ -419,7 +419,7 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     fs::write(&current, &good[..100]).unwrap();
     fs::write(&previous, "x").unwrap();
     let message = lab.resume(&folder, &mut NoObserver).unwrap_err().to_string();
-    for part in ["checkpoint: ", "truncated", "checkpoint.previous: ", "not a granum", "granum shear"] {
+    for part in ["checkpoint: ", "truncated", "checkpoint.previous: ", "not a granum", "granum run"] {
         assert!(message.contains(part), "{part}: {message}");
     }
     fs::remove_file(&previous).unwrap();

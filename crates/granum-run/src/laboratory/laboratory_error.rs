@@ -79,7 +79,7 @@ pub enum LaboratoryError {
     },
     /// No checkpoint of a folder can be used.
     #[error(
-        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",
+        "{what}: no checkpoint can be used; run it again, e.g. `granum run {} --out OTHER`",
         quoted_path(&folder.join("case.toml"))
     )]
     Unusable {

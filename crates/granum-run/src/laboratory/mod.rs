@@ -28,6 +28,8 @@ pub use crate::engine::native::{END, PREPARATION_COLUMNS, SAMPLE, cell, check_be
 pub use crate::strength::late_mean;
 
 #[cfg(test)]
+mod earlier_version_tests;
+#[cfg(test)]
 mod interruption_tests;
 #[cfg(test)]
 mod tests;

@@ -135,6 +135,6 @@ fn go_on(
     let folder = RunFolder::create(&run.folder, true)?;
     Ok(match run.kind {
         RunKind::Prepare => laboratory.prepare(&run.case, &run.source, &folder, observer),
-        RunKind::Shear => laboratory.shear(&run.case, &run.source, &folder, observer),
+        RunKind::Test => laboratory.shear(&run.case, &run.source, &folder, observer),
     }?)
 }

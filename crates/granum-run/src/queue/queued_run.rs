@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use granum_io::Case;
+use granum_io::run::TEST;
 use serde::{Deserialize, Serialize};
 
 use crate::laboratory::source::Source;
@@ -13,8 +14,9 @@ use crate::laboratory::source::Source;
 pub enum RunKind {
     /// It prepares a sample.
     Prepare,
-    /// It tests a sample.
-    Shear,
+    /// It tests a sample. Lists of earlier versions call it after the section `[shear]`.
+    #[serde(alias = "shear")]
+    Test,
 }
 
 impl RunKind {
@@ -22,7 +24,7 @@ impl RunKind {
     pub fn name(self) -> &'static str {
         match self {
             RunKind::Prepare => "prepare",
-            RunKind::Shear => "shear",
+            RunKind::Test => TEST,
         }
     }
 }
@@ -56,7 +58,7 @@ impl QueuedRun {
     ) -> QueuedRun {
         QueuedRun {
             name: name.into(),
-            kind: RunKind::Shear,
+            kind: RunKind::Test,
             case,
             source,
             folder: folder.into(),

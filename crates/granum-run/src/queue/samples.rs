@@ -16,7 +16,7 @@ const DIGITS: usize = 12;
 pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
     let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (k, run) in runs.iter().enumerate() {
-        if run.kind == RunKind::Shear && run.source == Source::Case {
+        if run.kind == RunKind::Test && run.source == Source::Case {
             alike.entry(run.case.preparation_digest()).or_default().push(k);
         }
     }

@@ -23,7 +23,7 @@ pub(super) fn expected(run: &QueuedRun) -> f64 {
     let preparation = preparation + stages.iter().map(of_stage).sum::<f64>();
     let test = match run.kind {
         RunKind::Prepare => 0.0,
-        RunKind::Shear => case.test_stages().iter().map(of_stage).sum(),
+        RunKind::Test => case.test_stages().iter().map(of_stage).sum(),
     };
     case.grains.count as f64 * (preparation + test)
 }

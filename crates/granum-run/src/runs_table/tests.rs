@@ -5,7 +5,7 @@ use super::*;
 
 fn entry(name: &str, case: &str, measures: &[(&str, f64)]) -> RunEntry {
     let case = Case::parse(case, "case.toml").unwrap();
-    let mut record = RunRecord::new("shear", "0.1.0", &case, Machine::default());
+    let mut record = RunRecord::new("test", "0.1.0", &case, Machine::default());
     record.measures = measures.iter().map(|(name, value)| (name.to_string(), *value)).collect();
     record.quality = vec![QualityFlag::at_most("servo_error_rms", measures.len() as f64, 1.5, "slower")];
     RunEntry::new(name, name, case, record)
@@ -98,8 +98,8 @@ fn runs_are_found_in_the_folders_that_contain_them() {
         let folder = granum_io::RunFolder::create(base.path().join(path), false).unwrap();
         folder.write_record(&RunRecord::new(kind, "0.1.0", &Case::default(), Machine::default())).unwrap();
     };
-    make("study/b", "shear");
-    make("study/a", "shear");
+    make("study/b", "test");
+    make("study/a", "test");
     make("study/samples/s", "prepare");
     make("alone/samples/s", "prepare");
     let found = |folders: &[&str]| {

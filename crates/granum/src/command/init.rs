@@ -18,7 +18,7 @@ use crate::output;
 /// Write a commented case file: every key at its default, or one of the ready cases.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum init my-sand.toml\n  granum shear my-sand.toml\n  granum init --list\n  granum init --case drained-dense \
+    after_help = "Example:\n  granum init my-sand.toml\n  granum run my-sand.toml\n  granum init --list\n  granum init --case drained-dense \
                   dense.toml\n  granum run dense.toml --out dense"
 )]
 pub struct Init {
@@ -44,7 +44,7 @@ impl Init {
             return output::say(context, &json!({ "case": output::path(&path) }), || {
                 let (shown, quoted) = (path.shown(), quoted_path(&path));
                 format!(
-                    "wrote {shown}, with every key at its default; change values in it and run it: granum shear {quoted}"
+                    "wrote {shown}, with every key at its default; change values in it and run it: granum run {quoted}"
                 )
             });
         };

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 /// Several values of a key, between commas, make several samples: all combinations, in folders below --out.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum prepare my-sand.toml --out sample\n  granum shear my-sand.toml --sample sample\n  \
+    after_help = "Example:\n  granum prepare my-sand.toml --out sample\n  granum run my-sand.toml --sample sample\n  \
                   granum prepare my-sand.toml --seed 1,2,3 --out samples"
 )]
 pub struct Prepare {

@@ -69,7 +69,7 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     let (case, about) = (run.case()?, run.record()?);
     if about.kind == "prepare" {
         return Err(Failure::new(format!(
-            "{}: this is a sample, not a test; shear it first: granum shear CASE --sample {}",
+            "{}: this is a sample, not a test; test it first: granum run CASE --sample {}",
             folder.shown(),
             quoted_path(folder)
         )));

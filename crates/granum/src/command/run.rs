@@ -48,8 +48,7 @@ impl Run {
         let Some(file) = self.case.as_ref().filter(|_| !self.list) else { return list(context) };
         let parameters = parameters(&self.with)?;
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
-        let cases = self.test.flags.read_all(context, file, self.test.has_packing(), path)?;
-        self.test.run(context, cases)
+        self.test.run(context, file, path)
     }
 }
 

@@ -1,4 +1,4 @@
-//! `granum shear`: the test of a case.
+//! `granum shear`: `granum run` of the test of a case.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::test_run::TestRun;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Prepare or read a sample, shear it at constant mean stress, and write a run folder.
+/// Prepare or read a sample, test it as its case says, and write a run folder: the same as `granum run CASE`.
 ///
 /// Several values of a key, between commas, make several runs, as with `granum run`.
 #[derive(Args)]
@@ -27,7 +27,6 @@ pub struct Shear {
 
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let cases = self.test.flags.read_all(context, &self.case, self.test.has_packing(), None)?;
-        self.test.run(context, cases)
+        self.test.run(context, &self.case, None)
     }
 }

@@ -24,7 +24,7 @@ pub fn run(
 ) -> Result<(), Failure> {
     let wanted = match kind {
         RunKind::Prepare => FolderKind::Sample,
-        RunKind::Shear => FolderKind::Test,
+        RunKind::Test => FolderKind::Test,
     };
     check_free(out, wanted, context.force)?;
     // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does

@@ -36,7 +36,7 @@ impl Status {
                 self.several(context, &contents)
             }
             _ => {
-                let found = FolderStatus::of(&self.folder)?;
+                let found = FolderStatus::read(&self.folder)?;
                 output::say(context, &found.json(), || found.text())?;
                 whole::check(&self.folder, &found.faults)
             }
@@ -54,7 +54,7 @@ impl Status {
                 lines.push(format!("{}: not begun", folder.shown()));
                 continue;
             }
-            let found = FolderStatus::of(&folder)?;
+            let found = FolderStatus::read(&folder)?;
             all.push(found.json());
             lines.push(found.text());
             faults.extend(found.faults);
@@ -138,7 +138,7 @@ struct FolderStatus {
 }
 
 impl FolderStatus {
-    fn of(folder: &Path) -> Result<FolderStatus, Failure> {
+    fn read(folder: &Path) -> Result<FolderStatus, Failure> {
         let run = Run::at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
         let at_work = OutputFolder::is_in_use(folder);

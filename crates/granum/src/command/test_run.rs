@@ -1,12 +1,12 @@
 //! The common part of `granum shear` and `granum run`: the source of the sample, and the output folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_run::laboratory::Source;
 use granum_run::queue::RunKind;
 
-use super::case_flags::{CaseFlags, Combination};
+use super::case_flags::{CaseFlags, Loading};
 use super::checkpoints::CheckpointFlags;
 use super::hardware::HardwareFlags;
 use super::{several_runs, single_run};
@@ -26,7 +26,7 @@ pub struct TestRun {
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]
-    pub flags: CaseFlags,
+    flags: CaseFlags,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -34,13 +34,9 @@ pub struct TestRun {
 }
 
 impl TestRun {
-    /// True if the sample is made from a packing.
-    pub fn has_packing(&self) -> bool {
-        self.packing.is_some()
-    }
-
-    /// Runs the tests of the cases, one or several.
-    pub fn run(&self, context: &Context, cases: Vec<Combination>) -> Result<(), Failure> {
+    /// Runs the test of a case file, or of a named path with its parameters in place of it, or the tests of several values.
+    pub fn run(&self, context: &Context, file: &Path, path: Loading) -> Result<(), Failure> {
+        let cases = self.flags.read_all(context, file, self.packing.is_some(), path)?;
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
@@ -50,9 +46,9 @@ impl TestRun {
         let out = |usual: &str| self.out.clone().unwrap_or_else(|| usual.into());
         match &cases[..] {
             [one] if one.name.is_empty() => {
-                single_run::run(context, &laboratory, RunKind::Shear, &one.case, &source, &out("run"))
+                single_run::run(context, &laboratory, RunKind::Test, &one.case, &source, &out("run"))
             }
-            _ => several_runs::run(context, &laboratory, RunKind::Shear, cases, &source, &out("runs")),
+            _ => several_runs::run(context, &laboratory, RunKind::Test, cases, &source, &out("runs")),
         }
     }
 }

@@ -164,7 +164,7 @@ fn messages_say_what_would_be_right() {
     let steps = |name: &str| {
         let record: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(here.join(name)).unwrap()).unwrap();
-        record["steps"]["shear"].as_f64().unwrap() * 60.0
+        record["steps"]["test"].as_f64().unwrap() * 60.0
     };
     assert!(text.contains(&format!("{:.2e} grain-steps in ", steps("tested/run.json"))), "{text}");
 }
@@ -200,7 +200,7 @@ fn paths_that_are_not_text_work_or_are_refused_before_anything_is_written() {
         assert_eq!(status, Some(0), "{line}: {said}");
         said
     };
-    assert!(works("init c@.toml").contains("granum shear $'c\\xff.toml'"));
+    assert!(works("init c@.toml").contains("granum run $'c\\xff.toml'"));
     fs::write(here.join(name(b"c\xff.toml")), CASE).unwrap();
     works("run c@.toml --out r@");
     for json in ["", "--json "] {

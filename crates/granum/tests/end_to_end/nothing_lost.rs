@@ -103,7 +103,7 @@ fn make_folders(here: &Path) -> Vec<(&'static str, &'static str)> {
         fs::write(here.join("thesis").join(file), "mine").unwrap();
     }
     vec![
-        ("sample", "`granum shear CASE --sample sample`"),
+        ("sample", "`granum run CASE --sample sample`"),
         ("run", "`granum report run`"),
         ("drawn", "`granum report drawn --force`"),
         ("broken run", "`granum resume 'broken run'`"),

@@ -18,7 +18,7 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
     assert_eq!(sample["status"], "finished");
     let solid_fraction = sample["measures"]["solid_fraction"].as_f64().unwrap();
     assert!((0.55..0.66).contains(&solid_fraction), "{solid_fraction}");
-    assert!(done(here, &["status", "sample"]).contains("granum shear CASE --sample sample"));
+    assert!(done(here, &["status", "sample"]).contains("granum run CASE --sample sample"));
 
     done(here, &["shear", "case.toml", "--sample", "sample", "--out", "two"]);
     done(here, &["shear", "case.toml", "--out", "one", "--isa", "portable", "--threads", "2"]);

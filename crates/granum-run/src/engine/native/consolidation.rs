@@ -6,7 +6,7 @@ use granum_dem::preparation::{Outcome, Phase, Preparing};
 use granum_io::Case;
 
 use super::quality;
-use super::run_state::{RunState, Stage};
+use super::run_state::{RunPart, RunState};
 use super::sample::measure_sample;
 use super::segment::Segment;
 use crate::engine::engine_trait::Laboratory;
@@ -32,7 +32,7 @@ impl Laboratory {
         let preparing = Preparing::consolidating(run_state.simulation, &specification);
         RunState {
             simulation: preparing.simulation,
-            stage: Stage::Consolidation(preparing.progress),
+            part: RunPart::Consolidation(preparing.progress),
             ..run_state
         }
     }
@@ -45,16 +45,16 @@ impl Laboratory {
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
     ) -> Result<(RunState, Segment), LaboratoryError> {
-        let RunState { simulation, stage, mut results, older } = run_state;
-        let (Stage::Consolidation(progress), Some(preparation)) = (&stage, wanted(case)) else {
-            return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
+        let RunState { simulation, part, mut results, older } = run_state;
+        let (RunPart::Consolidation(progress), Some(preparation)) = (&part, wanted(case)) else {
+            return Ok((RunState { simulation, part, results, older }, Segment::GoOn));
         };
         let preparing = Preparing { simulation, progress: progress.clone() };
         let specification = self.specification(case, &preparation, results.grains);
         let (outcome, stopped) =
             self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
-        let (simulation, stage) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.progress)),
+        let (simulation, part) = match outcome {
+            Outcome::Stopped(at) => (at.simulation, RunPart::Consolidation(at.progress)),
             // A consolidation does not search for a friction coefficient and therefore has a single trial.
             Outcome::Again(_) => {
                 return Err(LaboratoryError::Packing("its consolidation has only one trial".into()));
@@ -69,10 +69,10 @@ impl Laboratory {
                     &preparation,
                 ));
                 measure_sample(&sample.simulation, &mut results);
-                (sample.simulation, Stage::Consolidated)
+                (sample.simulation, RunPart::Consolidated)
             }
         };
         let segment = if stopped { Segment::Stop } else { Segment::GoOn };
-        Ok((RunState { simulation, stage, results, older }, segment))
+        Ok((RunState { simulation, part, results, older }, segment))
     }
 }

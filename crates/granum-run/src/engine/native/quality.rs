@@ -75,6 +75,12 @@ pub(super) fn judge_rest(
     ]
 }
 
+/// True for a stage that has no limit after which it would be cut short, such as that of the section `[shear]`: that it met its end
+/// needs no word.
+pub(super) fn is_certain_to_end(stage: &Stage) -> bool {
+    stage.most_arc_length.is_none()
+}
+
 /// Limit on the root mean square error of the stresses that a stage controls.
 fn servo_limit(stage: &Stage) -> f64 {
     if stage.control.eases { SERVO_ERROR } else { SERVO_ERROR_WITHOUT_EASE }
@@ -170,8 +176,7 @@ pub(super) fn judge(
         ends.chain(present.map(|error| (test.ends.len(), error))).collect();
     let (servo_error, servo_limit) = worst_servo_error(test.list(), errors.iter().copied());
     let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
-    // A single stage that met its end condition is the whole test.
-    let mut flags = if test.stages() == 1 && unmet == 0 {
+    let mut flags = if unmet == 0 && test.list().iter().all(is_certain_to_end) {
         Vec::new()
     } else {
         vec![QualityFlag::at_most(
@@ -247,4 +252,37 @@ pub(super) fn judge(
         ));
     }
     flags
+}
+
+#[cfg(test)]
+mod tests {
+    use granum_io::Case;
+
+    use super::*;
+
+    fn error(rms: f64) -> ServoError {
+        ServoError {
+            squares: [rms * rms, 0.0, 0.0, 0.0, 0.0, 0.0],
+            steps: [1, 0, 0, 0, 0, 0],
+            ..Default::default()
+        }
+    }
+
+    /// The limit follows from how the rates of a stage begin, and of several stages the one nearest to its own limit is judged.
+    #[test]
+    fn the_limit_of_the_servo_is_that_of_the_stage() {
+        let stages = |text: &str| Case::parse(text, "case.toml").unwrap().test_stages();
+        let (shear, path) = (stages(""), stages("[[stage]]\npath = 'drained-triaxial'\n"));
+        assert_eq!([servo_limit(&shear[0]), servo_limit(&path[0])], [0.01, 0.005]);
+        assert!(is_certain_to_end(&shear[0]) && !is_certain_to_end(&path[0]));
+        let both = [shear[0].clone(), path[0].clone()];
+        let worst = |errors: [f64; 2]| {
+            let errors = errors.map(error);
+            worst_servo_error(&both, errors.iter().enumerate())
+        };
+        assert_eq!(worst([0.006, 0.004]), (0.004, 0.005));
+        assert_eq!(worst([0.009, 0.004]), (0.009, 0.01));
+        assert_eq!(worst([0.0, 0.0]), (0.0, 0.01));
+        assert_eq!(worst_servo_error(&path, std::iter::empty()), (0.0, 0.005));
+    }
 }

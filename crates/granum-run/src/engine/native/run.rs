@@ -11,7 +11,7 @@ use granum_io::run::{Fault, Run, RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
 use granum_sensors::Record;
 
-use super::run_state::{self, RunState, Stage};
+use super::run_state::{self, RunPart, RunState};
 use super::sample::note;
 use super::segment::Segment;
 use super::store::{END, SAMPLE, Store};
@@ -212,18 +212,18 @@ impl Laboratory {
         let mut saved = Instant::now();
         loop {
             let started = Instant::now();
-            let in_test = matches!(run_state.stage, Stage::Test(_));
+            let in_test = matches!(run_state.part, RunPart::Test(_));
             speedometer.begin();
             let phase = run_state.phase();
-            let segment = match run_state.stage {
-                Stage::Preparation(_) => {
+            let segment = match run_state.part {
+                RunPart::Preparation(_) => {
                     let source = &record.source;
                     let (next, segment) =
                         self.prepare_on(case, run_state, source, &mut speedometer, observer)?;
                     run_state = next;
                     segment
                 }
-                Stage::Sample => {
+                RunPart::Sample => {
                     write_sample(store, &run_state)?;
                     if record.kind == "prepare" {
                         return Ok(run_state);
@@ -236,16 +236,16 @@ impl Laboratory {
                         }
                     }
                 }
-                Stage::Consolidation(_) => {
+                RunPart::Consolidation(_) => {
                     let (next, segment) = self.consolidate_on(case, run_state, &mut speedometer, observer)?;
                     run_state = next;
                     segment
                 }
-                Stage::Consolidated => {
+                RunPart::Consolidated => {
                     write_sample(store, &run_state)?;
                     self.begin_test(case, &mut run_state)?
                 }
-                Stage::Test(_) => self.test_on(case, &mut run_state, store, &mut speedometer, observer)?,
+                RunPart::Test(_) => self.test_on(case, &mut run_state, store, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
@@ -275,10 +275,10 @@ impl Laboratory {
 /// Writes the state of a run: checkpoint, measurements and record.
 fn save(store: Store, run_state: &RunState, record: &mut RunRecord) -> Result<(), LaboratoryError> {
     store.write(|folder| run_state.write(folder))?;
-    match &run_state.stage {
-        Stage::Test(test) => store.write(|folder| write_record(folder, &test.record()))?,
-        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(store, run_state)?,
-        Stage::Sample | Stage::Consolidated => {}
+    match &run_state.part {
+        RunPart::Test(test) => store.write(|folder| write_record(folder, &test.record()))?,
+        RunPart::Preparation(_) | RunPart::Consolidation(_) => write_curve(store, run_state)?,
+        RunPart::Sample | RunPart::Consolidated => {}
     }
     run_state.write_into(record);
     store.write(|folder| folder.write_record(record))?;
@@ -314,7 +314,7 @@ fn complete(
     record: &mut RunRecord,
     observer: &mut dyn Observer,
 ) -> Result<(), LaboratoryError> {
-    let Stage::Test(test) = &run_state.stage else { return Ok(()) };
+    let RunPart::Test(test) = &run_state.part else { return Ok(()) };
     let end = run_state.simulation.assembly();
     store.snapshot(END, &end)?;
     save(store, run_state, record)?;
@@ -353,7 +353,7 @@ fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &
             let rest =
                 if left > 0 { format!("; number of later stages not run: {left}") } else { String::new() };
             observer.warn(&format!("{text}{rest}"));
-        } else if many || *steps == 0 {
+        } else if many || *steps == 0 || test.list().get(k).is_some_and(quality::is_certain_to_end) {
             // A stage without a step only records the end of the previous one.
             continue;
         }

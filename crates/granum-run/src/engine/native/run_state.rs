@@ -11,7 +11,7 @@ use granum_dem::preparation::{Phase, PreparationState};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{
-    CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord,
+    CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord, TEST,
 };
 use granum_io::shell::ShowPath;
 use granum_sensors::Sensors;
@@ -25,7 +25,7 @@ use crate::registry::Registry;
 /// The state of a run.
 pub(crate) struct RunState {
     pub(crate) simulation: Simulation,
-    pub(crate) stage: Stage,
+    pub(crate) part: RunPart,
     pub(crate) results: RunResults,
     /// True if it comes from an older checkpoint than the last one written.
     pub(crate) older: bool,
@@ -34,7 +34,7 @@ pub(crate) struct RunState {
 /// The current part of a run, with the state that it needs in addition to that of the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Stage<T = Test> {
+pub(crate) enum RunPart<T = Test> {
     /// The sample is being prepared.
     Preparation(PreparationState),
     /// The sample is complete.
@@ -47,17 +47,17 @@ pub(crate) enum Stage<T = Test> {
     Test(Box<T>),
 }
 
-impl Stage<SavedTest> {
-    /// The same stage with the sensors of a test.
-    fn with_sensors(self, sensors: &Sensors) -> Result<Stage, String> {
+impl RunPart<SavedTest> {
+    /// The same part with the sensors of a test.
+    fn with_sensors(self, sensors: &Sensors) -> Result<RunPart, String> {
         Ok(match self {
-            Stage::Preparation(progress) => Stage::Preparation(progress),
-            Stage::Sample => Stage::Sample,
-            Stage::Consolidation(progress) => Stage::Consolidation(progress),
-            Stage::Consolidated => Stage::Consolidated,
-            Stage::Test(test) => {
+            RunPart::Preparation(progress) => RunPart::Preparation(progress),
+            RunPart::Sample => RunPart::Sample,
+            RunPart::Consolidation(progress) => RunPart::Consolidation(progress),
+            RunPart::Consolidated => RunPart::Consolidated,
+            RunPart::Test(test) => {
                 let test = test.with_sensors(sensors);
-                Stage::Test(Box::new(
+                RunPart::Test(Box::new(
                     test.map_err(|error| format!("its test uses an unknown sensor: {error}"))?,
                 ))
             }
@@ -83,25 +83,25 @@ pub(crate) struct RunResults {
 }
 
 impl RunState {
-    pub(crate) fn new(simulation: Simulation, stage: Stage) -> RunState {
+    pub(crate) fn new(simulation: Simulation, part: RunPart) -> RunState {
         let results = RunResults { grains: simulation.state().grains(), ..RunResults::default() };
-        RunState { simulation, stage, results, older: false }
+        RunState { simulation, part, results, older: false }
     }
 
-    /// The name under which the wall time of the stage is recorded; `None` for a complete sample, which takes no time.
+    /// The name under which the wall time of the part is recorded; `None` for a complete sample, which takes no time.
     pub(crate) fn phase(&self) -> Option<&'static str> {
-        match self.stage {
-            Stage::Preparation(_) => Some("prepare"),
-            Stage::Sample | Stage::Consolidated => None,
-            Stage::Consolidation(_) => Some(Phase::Consolidation.name()),
-            Stage::Test(_) => Some("shear"),
+        match self.part {
+            RunPart::Preparation(_) => Some("prepare"),
+            RunPart::Sample | RunPart::Consolidated => None,
+            RunPart::Consolidation(_) => Some(Phase::Consolidation.name()),
+            RunPart::Test(_) => Some(TEST),
         }
     }
 
     /// Writes the checkpoint.
     pub(crate) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
-        let text = serde_json::to_string(&(&self.stage, &self.results)).map_err(|e| bad(e.to_string()))?;
+        let text = serde_json::to_string(&(&self.part, &self.results)).map_err(|e| bad(e.to_string()))?;
         folder.write_checkpoint(|out| self.simulation.write_checkpoint(&text, out))?;
         Ok(())
     }
@@ -114,21 +114,21 @@ impl RunState {
         record.measures = results.measures.clone();
         record.quality = results.quality.clone();
         let step = self.simulation.state().step();
-        match &self.stage {
-            Stage::Preparation(progress) => {
+        match &self.part {
+            RunPart::Preparation(progress) => {
                 record.steps.insert("prepare".into(), progress.steps().saturating_add(step));
                 record.phase = progress.phase().name().to_string();
                 if progress.trial() > 1 {
                     record.phase += &format!(", trial {}", progress.trial());
                 }
             }
-            Stage::Sample | Stage::Consolidated => record.phase.clear(),
-            Stage::Consolidation(_) => {
+            RunPart::Sample | RunPart::Consolidated => record.phase.clear(),
+            RunPart::Consolidation(_) => {
                 record.steps.insert(Phase::Consolidation.name().into(), step);
                 record.phase = Phase::Consolidation.name().to_string();
             }
-            Stage::Test(test) => {
-                record.steps.insert("shear".into(), test.steps(step));
+            RunPart::Test(test) => {
+                record.steps.insert(TEST.into(), test.steps(step));
                 record.phase = test.stage_name().to_string();
             }
         }
@@ -136,8 +136,8 @@ impl RunState {
 
     /// True if a snapshot will be written, again or for the first time, when the run goes on from this state.
     pub(crate) fn will_write(&self, snapshot: &str) -> bool {
-        match &self.stage {
-            Stage::Test(test) => test.will_write(snapshot),
+        match &self.part {
+            RunPart::Test(test) => test.will_write(snapshot),
             _ => true,
         }
     }
@@ -158,30 +158,30 @@ impl RunState {
         };
         let laws = registry.vocabulary.laws();
         let (simulation, text) = Simulation::restore_among(&bytes, laws).map_err(|e| bad(e.to_string()))?;
-        let (stage, results) = beside(&text, case, registry.vocabulary.sensors()).map_err(bad)?;
+        let (part, results) = beside(&text, case, registry.vocabulary.sensors()).map_err(bad)?;
         if !results.case_digest.is_empty() && results.case_digest != record.case_digest {
             return Err(bad("it belongs to a run of another case".into()));
         }
-        Ok(Some(RunState { simulation, stage, results, older: false }))
+        Ok(Some(RunState { simulation, part, results, older: false }))
     }
 }
 
 /// Reads the part of a checkpoint that follows the simulation. If a case is given, the checkpoint must be able to belong to
 /// a run of it.
-fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, RunResults), String> {
-    let (stage, results): (Stage<SavedTest>, RunResults) =
+fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(RunPart, RunResults), String> {
+    let (part, results): (RunPart<SavedTest>, RunResults) =
         serde_json::from_str(text).map_err(|e| format!("its run state cannot be read ({e})"))?;
-    let stage = match (stage, case) {
-        (Stage::Test(test), Some(case)) => Stage::Test(Box::new(test.of_this_version(case))),
+    let part = match (part, case) {
+        (RunPart::Test(test), Some(case)) => RunPart::Test(Box::new(test.of_this_version(case))),
         (other, _) => other,
     };
-    let stage = stage.with_sensors(sensors)?;
-    if let Stage::Test(test) = &stage
+    let part = part.with_sensors(sensors)?;
+    if let RunPart::Test(test) = &part
         && case.is_some_and(|case| !test.is_of(case, sensors))
     {
         return Err("its run state belongs to a test of another case".into());
     }
-    Ok((stage, results))
+    Ok((part, results))
 }
 
 /// Checks that the text which accompanies the simulation in a checkpoint can belong to a run of the case.

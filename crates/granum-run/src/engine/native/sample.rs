@@ -14,7 +14,7 @@ use granum_io::{Case, Packing, run};
 use super::follow::Follow;
 use super::pace::Interval;
 use super::preparation_curve::PreparationCurve;
-use super::run_state::{RunResults, RunState, Stage};
+use super::run_state::{RunPart, RunResults, RunState};
 use super::segment::Segment;
 use super::{from_packing, quality};
 use crate::engine::engine_trait::Laboratory;
@@ -52,7 +52,7 @@ impl Laboratory {
                 preparing
             }
         };
-        Ok(RunState::new(preparing.simulation, Stage::Preparation(preparing.progress)))
+        Ok(RunState::new(preparing.simulation, RunPart::Preparation(preparing.progress)))
     }
 
     /// The simulation at the last checkpoint of a folder: of a finished preparation or test its end.
@@ -102,30 +102,30 @@ impl Laboratory {
         observer: &mut dyn Observer,
     ) -> Result<(RunState, Segment), LaboratoryError> {
         // The state is passed by value, because memory may not hold a large simulation twice.
-        let RunState { simulation, stage, mut results, older } = run_state;
-        let Stage::Preparation(progress) = stage else {
-            return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
+        let RunState { simulation, part, mut results, older } = run_state;
+        let RunPart::Preparation(progress) = part else {
+            return Ok((RunState { simulation, part, results, older }, Segment::GoOn));
         };
         let compacted = progress.procedure().is_some();
         let specification = self.specification(case, &case.preparation, results.grains);
         let preparing = Preparing { simulation, progress };
         let (outcome, stopped) =
             self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
-        let (simulation, stage) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.progress)),
+        let (simulation, part) = match outcome {
+            Outcome::Stopped(at) => (at.simulation, RunPart::Preparation(at.progress)),
             Outcome::Again(next) => {
                 let preparing = from_packing::again(&self.registry.formats, source, &specification, next)?;
-                (preparing.simulation, Stage::Preparation(preparing.progress))
+                (preparing.simulation, RunPart::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {
                 results.curve.end(&sample, Phase::Relaxation);
                 note_sample(case, &sample, compacted, &mut results);
                 measure_sample(&sample.simulation, &mut results);
-                (sample.simulation, Stage::Sample)
+                (sample.simulation, RunPart::Sample)
             }
         };
         let segment = if stopped { Segment::Stop } else { Segment::GoOn };
-        Ok((RunState { simulation, stage, results, older }, segment))
+        Ok((RunState { simulation, part, results, older }, segment))
     }
 
     /// Continues a preparation or consolidation, and returns whether the observer stopped it.
@@ -193,8 +193,8 @@ fn take_sample(
         }
         Err(error) => return Err(error),
     };
-    match run_state.stage {
-        Stage::Sample => {
+    match run_state.part {
+        RunPart::Sample => {
             record.wall_seconds.extend(other.wall_seconds);
             other.notes.into_iter().for_each(|text| note(record, text));
             if let Some(packing) = other.packing {
@@ -202,10 +202,10 @@ fn take_sample(
             }
             Ok(run_state)
         }
-        Stage::Preparation(_) => {
+        RunPart::Preparation(_) => {
             Err(bad(format!("its preparation is not finished; continue it with `granum resume {name}`")))
         }
-        Stage::Consolidation(_) | Stage::Consolidated | Stage::Test(_) => {
+        RunPart::Consolidation(_) | RunPart::Consolidated | RunPart::Test(_) => {
             Err(bad("this is the folder of a test, not of a sample; give a folder made by `granum prepare`"
                 .into()))
         }

@@ -6,7 +6,7 @@ use granum_io::Case;
 
 use super::follow::{self, Follow, Snapshots};
 use super::pace::Interval;
-use super::run_state::{RunState, Stage};
+use super::run_state::{RunPart, RunState};
 use super::segment::Segment;
 use super::store::Store;
 use super::test_state::{MOST_STAGES_NOTED, Test};
@@ -31,8 +31,8 @@ impl Laboratory {
         let density_scaling = case.test_definition().initial_density_scaling;
         simulation.set_properties(case.properties().with_densities(density_scaling))?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        run_state.stage =
-            Stage::Test(Box::new(Test::begin(case, self.registry.vocabulary.sensors(), simulation)?));
+        run_state.part =
+            RunPart::Test(Box::new(Test::begin(case, self.registry.vocabulary.sensors(), simulation)?));
         Ok(Segment::GoOn)
     }
 
@@ -45,7 +45,7 @@ impl Laboratory {
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
     ) -> Result<Segment, LaboratoryError> {
-        let Stage::Test(test) = &mut run_state.stage else { return Ok(Segment::GoOn) };
+        let RunPart::Test(test) = &mut run_state.part else { return Ok(Segment::GoOn) };
         let simulation = &mut run_state.simulation;
         let at = test.ends.len();
         if test.recorders.len() == at {

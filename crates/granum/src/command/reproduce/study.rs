@@ -11,6 +11,7 @@ use granum_antony2006::{
 };
 use granum_antony2006::{StudyReport, study_report};
 use granum_antony2006::{interpretation, speed};
+use granum_io::run::TEST;
 use granum_io::sealed::write_sealed;
 use granum_io::{OutputFolder, Run};
 use granum_learn::NamedRecord;
@@ -82,8 +83,7 @@ pub fn all(
     let many = many::curve(context, folder, plan, all_runs, &options)?;
 
     let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
-    let dem_seconds =
-        reports.get(count).and_then(|r| r.run.wall_seconds.get("shear")).copied().unwrap_or(0.0);
+    let dem_seconds = reports.get(count).and_then(|r| r.run.wall_seconds.get(TEST)).copied().unwrap_or(0.0);
     let speed = match judged {
         Some(run) => speed::measure(&study, run, dem_seconds, REPETITIONS)?,
         None => Default::default(),
