@@ -12,6 +12,8 @@ import urllib.parse
 root = pathlib.Path(__file__).resolve().parent.parent
 source = root / "docs" / "src"
 problems = []
+# For each program the parts that pages quote; an empty name for the whole file.
+quoted = {}
 # Characters: a claim, its evidence, the test, a tolerance and a weakness, each in a sentence or two.
 LONGEST_TABLE_LINE = 600
 
@@ -35,14 +37,40 @@ def headings(text):
     return names
 
 
+def anchors(program):
+    """The parts of a program that pages can quote: those that begin and end once."""
+    text = program.read_text()
+    begun, ended = (re.findall(rf"(?m)// {word}: (\w+)$", text) for word in ("ANCHOR", "ANCHOR_END"))
+    return {name for name in begun if begun.count(name) == 1 and ended.count(name) == 1}
+
+
+def check_examples():
+    """Every example is quoted; of one with anchors, every part, and never the whole file, in which anchors would be seen."""
+    for program in sorted((root / "examples").glob("*.rs")):
+        parts, seen = anchors(program), quoted.get(program.resolve(), set())
+        name = program.relative_to(root)
+        if program.name == "lib.rs":
+            continue
+        if not seen:
+            problems.append(f"{name} is quoted by no page")
+        if parts and "" in seen:
+            problems.append(f"{name} has anchors and is quoted as a whole")
+        for part in sorted(parts - seen):
+            problems.append(f"{name}: the part {part} is quoted by no page")
+        if len(parts) != len(re.findall(r"// ANCHOR(?:_END)?: ", program.read_text())) / 2:
+            problems.append(f"{name}: an anchor does not begin and end once")
+
+
 def check_page(page):
     text = page.read_text()
     for include in re.findall(r"(?<!\\)\{\{#include ([^}:]+)(?::(\w+))?\}\}", text):
         path, anchor = page.parent / include[0].strip(), include[1]
         if not path.is_file():
             problems.append(f"{page.relative_to(root)}: includes {include[0]}, which does not exist")
-        elif anchor and f"ANCHOR: {anchor}" not in path.read_text():
-            problems.append(f"{page.relative_to(root)}: {include[0]} has no anchor {anchor}")
+        elif anchor and anchor not in anchors(path):
+            problems.append(f"{page.relative_to(root)}: {include[0]} has no anchor {anchor} that begins and ends")
+        else:
+            quoted.setdefault(path.resolve(), set()).add(anchor)
     for target in re.findall(r"\]\(([^)\s]+)(?: \"[^\"]*\")?\)", without_code(text)):
         if re.match(r"[a-z]+:", target):
             continue
@@ -100,6 +128,7 @@ pages = sorted(source.rglob("*.md")) + sorted(root.glob("*.md")) + sorted(root.g
 pages += sorted(root.glob("benches/**/README.md")) + sorted(root.glob("data/**/README.md")) + [root / "fuzz" / "README.md"]
 for page in pages:
     check_page(page)
+check_examples()
 for number, line in enumerate((root / "VALIDATION.md").read_text().splitlines(), 1):
     if line.startswith("|") and len(line) > LONGEST_TABLE_LINE:
         problems.append(f"VALIDATION.md, line {number}: {len(line)} characters; split it, or move details to the book")

@@ -20,6 +20,7 @@ fn run(seed: u64, friction: f64) -> Result<RunStates, Box<dyn std::error::Error>
         .with_parameter("friction", "", friction)?)
 }
 
+// ANCHOR: method
 /// A user-defined method: the mean of the nearest training rows.
 struct Neighbours {
     count: usize,
@@ -89,16 +90,20 @@ impl Surrogate for FittedNeighbours {
         Content::of(&(self.count, &self.ranges, &self.rows))
     }
 }
+// ANCHOR_END: method
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // ANCHOR: data
     let frictions = [0.1, 0.3, 0.5, 0.2];
     let runs = frictions.iter().zip(1..).map(|(friction, seed)| run(seed, *friction));
     let dataset = Dataset::new(runs.collect::<Result<_, _>>()?)?;
     let parts = dataset.split(&Split::default().first_state(1).unseen(["friction 0.2"]))?;
     let spec = FitSpec::new(["arc_length", "friction", "deviator_fabric"], ["stress_ratio"]);
     let spec = spec.with_coordinate("arc_length");
+    // ANCHOR_END: data
 
+    // ANCHOR: compare
     let methods = SurrogateMethods::standard().with(Neighbours { count: 4 });
     let compared = ["feed-forward", "ridge", "neighbours"].map(|name| methods.by_name(name));
     let scores =
@@ -110,7 +115,9 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:<13} {held_out:>7.1} % {unseen:>6.1} %  {share:>6}", scored.method);
         assert!(scored.unseen.states == 40 && scored.unseen.relative_rmse < 0.5);
     }
+    // ANCHOR_END: compare
 
+    // ANCHOR: save
     // All surrogates are saved and read in the same way, and report the causes of their intervals.
     let file = std::env::temp_dir().join(format!("granum-example-{}.json", std::process::id()));
     save(&file, scores[1].surrogate.as_ref())?;
@@ -125,6 +132,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (cause, deviation) in &interval.causes {
         println!("  standard deviation by {cause}: {deviation:.3}");
     }
+    // ANCHOR_END: save
     assert!(interval.causes.iter().any(|(cause, _)| *cause == Cause::Runs));
     Ok(())
 }

@@ -29,6 +29,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         key: key.to_string(),
         values: values.map(String::from).to_vec(),
     };
+    // ANCHOR: plan
     let settings = [
         setting("grains.material.friction", ["0.2", "0.5"]),
         setting("stage.1.lateral_stress", ["20 kPa", "30 kPa"]),
@@ -42,12 +43,16 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         runs.push(QueuedRun::test(&name, case, Source::Case, folder.join(&name)));
     }
+    // ANCHOR_END: plan
+    // ANCHOR: queue
     // The two tests of each friction share their sample.
     let queue = Queue::with_shared_samples(runs, &folder.join("samples"))?;
     let laboratory = Laboratory::here();
     queue.check(&laboratory, false)?;
     let outcomes = queue.run(&laboratory, &NoQueueObserver);
+    // ANCHOR_END: queue
 
+    // ANCHOR: table
     let mut entries = Vec::new();
     for (run, outcome) in queue.runs().iter().zip(&outcomes) {
         match outcome.record() {
@@ -59,6 +64,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let table = RunsTable::of(&entries);
     granum::io::formats::csv::write_rows(&mut std::io::stdout(), &table.select(Selection::Main))?;
+    // ANCHOR_END: table
     let friction = table.column("grains.material.friction").and_then(|column| column.numbers());
     assert_eq!(friction, Some(&[0.2, 0.2, 0.5, 0.5][..]));
     std::fs::remove_dir_all(folder)?;

@@ -5,11 +5,14 @@ use granum::prelude::*;
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // ANCHOR: place
     let grains = Grains::default().with(|grains| grains.count = 200);
     // Grains without contacts at a solid fraction of 0.35, placed with the seed 1.
     let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
     let properties = Properties::new(grains.material, ContactModel::default());
     let mut simulation = Simulation::new(cell, &spheres, properties)?;
+    // ANCHOR_END: place
+    // ANCHOR: steps
     // All three axes are driven to 20 kPa; no rate may exceed 3e4 /s.
     simulation.set_control(CellControl::isotropic(20e3, 3e4));
     for _ in 0..10 {
@@ -27,6 +30,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             fastest.fold(0.0, f64::max),
         );
     }
+    // ANCHOR_END: steps
     assert!(simulation.state().solid_fraction() > 0.4);
     Ok(())
 }

@@ -2,6 +2,8 @@
 
 #[path = "../compare_surrogates.rs"]
 mod compare_surrogates;
+#[path = "../draw_a_figure.rs"]
+mod draw_a_figure;
 #[path = "../many_runs.rs"]
 mod many_runs;
 #[path = "../measure_a_packing.rs"]
@@ -10,12 +12,18 @@ mod measure_a_packing;
 mod own_contact_law;
 #[path = "../own_packing_format.rs"]
 mod own_packing_format;
+#[path = "../parameter_study.rs"]
+mod parameter_study;
 #[path = "../rolling_resistance.rs"]
 mod rolling_resistance;
+#[path = "../several_materials.rs"]
+mod several_materials;
 #[path = "../shear_a_sample.rs"]
 mod shear_a_sample;
 #[path = "../step_by_hand.rs"]
 mod step_by_hand;
+#[path = "../stop_and_continue.rs"]
+mod stop_and_continue;
 #[path = "../train_and_ask.rs"]
 mod train_and_ask;
 #[path = "../triaxial_paths.rs"]
@@ -69,4 +77,24 @@ fn compare_surrogates_runs() {
 #[test]
 fn train_and_ask_runs() {
     train_and_ask::main().unwrap();
+}
+
+#[test]
+fn draw_a_figure_runs() {
+    draw_a_figure::main().unwrap();
+}
+
+#[test]
+fn parameter_study_runs() {
+    parameter_study::main().unwrap();
+}
+
+#[test]
+fn several_materials_runs() {
+    several_materials::main().unwrap();
+}
+
+#[test]
+fn stop_and_continue_runs() {
+    stop_and_continue::main().unwrap();
 }

@@ -44,6 +44,7 @@ mod strength_text;
 mod stresses;
 mod study_folder;
 mod study_scores;
+mod summary_file;
 mod table;
 mod test_run;
 mod text_table;

@@ -7,9 +7,9 @@ use clap::Args;
 use granum::contents::{Contents, FolderKind, taken};
 use granum_antony2006::figures::figures;
 use granum_antony2006::files::load_study;
-use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
+use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
-use granum_antony2006::{StudyReport, speed_page, study_report};
+use granum_antony2006::{StudyReport, study_report};
 use granum_io::formats::Observation;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -24,8 +24,8 @@ use serde_json::json;
 
 use super::measure::packing_alone;
 use super::records;
-use super::reproduce::read_summary;
 use super::sources::SourceFlags;
+use super::summary_file::{read_summary, write_speed_page};
 use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -202,15 +202,6 @@ fn over_each_other(
         [_] => document(context, &found[0]),
         _ => Ok((overlay_report(&runs), None)),
     }
-}
-
-/// Writes the page with the computing times of a study, which the report leaves out, since all of the report is the same on
-/// every computer. A study whose times are unknown has no such page.
-pub(super) fn write_speed_page(folder: &Path, study: &StudyReport) -> Result<(), Failure> {
-    if let Some(page) = speed_page(study) {
-        write_atomically(&folder.join(SPEED_FILE), |file| file.write_all(page.html.as_bytes()))?;
-    }
-    Ok(())
 }
 
 /// The report of a folder, and the study from which it was made where it is a reproduction.

@@ -8,7 +8,7 @@ use granum_antony2006::layout::STUDY_FILE;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_io::{OutputFolder, Run};
 
-use super::reproduce::read_summary;
+use super::summary_file::read_summary;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::surrogate_methods::surrogate_methods;

@@ -15,8 +15,6 @@ use granum_antony2006::layout::TIMES_FILE;
 use granum_antony2006::reproduction::{
     REPRODUCTION_FILE, Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE,
 };
-use granum_antony2006::times::SummaryTimes;
-use granum_io::sealed::unseal;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, figure_list};
 use granum_learn::LearnError;
@@ -26,6 +24,7 @@ use serde_json::json;
 use self::plan::Plan;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::HardwareFlags;
+use super::summary_file::read_summary;
 use super::{scores, whole};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -177,21 +176,6 @@ impl Reproduce {
             format!("{}\nreport: {}\nnumbers: {}\n{end}", table(summary), report.shown(), numbers.shown())
         })
     }
-}
-
-/// Reads the summary of a finished reproduction.
-pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
-    let path = folder.join(SUMMARY_FILE);
-    let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
-        .map_err(granum_io::Error::file("read", &path))?;
-    let text = unseal(&path, &text)?.text;
-    let mut summary: Summary = serde_json::from_str(&text).map_err(|error| {
-        Failure::new(format!("{}: this is not a summary of a study ({error})", path.shown()))
-    })?;
-    if let Some(times) = SummaryTimes::read(folder) {
-        times.add_to(&mut summary);
-    }
-    Ok(summary)
 }
 
 /// A table of the mappings with their errors, for the terminal.

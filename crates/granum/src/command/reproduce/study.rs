@@ -22,7 +22,7 @@ use super::Reproduce;
 use super::many;
 use super::plan::{Plan, Role as PlannedRole};
 use super::runs::Done;
-use crate::command::report::write_speed_page;
+use crate::command::summary_file::write_speed_page;
 use crate::command::train::Show;
 use crate::context::Context;
 use crate::failure::Failure;
