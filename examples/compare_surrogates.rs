@@ -87,7 +87,7 @@ impl Surrogate for FittedNeighbours {
         Ok(inputs.rows().map(answer).collect())
     }
     fn content(&self) -> granum::learn::Result<Content> {
-        Content::of(&(self.count, &self.ranges, &self.rows))
+        Content::new(&(self.count, &self.ranges, &self.rows))
     }
 }
 // ANCHOR_END: method

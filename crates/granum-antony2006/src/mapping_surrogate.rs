@@ -195,7 +195,7 @@ impl Surrogate for MappingNetworks {
     fn content(&self) -> Result<Content> {
         let networks =
             self.networks().iter().map(|model| model.to_value().map_err(|error| failed(error.to_string())));
-        Content::of(&Kept {
+        Content::new(&Kept {
             mapping: self.mapping().clone(),
             form: self.form(),
             forces: self.forces().to_vec(),

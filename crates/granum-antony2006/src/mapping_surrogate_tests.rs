@@ -54,7 +54,7 @@ fn a_mapping_comes_back_from_its_file_with_the_same_bits() {
     let predictions = loaded.predict_rows(&rows, 0.8).unwrap();
     assert_eq!(predictions, fitted.predict_rows(&rows, 0.8).unwrap());
     assert_eq!(predictions[0].values.len(), 14);
-    let alien = MappingMethod::default().load(loaded.columns().clone(), &Content::of(&["alien"]).unwrap());
+    let alien = MappingMethod::default().load(loaded.columns().clone(), &Content::new(&["alien"]).unwrap());
     let refusal = alien.err().unwrap().to_string();
     assert!(refusal.contains("the content is not that of a surrogate of this method"), "{refusal}");
     // Without the method its files are refused.

@@ -13,7 +13,7 @@ pub mod figure_list;
 mod folder;
 mod format;
 pub mod formats;
-pub mod laboratory;
+pub mod laboratory_curves;
 mod material_name;
 mod named_file;
 pub mod packing;
@@ -33,7 +33,7 @@ pub use formats::{
     Formats, read_columns, read_packing, read_table, read_table_with_words, write_packing, write_table,
 };
 pub use granum_core::{Column, ColumnKind, Table};
-pub use laboratory::{Conventions, LaboratoryTest, read_laboratory};
+pub use laboratory_curves::{Conventions, LaboratoryTest, read_laboratory};
 pub use packing::Packing;
 pub use presence::is_there;
 pub use recordable::recordable;

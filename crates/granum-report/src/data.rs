@@ -68,7 +68,9 @@ fn without_consolidation(record: Record, stages: &[Stage]) -> Record {
     let rests = |number: &f64| {
         let stage = stages.get((*number as usize).saturating_sub(1));
         stage.is_some_and(|stage| {
-            stage.settling && !stage.is_mark() && stage.record == granum_dem::loading::Record::default()
+            stage.settling
+                && !stage.is_mark()
+                && stage.record == granum_dem::loading::RecordedStates::default()
         })
     };
     let kept: Vec<bool> = match record.series.values("stage") {

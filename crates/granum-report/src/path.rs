@@ -82,7 +82,7 @@ fn is_history(stage: &Stage) -> bool {
 fn is_isotropic(stage: &Stage) -> bool {
     let [x, y, z] = [0, 1, 2].map(|k| stage.control.components[k]);
     let stress = |drive| matches!(drive, Drive::Stress(target) if target.value.is_some());
-    stress(x) && x == y && y == z && stage.record != granum_dem::loading::Record::default()
+    stress(x) && x == y && y == z && stage.record != granum_dem::loading::RecordedStates::default()
 }
 
 /// A combination of stresses that distinguishes y and z.

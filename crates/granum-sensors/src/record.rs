@@ -166,7 +166,7 @@ impl Record {
             let states = histograms.states.iter().zip(values);
             states.flat_map(|(histogram, value)| std::iter::repeat_n(*value, histogram.bins())).collect()
         };
-        let key = StateKeys::of(&self.series);
+        let key = StateKeys::from_table(&self.series);
         let mut columns =
             vec![column("stage", "", of_state(&key.stages)), column("state", "", of_state(&key.states))];
         if let Some(strains) = self.series.values("deviator_strain").filter(|_| histograms.name == FORCES) {
@@ -214,7 +214,7 @@ struct StateKeys {
 
 impl StateKeys {
     /// Without a column `stage` all rows are of stage 1, and without a column `state` these are numbered from 0.
-    fn of(table: &Table) -> StateKeys {
+    fn from_table(table: &Table) -> StateKeys {
         let rows = table.rows();
         let numbered = || (0..rows).map(|row| row as f64).collect();
         StateKeys {
@@ -234,7 +234,7 @@ fn read_histograms(series: &Table, name: &str, table: &Table) -> Result<Histogra
     let below = (below(name), series.column(&below(name))?);
     let above = (above(name), series.column(&above(name))?);
     let of = table.column("state")?;
-    let (wanted, keys) = (StateKeys::of(series), StateKeys::of(table));
+    let (wanted, keys) = (StateKeys::from_table(series), StateKeys::from_table(table));
     // The column of the counted quantity precedes that of the bin width.
     let names: Vec<&str> = table.names().collect();
     let width = names.iter().position(|name| *name == "bin_width").unwrap_or(0);

@@ -25,7 +25,7 @@ pub mod path {
         deviator, number, optional, stress, word,
     };
     pub use granum_dem::loading::{
-        Constraint, Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Turns, Until,
+        Constraint, Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Target, Turns, Until,
     };
 }
 

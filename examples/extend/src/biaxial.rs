@@ -14,7 +14,7 @@ pub const BIAXIAL: Preset = Preset::new(
         let control =
             Control::of(values.speed(), [Drive::Rate(1.0), free, fixed, fixed, fixed, fixed]).with(mean);
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
-        let record = Record::equal(Measure::Strain(0), values.states(), end);
+        let record = RecordedStates::equal(Measure::Strain(0), values.states(), end);
         let stage = Stage::new("biaxial compression", control, vec![until]).recording(record);
         vec![stage.with(|stage| stage.resets = true)]
     },

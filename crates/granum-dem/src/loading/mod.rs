@@ -1,5 +1,5 @@
 //! Loading: a test is a list of stages. A stage defines the control of the cell ([`Control`]), its end ([`Until`]), and the
-//! values of a measure at which states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
+//! values of a measure at which states are recorded ([`RecordedStates`]). Named paths are presets, one file each ([`preset`]).
 
 mod control;
 mod control_error;
@@ -7,7 +7,7 @@ mod equations;
 mod history;
 pub(crate) mod measure;
 pub mod preset;
-mod record;
+mod recorded_states;
 mod until;
 
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub use self::control::{Constraint, Control, Drive, Kinematics, Ramp, SERVO_LIMI
 pub use self::control_error::ControlError;
 pub use self::history::{History, MOST_ROWS, Quantity};
 pub use self::measure::{Event, MacroState, Measure};
-pub use self::record::Record;
+pub use self::recorded_states::RecordedStates;
 pub(crate) use self::until::overlap_text;
 pub use self::until::{Reason, StageProgress, Until};
 use crate::config::{LARGEST_OVERLAP, Rate};
@@ -62,7 +62,7 @@ pub struct Stage {
     /// reach its end.
     pub most_arc_length: Option<f64>,
     /// The states that are recorded.
-    pub record: Record,
+    pub record: RecordedStates,
     /// True if velocities are damped globally, so that the sample comes to rest.
     pub settling: bool,
     /// True if strain, time and energy are reset to zero at the start of this stage.
@@ -139,7 +139,7 @@ impl Stage {
             turns: None,
             until,
             most_arc_length: Some(1.0),
-            record: Record::default(),
+            record: RecordedStates::default(),
             settling: false,
             resets: false,
             density_scaling: 1.0,
@@ -160,7 +160,7 @@ impl Stage {
     }
 
     /// The same with states recorded.
-    pub fn recording(self, record: Record) -> Stage {
+    pub fn recording(self, record: RecordedStates) -> Stage {
         Stage { record, ..self }
     }
 

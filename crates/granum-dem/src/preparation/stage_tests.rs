@@ -7,7 +7,7 @@ use crate::contact::choice::contact_model::ContactModel;
 use crate::loading;
 use crate::loading::preset::{self, Given, Value};
 use crate::loading::{
-    Constraint, Control, Drive, Measure, Reason, Record, Speed, Start, Target, Turns, Until,
+    Constraint, Control, Drive, Measure, Reason, RecordedStates, Speed, Start, Target, Turns, Until,
 };
 use crate::observer::NoObserver;
 use crate::simulation::Simulation;
@@ -122,8 +122,8 @@ fn nothing_is_recorded_and_the_recording_has_no_effect() {
     let contact = contact();
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
     let recording = oedometer(60e3, 30e3);
-    assert!(recording.iter().all(|stage| stage.record != Record::default()));
-    let bare = recording.iter().cloned().map(|stage| stage.recording(Record::default())).collect();
+    assert!(recording.iter().all(|stage| stage.record != RecordedStates::default()));
+    let bare = recording.iter().cloned().map(|stage| stage.recording(RecordedStates::default())).collect();
     let specification = SampleSpecification::new(&grains, &contact, &preparation);
     struct Eager;
     impl Observer for Eager {

@@ -1,7 +1,7 @@
 //! Tests of the tables `[[preparation.stage]]`.
 
 use granum_dem::loading::preset::{self, Given, Value};
-use granum_dem::loading::{Drive, Measure, Ramp, Record, Start, Until};
+use granum_dem::loading::{Drive, Measure, Ramp, RecordedStates, Start, Until};
 use proptest::prelude::*;
 
 use super::stage::{PREPARATION_STAGE, RECORDING_KEYS, goes_back, without_recording};
@@ -188,7 +188,7 @@ fn what_a_program_gives_is_checked_as_well() {
     let stage = preset::named("oedometer").unwrap().expand(&Given::new()).remove(0);
     let control = |stage: granum_dem::loading::Stage| CaseStage::Control(Box::new(stage));
     assert!(message(control(stage.clone())).contains("preparation.stage.1.1.record has no effect"));
-    let bare = stage.recording(Record::default());
+    let bare = stage.recording(RecordedStates::default());
     assert!(fault(control(bare.clone())).is_ok());
     assert!(message(control(bare.with(|stage| stage.start = Start::Kept))).contains("starts from a saved"));
 }
@@ -203,7 +203,7 @@ fn steps_of_the_incremental_driver_prepare_a_sample_and_record_nothing() {
     write("out\n*Repetition\n1 3\n*TriaxialE1\n1 1 1\n-0.01\n*End\n");
     let case = Case::read(&file).unwrap();
     let stages = case.sample_stages();
-    assert!(stages.len() == 3 && stages.iter().all(|stage| stage.record == Record::default()));
+    assert!(stages.len() == 3 && stages.iter().all(|stage| stage.record == RecordedStates::default()));
     assert_eq!(parse(&case.resolved_toml()), case);
     std::fs::write(&file, format!("{stage}interval = 1e-3\n")).unwrap();
     let found = Case::read(&file).unwrap_err().to_string();

@@ -6,7 +6,7 @@ use granum_dem::config::Recording;
 use granum_dem::loading::preset::{
     self, Default as ParameterDefault, Fault, Given, Kind, Parameter, Preset, Value,
 };
-use granum_dem::loading::{Record, Stage, Start};
+use granum_dem::loading::{RecordedStates, Stage, Start};
 
 use super::bare_number::in_per_cent_instead;
 use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
@@ -274,7 +274,7 @@ pub(super) fn goes_back(stage: &CaseStage) -> bool {
 /// Removes the recording that a file of the IncrementalDriver sets.
 pub(super) fn without_recording(stage: CaseStage) -> CaseStage {
     match stage {
-        CaseStage::Control(stage) => CaseStage::Control(Box::new(stage.recording(Record::default()))),
+        CaseStage::Control(stage) => CaseStage::Control(Box::new(stage.recording(RecordedStates::default()))),
         CaseStage::Repeat { times, stages } => {
             CaseStage::Repeat { times, stages: stages.into_iter().map(without_recording).collect() }
         }
@@ -294,7 +294,7 @@ fn check_unrecorded(stages: &[CaseStage], place: &str) -> Result<()> {
             CaseStage::Path { parameters, .. } => {
                 RECORDING_KEYS.into_iter().find(|key| parameters.contains_key(*key))
             }
-            CaseStage::Control(stage) => (stage.record != Record::default()).then_some("record"),
+            CaseStage::Control(stage) => (stage.record != RecordedStates::default()).then_some("record"),
         };
         if let Some(key) = key {
             return Err(Error::Rule(format!("{place}.{key} {NOTHING_RECORDED}")));

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use granum_dem::config::Spacing;
-use granum_dem::loading::{Constraint, Drive, Measure, Ramp, Record, Target, Turns, Until};
+use granum_dem::loading::{Constraint, Drive, Measure, Ramp, RecordedStates, Target, Turns, Until};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -285,16 +285,16 @@ pub(super) fn turns(value: &Node<'_>) -> Parsed<Turns> {
     Ok(Turns { measure, high, low })
 }
 
-pub(super) fn record(value: &Node<'_>) -> Parsed<Record> {
+pub(super) fn record(value: &Node<'_>) -> Parsed<RecordedStates> {
     let table = inner(value, &["measure", "every", "states", "end", "at"])?;
     let measure = measured(table, value.span())?;
     let unit = dimension(measure.unit());
     let positive = |value: &Node<'_>| number(value, unit, [1e-12, 1e12]);
     match (table.get("every"), table.get("states"), table.get("end"), table.get("at")) {
-        (Some(every), None, None, None) => Ok(Record::every(measure, positive(every)?)),
+        (Some(every), None, None, None) => Ok(RecordedStates::every(measure, positive(every)?)),
         (None, Some(states), Some(end), None) => {
             let count = number(states, Dimension::NUMBER, [1.0, 1e6])?;
-            Ok(Record::equal(measure, count as usize, number(end, unit, [0.0, 1e12])?))
+            Ok(RecordedStates::equal(measure, count as usize, number(end, unit, [0.0, 1e12])?))
         }
         (None, None, None, Some(places)) => {
             let DeValue::Array(items) = places.get_ref() else {
@@ -304,7 +304,7 @@ pub(super) fn record(value: &Node<'_>) -> Parsed<Record> {
             if places.is_empty() || places.windows(2).any(|pair| pair[0] >= pair[1]) {
                 return Err(Mistake(value.span(), "does not increase from value to value".into(), None));
             }
-            Ok(Record { measure, states: 0, spacing: Spacing::Strains(places), end: f64::INFINITY })
+            Ok(RecordedStates { measure, states: 0, spacing: Spacing::Strains(places), end: f64::INFINITY })
         }
         _ => {
             let help = "give every, or states and end, or at = [...]";

@@ -2,7 +2,9 @@
 
 use granum_dem::config::Spacing;
 use granum_dem::loading::preset::{Given, Preset, Value};
-use granum_dem::loading::{Drive, Kinematics, Ramp, Record, Speed, Stage, Start, Target, Turns, Until};
+use granum_dem::loading::{
+    Drive, Kinematics, Ramp, RecordedStates, Speed, Stage, Start, Target, Turns, Until,
+};
 use granum_dem::servo::COMPONENTS;
 
 use super::case_stage::CaseStage;
@@ -169,7 +171,7 @@ fn until_toml(until: &Until) -> String {
     }
 }
 
-fn record_toml(record: &Record) -> Option<String> {
+fn record_toml(record: &RecordedStates) -> Option<String> {
     let measure = format!("measure = \"{}\"", record.measure.name());
     match &record.spacing {
         Spacing::Every(interval) => Some(format!("{measure}, every = {}", format_number(*interval))),

@@ -96,7 +96,7 @@ impl Run {
         if !path.join(RECORD).is_file() && !path.join(CASE).is_file() {
             return Err(Error::content(path, format!("contains no run: neither {RECORD} nor {CASE} exists")));
         }
-        Ok(Run::of(path))
+        Ok(Run::in_folder(path))
     }
 
     /// The run whose folder of snapshots this is, if it is one.
@@ -104,10 +104,10 @@ impl Run {
         let run = if run.as_os_str().is_empty() { Path::new(".") } else { run };
         let is_its =
             snapshots.file_name().is_some_and(|name| name == SNAPSHOTS) && run.join(RECORD).is_file();
-        is_its.then(|| Run::of(run))
+        is_its.then(|| Run::in_folder(run))
     }
 
-    fn of(path: &Path) -> Run {
+    fn in_folder(path: &Path) -> Run {
         Run { path: path.to_path_buf(), compared: Arc::default(), vocabulary: Vocabulary::standard() }
     }
 

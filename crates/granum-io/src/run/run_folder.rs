@@ -50,7 +50,7 @@ impl RunFolder {
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<RunFolder> {
         let folder = OutputFolder::create(path, force)?;
         folder.refuse_links(&FOLDERS)?;
-        let record = Run::of(folder.path()).record().ok();
+        let record = Run::in_folder(folder.path()).record().ok();
         let old = content::written(folder.path(), record.as_ref());
         Ok(RunFolder { folder, state: Mutex::new(State { old, ..State::default() }) })
     }
@@ -66,7 +66,7 @@ impl RunFolder {
             folder.remove_unfinished_inside(name)?;
         }
         // A record that cannot be read is refused by whoever continues the run.
-        let record = Run::of(folder.path()).record().ok();
+        let record = Run::in_folder(folder.path()).record().ok();
         let content = record.as_ref().map(|record| content_on_disk(folder.path(), record)).transpose()?;
         let state = State { record, content: content.unwrap_or_default(), old: Vec::new() };
         Ok(RunFolder { folder, state: Mutex::new(state) })
@@ -108,7 +108,7 @@ impl RunFolder {
 
     /// The same folder for reading.
     pub fn run(&self) -> Run {
-        Run::of(self.folder.path())
+        Run::in_folder(self.folder.path())
     }
 
     /// Writes the resolved case, with the name of the packing that replaces the random insertion, if there is one.

@@ -1,6 +1,7 @@
 //! The states of one run.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use granum_core::digest::Digest;
 use granum_core::names::suggestion;
@@ -39,9 +40,9 @@ pub struct NamedRecord<'a> {
 pub struct RunStates {
     name: String,
     table: Table,
-    groups: Vec<ColumnGroup>,
-    /// Numbers and words; lists have been taken apart.
-    parameters: Vec<CaseParameter>,
+    groups: Arc<Vec<ColumnGroup>>,
+    /// Numbers and words; lists have been taken apart. Parts of a run, which a split gives, share them.
+    parameters: Arc<Vec<CaseParameter>>,
 }
 
 impl RunStates {
@@ -66,7 +67,7 @@ impl RunStates {
         let others = table.into_columns().into_iter();
         columns.extend(others.filter(|column| column.name != STAGE && column.name != STATE));
         let table = Table::new(columns).map_err(|error| record_error(name, error.to_string()))?;
-        let run = RunStates { name: name.into(), table, groups: Vec::new(), parameters: Vec::new() };
+        let run = RunStates { name: name.into(), table, groups: Arc::default(), parameters: Arc::default() };
         run.check_key()?;
         Ok(run)
     }
@@ -96,7 +97,8 @@ impl RunStates {
     /// As [`RunStates::from_record`].
     pub fn of_record(name: &str, record: Record) -> Result<RunStates> {
         let RunColumns { table, groups, sample } = RunColumns::new(name, record)?;
-        Ok(RunStates { groups, parameters: sample, ..RunStates::new(name, table)? })
+        let (groups, parameters) = (Arc::new(groups), Arc::new(sample));
+        Ok(RunStates { groups, parameters, ..RunStates::new(name, table)? })
     }
 
     /// Reads the folder of a run, with every resolved key of its case as a parameter: numbers (`grains.material.friction`), words
@@ -155,14 +157,16 @@ impl RunStates {
         for column in group.columns() {
             self.column(&column)?;
         }
-        self.groups.retain(|known| known.name != group.name);
-        self.groups.push(group);
+        let groups = Arc::make_mut(&mut self.groups);
+        groups.retain(|known| known.name != group.name);
+        groups.push(group);
         Ok(self)
     }
 
     fn set_parameter(&mut self, parameter: CaseParameter) {
-        self.parameters.retain(|known| known.key != parameter.key);
-        self.parameters.push(parameter);
+        let parameters = Arc::make_mut(&mut self.parameters);
+        parameters.retain(|known| known.key != parameter.key);
+        parameters.push(parameter);
     }
 
     /// Its name.
@@ -334,7 +338,7 @@ impl RunStates {
             digest.numbers(&column.values);
             column.words.iter().for_each(|word| digest.text(word));
         }
-        for found in &self.parameters {
+        for found in self.parameters.iter() {
             digest.text(&found.key);
             digest.text(&found.unit);
             match &found.value {

@@ -27,7 +27,7 @@ pub struct Deviation {
 
 impl Deviation {
     /// The scaled deviation of a value in a row with the given functions; 0 if the rows do not deviate.
-    fn of(&self, value: f64, functions: &[f64]) -> f64 {
+    fn scaled(&self, value: f64, functions: &[f64]) -> f64 {
         let deviation = value - dot(&self.mean, functions);
         if self.standard_deviation > 0.0 { deviation / self.standard_deviation } else { 0.0 }
     }
@@ -49,7 +49,7 @@ impl Deviation {
 /// A row of the regression: the functions of the coordinate, followed by the deviations of the inputs.
 pub fn row(deviations: &[Deviation], functions: &[f64], inputs: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut row = functions.to_vec();
-    row.extend(deviations.iter().zip(inputs).map(|(deviation, value)| deviation.of(value, functions)));
+    row.extend(deviations.iter().zip(inputs).map(|(deviation, value)| deviation.scaled(value, functions)));
     row
 }
 

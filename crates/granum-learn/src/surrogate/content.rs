@@ -14,7 +14,7 @@ impl Content {
     ///
     /// # Errors
     /// If the value cannot be represented in JSON.
-    pub fn of(value: &impl Serialize) -> Result<Content> {
+    pub fn new(value: &impl Serialize) -> Result<Content> {
         let failed = |error: serde_json::Error| LearnError::Content(error.to_string());
         Ok(Content(serde_json::to_value(value).map_err(failed)?))
     }

@@ -202,6 +202,6 @@ impl Surrogate for FittedNetworks {
 
     fn content(&self) -> Result<Content> {
         let networks = self.models.iter().map(|model| model.to_value().map_err(failed));
-        Content::of(&Kept { networks: networks.collect::<Result<_>>()? })
+        Content::new(&Kept { networks: networks.collect::<Result<_>>()? })
     }
 }

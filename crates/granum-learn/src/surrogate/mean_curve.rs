@@ -193,7 +193,7 @@ impl Surrogate for FittedCurve {
     }
 
     fn content(&self) -> Result<Content> {
-        Content::of(&self.fitted)
+        Content::new(&self.fitted)
     }
 }
 

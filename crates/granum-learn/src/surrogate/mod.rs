@@ -61,7 +61,7 @@
 //!         Ok(vec![Prediction::new(estimates.collect()); inputs.len()])
 //!     }
 //!     fn content(&self) -> Result<Content> {
-//!         Content::of(&self.moments)
+//!         Content::new(&self.moments)
 //!     }
 //! }
 //!

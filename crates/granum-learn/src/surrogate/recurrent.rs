@@ -302,7 +302,7 @@ impl Surrogate for FittedRecurrent {
 
     fn content(&self) -> Result<Content> {
         let networks = self.networks.iter().map(|network| network.to_value().map_err(failed));
-        Content::of(&Kept {
+        Content::new(&Kept {
             ranges: self.ranges.clone(),
             run_variances: self.run_variances.clone(),
             networks: networks.collect::<Result<_>>()?,

@@ -328,6 +328,6 @@ impl Surrogate for FittedRidge {
     }
 
     fn content(&self) -> Result<Content> {
-        Content::of(&self.fitted)
+        Content::new(&self.fitted)
     }
 }

@@ -69,7 +69,7 @@ impl Surrogate for FittedNearest {
         Ok(inputs.rows().map(predict).collect())
     }
     fn content(&self) -> Result<Content> {
-        Content::of(&(&self.ranges, &self.rows))
+        Content::new(&(&self.ranges, &self.rows))
     }
 }
 
@@ -291,7 +291,7 @@ fn wrong_questions_are_refused() {
             Ok(Vec::new())
         }
         fn content(&self) -> Result<Content> {
-            Content::of(&0)
+            Content::new(&0)
         }
     }
     let mute = Mute(fitted.columns().clone());

@@ -293,7 +293,7 @@ impl<'a> Curves<'a> {
         let mut stages = rows.clone().filter_map(|row| self.stage(row));
         let oedometric = stages.clone().any(symmetry::is_oedometric);
         // A probe records nothing but its start.
-        let recorded = |stage: &Stage| stage.record != granum_dem::loading::Record::default();
+        let recorded = |stage: &Stage| stage.record != granum_dem::loading::RecordedStates::default();
         rows.len() >= 2
             && !oedometric
             && stages.any(|stage| !symmetry::is_isotropic(stage) && recorded(stage))

@@ -156,7 +156,7 @@ impl Recorder {
         sensors: &Sensors,
         recording: &Recording,
         columns: RecordedColumns,
-        record: &loading::Record,
+        record: &loading::RecordedStates,
         origin: f64,
     ) -> Result<Recorder, SensorError> {
         Recorder::with_schedule(sensors, Schedule::of_stage(recording, record, origin), columns)

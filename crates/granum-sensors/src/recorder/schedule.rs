@@ -66,7 +66,7 @@ impl Schedule {
     }
 
     /// The schedule of a stage whose measure is counted from `origin`.
-    pub(super) fn of_stage(recording: &Recording, record: &loading::Record, origin: f64) -> Schedule {
+    pub(super) fn of_stage(recording: &Recording, record: &loading::RecordedStates, origin: f64) -> Schedule {
         let recording = recording.clone().with(|recording| {
             recording.states = record.states;
             recording.spacing = record.spacing.clone();

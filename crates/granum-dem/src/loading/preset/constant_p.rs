@@ -5,7 +5,7 @@ use super::definition::generous;
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
 use crate::config::{Rate, Recording, Shear};
 use crate::loading::{
-    Constraint, Control, Drive, Measure, Record, Speed, Stage, Target, Until, density_scaling,
+    Constraint, Control, Drive, Measure, RecordedStates, Speed, Stage, Target, Until, density_scaling,
 };
 use crate::servo::RESPONSE;
 
@@ -26,7 +26,7 @@ pub(super) const PRESET: Preset = Preset {
                 Until::Reaches { measure: Measure::AxialDeviatorStrain, value: end },
             )
         };
-        let record = Record::equal(Measure::DeviatoricStrain, values.states(), 2.0 / 3.0 * end.abs());
+        let record = RecordedStates::equal(Measure::DeviatoricStrain, values.states(), 2.0 / 3.0 * end.abs());
         values.consolidation("mean_stress").into_iter().chain([test.recording(record)]).collect()
     },
 };
@@ -62,7 +62,7 @@ pub fn antony2006(shear: &Shear, recording: &Recording, sample_stress: f64) -> S
     };
     let end = shear.deviator_strain;
     let until = Until::Reaches { measure: Measure::AxialDeviatorStrain, value: end };
-    let record = Record {
+    let record = RecordedStates {
         measure: Measure::AxialDeviatorStrain,
         states: recording.states,
         spacing: recording.spacing.clone(),

@@ -1,7 +1,7 @@
 //! True triaxial test at constant mean stress p and constant intermediate stress ratio b.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target, Until};
+use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "constant-p-and-b",
@@ -23,7 +23,7 @@ pub(super) const PRESET: Preset = Preset {
         let test = Stage {
             most_arc_length: generous(2.0 * end),
             resets: true,
-            ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+            ..Stage::new("shear", control, vec![until]).recording(RecordedStates::equal(
                 Measure::Strain(0),
                 values.states(),
                 end,

@@ -1,7 +1,9 @@
 //! Cyclic triaxial test: the strain along x is reversed at two strains or two deviator stresses, drained or undrained.
 
 use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, deviator, number, optional, stress, word};
-use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, Target, Turns, Until};
+use crate::loading::{
+    Constraint, Control, Drive, Measure, Ramp, RecordedStates, Stage, Target, Turns, Until,
+};
 
 pub(super) const PRESET: Preset = Preset {
     name: "cyclic",
@@ -45,7 +47,7 @@ pub(super) const PRESET: Preset = Preset {
             most_arc_length: Some(most),
             resets: true,
             ..Stage::new("cyclic", control(values), until)
-                .recording(Record::every(Measure::ArcLength, interval))
+                .recording(RecordedStates::every(Measure::ArcLength, interval))
         };
         values.consolidation("mean_stress").into_iter().chain([test]).collect()
     },

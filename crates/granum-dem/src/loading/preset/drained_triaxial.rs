@@ -1,7 +1,7 @@
 //! Drained triaxial test: axis x is strained, the lateral stresses are held constant.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "drained-triaxial",
@@ -14,7 +14,7 @@ pub(super) const PRESET: Preset = Preset {
         let fixed = Drive::Fixed;
         let drives = [Drive::Rate(end.signum()), held, held, fixed, fixed, fixed];
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
-        let record = Record::every(Measure::ArcLength, end.abs() / values.number("states"));
+        let record = RecordedStates::every(Measure::ArcLength, end.abs() / values.number("states"));
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,

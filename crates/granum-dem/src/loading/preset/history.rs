@@ -1,7 +1,9 @@
 //! A history of strains or stresses from a file: the loading follows straight lines from row to row.
 
 use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, optional, word};
-use crate::loading::{Control, Drive, History, Measure, Quantity, Ramp, Record, Speed, Stage, Target, Until};
+use crate::loading::{
+    Control, Drive, History, Measure, Quantity, Ramp, RecordedStates, Speed, Stage, Target, Until,
+};
 
 pub(super) const PRESET: Preset = Preset {
     name: "history",
@@ -11,7 +13,8 @@ pub(super) const PRESET: Preset = Preset {
     stages: |values| {
         let Some(history) = values.history("file") else { return Vec::new() };
         let sign = if values.is("compression", "negative") { -1.0 } else { 1.0 };
-        let record = values.optional("interval").map(|interval| Record::every(Measure::ArcLength, interval));
+        let record =
+            values.optional("interval").map(|interval| RecordedStates::every(Measure::ArcLength, interval));
         let mut stages: Vec<Stage> = (history.rows.iter().enumerate())
             .map(|(k, row)| {
                 let control = control(history, row, sign, values.speed());

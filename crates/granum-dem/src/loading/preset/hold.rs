@@ -1,7 +1,7 @@
 //! Hold: the stresses are constant and the sample creeps, or the strains are constant and the stresses relax.
 
 use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, number, optional, word};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Target, Until};
+use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "hold",
@@ -21,8 +21,8 @@ pub(super) const PRESET: Preset = Preset {
         let time = values.optional("duration");
         let until = time.map_or(rest, |value| Until::Reaches { measure: Measure::Time, value });
         let record = match time {
-            Some(time) => Record::every(Measure::Time, time / values.number("states")),
-            None => Record::every(Measure::ArcLength, values.number("interval")),
+            Some(time) => RecordedStates::every(Measure::Time, time / values.number("states")),
+            None => RecordedStates::every(Measure::ArcLength, values.number("interval")),
         };
         let control = Control::of(values.speed(), [held; 6]);
         let stage = Stage::new("hold", control, vec![until]).recording(record);

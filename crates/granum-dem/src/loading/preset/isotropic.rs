@@ -1,7 +1,7 @@
 //! Isotropic compression or unloading to a mean stress, and back to another one.
 
 use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, consolidation, stress};
-use crate::loading::{Measure, Record, Speed, Stage};
+use crate::loading::{Measure, RecordedStates, Speed, Stage};
 
 pub(super) const PRESET: Preset = Preset {
     name: "isotropic",
@@ -11,7 +11,7 @@ pub(super) const PRESET: Preset = Preset {
     faults: |_| None,
     stages: |values| {
         let stage = |name: &str, stress: f64| {
-            let record = Record::every(Measure::ArcLength, values.number("interval"));
+            let record = RecordedStates::every(Measure::ArcLength, values.number("interval"));
             let mut stage = consolidation(stress, values.number("inertial_number")).recording(record);
             if let Speed::StrainRate(_) = values.speed() {
                 stage.control.speed = values.speed();

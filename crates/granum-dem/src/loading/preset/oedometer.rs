@@ -1,7 +1,7 @@
 //! Oedometer: axis x is compressed without lateral strain, then unloaded.
 
 use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "oedometer",
@@ -20,7 +20,7 @@ pub(super) const PRESET: Preset = Preset {
             let drives = [Drive::Rate(sense), fixed, fixed, fixed, fixed, fixed];
             let until = Until::Reaches { measure: Measure::Stress(0), value: stress };
             Stage::new(name, Control::of(values.speed(), drives), vec![until])
-                .recording(Record::every(Measure::ArcLength, values.number("interval")))
+                .recording(RecordedStates::every(Measure::ArcLength, values.number("interval")))
         };
         let loading = Stage { resets: true, ..stage("loading", 1.0, values.number("axial_stress")) };
         let unloading = values.optional("unloading_stress").map(|stress| stage("unloading", -1.0, stress));

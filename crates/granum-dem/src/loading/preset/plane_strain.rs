@@ -1,7 +1,7 @@
 //! Plane strain compression: axis x is strained, axis y does not strain, the stress along z is held.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "plane-strain",
@@ -15,7 +15,7 @@ pub(super) const PRESET: Preset = Preset {
         let control =
             Control::of(values.speed(), [Drive::Rate(end.signum()), fixed, held, fixed, fixed, fixed]);
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
-        let record = Record::every(Measure::ArcLength, end.abs() / values.number("states"));
+        let record = RecordedStates::every(Measure::ArcLength, end.abs() / values.number("states"));
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,

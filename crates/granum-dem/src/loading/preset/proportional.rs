@@ -1,7 +1,7 @@
 //! Proportional loading: the strains of the three axes, or their stresses, keep constant ratios.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, Values, generous, number, optional, stress, word};
-use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, Target, Until};
+use crate::loading::{Constraint, Control, Drive, Measure, Ramp, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "proportional",
@@ -16,7 +16,7 @@ pub(super) const PRESET: Preset = Preset {
         let mut until = vec![Until::Reaches { measure: Measure::Strain(0), value: end }];
         let stress = values.optional("axial_stress");
         until.extend(stress.map(|value| Until::Reaches { measure: Measure::Stress(0), value }));
-        let record = Record::every(Measure::ArcLength, end.abs() / values.number("states"));
+        let record = RecordedStates::every(Measure::ArcLength, end.abs() / values.number("states"));
         let most = generous(end * (1.0 + ratio(values, 1).abs() + ratio(values, 2).abs()));
         let test = Stage {
             most_arc_length: most,

@@ -2,7 +2,7 @@
 //! other axes are not strained.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Kinematics, Measure, Record, Speed, Stage, Until};
+use crate::loading::{Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "simple-shear",
@@ -34,7 +34,7 @@ pub(super) fn shear(speed: Speed, normal: Drive, strain: f64, states: usize) -> 
     Stage {
         most_arc_length: generous(strain),
         resets: true,
-        ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+        ..Stage::new("shear", control, vec![until]).recording(RecordedStates::equal(
             Measure::Strain(5),
             states,
             strain,

@@ -2,7 +2,7 @@
 //! axial one.
 
 use super::{Default, INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target, Until};
+use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "undrained-triaxial",
@@ -26,8 +26,8 @@ pub(super) const PRESET: Preset = Preset {
         };
         // With a compressible fluid the arc length is not the axial strain, so that the end is not known.
         let record = match values.optional("fluid_modulus") {
-            None => Record::equal(Measure::ArcLength, values.states(), end.abs()),
-            Some(_) => Record::every(Measure::ArcLength, end.abs() / values.number("states")),
+            None => RecordedStates::equal(Measure::ArcLength, values.states(), end.abs()),
+            Some(_) => RecordedStates::every(Measure::ArcLength, end.abs() / values.number("states")),
         };
         let test = Stage {
             most_arc_length: generous(end),

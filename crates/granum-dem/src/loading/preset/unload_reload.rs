@@ -1,7 +1,7 @@
 //! Drained triaxial compression with loops of unloading and reloading at given strains.
 
 use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, deviator, generous, number, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "unload-reload",
@@ -10,7 +10,7 @@ pub(super) const PRESET: Preset = Preset {
     faults: |_| None,
     stages: |values| {
         let end = values.number("axial_strain");
-        let record = Record::every(Measure::ArcLength, end / values.number("states"));
+        let record = RecordedStates::every(Measure::ArcLength, end / values.number("states"));
         let stage = |name: String, sense: f64, until: Until| {
             let held = Drive::Stress(values.target("lateral_stress"));
             let fixed = Drive::Fixed;

@@ -8,7 +8,9 @@
 use std::path::Path;
 
 use granum_dem::loading::preset::{Given, PROBES, Value};
-use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Speed, Stage, Target, Until};
+use granum_dem::loading::{
+    Constraint, Control, Drive, Measure, Ramp, RecordedStates, Speed, Stage, Target, Until,
+};
 
 use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
 use crate::error::{Error, InputError, Result};
@@ -185,7 +187,7 @@ impl<'a> Steps<'a> {
         let until =
             if control.has_ramp() { Until::RampOver } else { Until::AtRest { unbalanced_force: AT_REST } };
         Stage::new(name, control, vec![until])
-            .recording(Record::every(Measure::ArcLength, self.options.interval))
+            .recording(RecordedStates::every(Measure::ArcLength, self.options.interval))
     }
 
     fn control(&self, components: [Drive; 6]) -> Control {

@@ -7,7 +7,7 @@ use crate::config::Spacing;
 
 /// The states of a stage that are recorded, by a measure. State 0 is the start of the stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct RecordedStates {
     /// The measure by which states are spaced; it should increase along the stage.
     pub measure: Measure,
     /// Number of equal intervals; not used with [`Spacing::Strains`] and [`Spacing::Every`].
@@ -19,10 +19,10 @@ pub struct Record {
     pub end: f64,
 }
 
-impl Default for Record {
+impl Default for RecordedStates {
     /// Only the start of the stage.
     fn default() -> Self {
-        Record {
+        RecordedStates {
             measure: Measure::ArcLength,
             states: 0,
             spacing: Spacing::Strains(Vec::new()),
@@ -31,17 +31,17 @@ impl Default for Record {
     }
 }
 
-impl Record {
+impl RecordedStates {
     /// States at equal intervals of a measure up to an end.
-    pub fn equal(measure: Measure, states: usize, end: f64) -> Record {
-        Record { measure, states, spacing: Spacing::Equal, end }
+    pub fn equal(measure: Measure, states: usize, end: f64) -> RecordedStates {
+        RecordedStates { measure, states, spacing: Spacing::Equal, end }
     }
 
     /// A state at every interval of a measure, until the stage ends. The shortest interval is 1e-12, which replaces an interval of
     /// zero.
-    pub fn every(measure: Measure, interval: f64) -> Record {
+    pub fn every(measure: Measure, interval: f64) -> RecordedStates {
         let interval = interval.max(1e-12);
-        Record { measure, states: 0, spacing: Spacing::Every(interval), end: f64::INFINITY }
+        RecordedStates { measure, states: 0, spacing: Spacing::Every(interval), end: f64::INFINITY }
     }
 }
 
