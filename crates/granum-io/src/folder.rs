@@ -16,7 +16,8 @@ const LINK: &str =
 /// Longest content of a lock file: a process id.
 const LONGEST_LOCK: u64 = 32;
 /// Files by one of which a folder is known as granum's if its lock file was not copied with it.
-const RECORDS: [&str; 5] = ["run.json", "runs.json", "training.json", "study.json", "reproduction.json"];
+const RECORDS: [&str; 6] =
+    ["run.json", "runs.json", "campaign.json", "training.json", "study.json", "reproduction.json"];
 /// Largest of them that is looked into.
 const LARGEST_RECORD: u64 = 1 << 24;
 /// How often, and how long each time, a process that finds a folder locked waits for the process id of the holder.

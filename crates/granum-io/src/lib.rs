@@ -34,6 +34,7 @@ pub use formats::{
 };
 pub use granum_core::{Column, ColumnKind, Table};
 pub use laboratory_curves::{Conventions, LaboratoryTest, read_laboratory};
+pub use named_file::named_file;
 pub use packing::Packing;
 pub use presence::is_there;
 pub use recordable::recordable;

@@ -10,7 +10,7 @@ use std::path::{Component, Path, PathBuf};
 ///
 /// # Errors
 /// A sentence that continues the name of the file.
-pub(crate) fn named_file(folder: &Path, name: &str, outside: bool) -> Result<PathBuf, String> {
+pub fn named_file(folder: &Path, name: &str, outside: bool) -> Result<PathBuf, String> {
     let path = folder.join(name);
     if outside || !leads_out(folder, &path, name) {
         return Ok(path);

@@ -4,6 +4,7 @@
 //! another program's data. Quantities that a record does not contain are omitted. Pages of other crates are
 //! made of the same parts: [`page`], [`figure`], and the sections of [`run`], [`sample`] and [`trust`].
 
+pub mod campaign;
 pub mod case_details;
 pub mod comparison;
 pub mod data;
@@ -26,6 +27,7 @@ mod study;
 pub mod symbols;
 pub mod trust;
 
+pub use campaign::report as campaign_report;
 pub use data::{Role, RunReport};
 pub use other_data::report as data_report;
 pub use overlay::report as overlay_report;

@@ -9,6 +9,7 @@ use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
 use granum_antony2006::layout::PLAN_FILE;
 use granum_antony2006::layout::STUDY_FILE;
 use granum_antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
+use granum_campaign::Campaign;
 use granum_learn::{LearnError, Result};
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use granum_run::queue::RunList;
@@ -31,6 +32,8 @@ pub enum FolderKind {
     Reproduction,
     /// Several runs.
     Runs,
+    /// The runs of a plan.
+    Campaign,
 }
 
 impl FolderKind {
@@ -43,6 +46,7 @@ impl FolderKind {
             FolderKind::Training => "a training",
             FolderKind::Reproduction => "a reproduction",
             FolderKind::Runs => "several runs",
+            FolderKind::Campaign => "a campaign",
         }
     }
 }
@@ -83,6 +87,8 @@ pub enum Contents {
         /// True if all runs are finished.
         finished: bool,
     },
+    /// The runs of a plan.
+    Campaign(Box<Campaign>),
 }
 
 /// The next action for a folder.
@@ -112,6 +118,9 @@ impl Contents {
     /// place of the file that tells what the folder is.
     pub fn read(folder: &Path) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
+        if let Some(campaign) = Campaign::read(folder).map_err(LearnError::from)? {
+            return Ok(Contents::Campaign(Box::new(campaign)));
+        }
         let of = Reproduction::read(folder)?;
         let unsaid = || OutputFolder::is_granums(folder) && is_real_folder(&folder.join(RUNS));
         if of.is_some() || (!has("run.json") && !has(PLAN_FILE) && unsaid()) {
@@ -145,6 +154,7 @@ impl Contents {
             Contents::Training { .. } => Some(FolderKind::Training),
             Contents::Reproduction { .. } => Some(FolderKind::Reproduction),
             Contents::Runs { .. } => Some(FolderKind::Runs),
+            Contents::Campaign(_) => Some(FolderKind::Campaign),
         }
     }
 
@@ -172,6 +182,7 @@ impl Contents {
             Contents::Runs { list, finished } => {
                 format!("{} list of {} runs", ended(*finished), list.tests(Path::new("")).count())
             }
+            Contents::Campaign(campaign) => format!("a campaign of {} runs", campaign.runs().len()),
         }
     }
 
@@ -180,6 +191,9 @@ impl Contents {
         let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
         let of = match self {
             Contents::Reproduction { of, .. } => of,
+            Contents::Campaign(campaign) => {
+                return campaign.runs().iter().map(|run| campaign.folder_of(&run.name)).collect();
+            }
             Contents::Runs { list, .. } => {
                 let folders = list.folders(folder).map(|(_, path)| path);
                 return folders.filter(|path| !is_link(path)).collect();
@@ -208,6 +222,7 @@ impl Contents {
                 Next::new("their results in a table", format!("granum table {name}"))
             }
             Contents::Runs { .. } => Next::new("continue them", resume()),
+            Contents::Campaign(_) => Next::new("see how far it is", format!("granum campaign status {name}")),
             Contents::Training { finished: true } => {
                 Next::new("evaluate it", format!("granum evaluate {name} RUN..."))
             }

@@ -1,4 +1,5 @@
-//! Ready cases, one file each in `crates/granum/gallery/`. A new case needs a file and a line in [`CASES`].
+//! Ready cases, one file each in `crates/granum/gallery/`, and ready plans in its folder `plans`. A new case needs a file and a line in
+//! [`CASES`], a new plan in [`PLANS`].
 
 /// A ready case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,5 +58,43 @@ impl ReadyCase {
     /// The ready case of a name.
     pub fn named(name: &str) -> Option<&'static ReadyCase> {
         CASES.iter().find(|ready| ready.name == name)
+    }
+}
+
+/// A ready plan, for `granum campaign`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadyPlan {
+    /// Its name, for `granum init --plan NAME`.
+    pub name: &'static str,
+    /// The name of the ready case that is its base case.
+    pub case: &'static str,
+    /// The text of the plan, whose first comment line says what it is.
+    pub text: &'static str,
+}
+
+/// All ready plans.
+pub const PLANS: &[ReadyPlan] = &[
+    ReadyPlan {
+        name: "friction-pressure-density",
+        case: "drained-dense",
+        text: include_str!("../gallery/plans/friction-pressure-density.toml"),
+    },
+    ReadyPlan {
+        name: "powder-cohesion",
+        case: "powder-oedometer",
+        text: include_str!("../gallery/plans/powder-cohesion.toml"),
+    },
+];
+
+impl ReadyPlan {
+    /// What it is, from the first line of its file.
+    pub fn title(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
+    }
+
+    /// The ready plan of a name.
+    pub fn named(name: &str) -> Option<&'static ReadyPlan> {
+        PLANS.iter().find(|ready| ready.name == name)
     }
 }

@@ -30,6 +30,7 @@ pub mod path {
 }
 
 pub use granum_antony2006 as antony2006;
+pub use granum_campaign as campaign;
 pub use granum_core as core;
 pub use granum_dem as dem;
 pub use granum_io as io;

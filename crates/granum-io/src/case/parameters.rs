@@ -93,6 +93,26 @@ impl Case {
         add_stages(&mut all, STAGE, self.test.tables());
         all
     }
+
+    /// The SI unit of a key, also of one that has no value in this case; empty for a pure number and for words, `None` for a key that
+    /// the case cannot have.
+    ///
+    /// ```
+    /// let case = granum_io::Case::parse("[[stage]]\npath = 'drained-triaxial'\n", "case.toml")?;
+    /// assert_eq!(case.unit_of("stage.1.lateral_stress").as_deref(), Some("Pa"));
+    /// assert_eq!(case.unit_of("grains.material.friction").as_deref(), Some(""));
+    /// assert_eq!(case.unit_of("grains.material.frction"), None);
+    /// # Ok::<(), granum_io::Error>(())
+    /// ```
+    pub fn unit_of(&self, key: &str) -> Option<String> {
+        if let Some(field) = self.fields().named(key) {
+            return Some(field.si_unit());
+        }
+        if let Some(parameter) = self.parameter_of(key) {
+            return Some(dimension(parameter.unit).si_unit());
+        }
+        self.parameters().into_iter().find(|known| known.key == key).map(|known| known.unit)
+    }
 }
 
 /// The value of a field, whose text in a case file is used where it is neither a number nor a list of them.

@@ -28,6 +28,7 @@
 
 mod combinations;
 mod execution;
+mod executor;
 mod outcome;
 mod queue_error;
 mod queue_observer;
@@ -41,13 +42,14 @@ mod work;
 
 pub(crate) use combinations::short_keys;
 pub use combinations::{MOST_COMBINATIONS, Setting, combinations, names};
+pub use executor::{Executor, InThisProcess};
 pub use outcome::{Outcome, RunError};
 pub use queue_error::QueueError;
 pub use queue_observer::{NoQueueObserver, QueueFollower, QueueObserver};
 pub use queued_run::{QueuedRun, RunKind};
 pub use run_list::{RUN_LIST, RunList};
 pub use runner::Queue;
-pub use shares::Shares;
+pub use shares::{Shares, TEST_BEGINS_AT};
 
 #[cfg(test)]
 mod tests;

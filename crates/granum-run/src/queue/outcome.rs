@@ -81,7 +81,32 @@ pub enum RunError {
     /// Its folder cannot be used.
     #[error(transparent)]
     File(#[from] granum_io::Error),
+    /// The process of the run ended before the run, or tells why it could not execute it.
+    #[error("{0}")]
+    Process(String),
+    /// The process of the run tells that the run failed for a reason that lies in its case.
+    #[error("{0}")]
+    Lasting(String),
     /// The program has a mistake.
     #[error("the run ended by a mistake of the program: {0}")]
     Panic(String),
+}
+
+impl RunError {
+    /// True if the run fails for a reason that lies in its case, so that it would fail in the same way again; false for what may have
+    /// gone when it is tried again: a full disk, too little memory, a process that was killed.
+    pub fn is_lasting(&self) -> bool {
+        match self {
+            RunError::Laboratory(error) => !matches!(
+                error,
+                LaboratoryError::File(_)
+                    | LaboratoryError::Memory { .. }
+                    | LaboratoryError::Checkpoint { .. }
+                    | LaboratoryError::Damaged { .. }
+                    | LaboratoryError::Unusable { .. }
+            ),
+            RunError::File(_) | RunError::Process(_) | RunError::Panic(_) => false,
+            RunError::Lasting(_) => true,
+        }
+    }
 }

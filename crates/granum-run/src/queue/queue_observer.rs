@@ -20,6 +20,13 @@ pub trait QueueObserver: Sync {
         self.flow()
     }
 
+    /// The completed share of a run that is executed elsewhere, from 0 to 1; returns whether it continues, as for
+    /// [`QueueObserver::progress`].
+    fn share(&self, run: usize, share: f64) -> Flow {
+        let _ = (run, share);
+        self.flow()
+    }
+
     /// Something about a run that the user should know.
     fn warn(&self, run: usize, text: &str) {
         let _ = (run, text);

@@ -9,14 +9,14 @@ use granum_dem::observer::{Flow, NoObserver};
 use granum_dem::preparation::PreparationError;
 use granum_io::{OutputFolder, RunFolder, RunStatus};
 
-use super::execution::{Held, check_folder, execute};
+use super::execution::{Held, check_folder};
+use super::executor::{Executor, InThisProcess};
 use super::outcome::{Outcome, RunError};
 use super::queue_error::QueueError;
-use super::queue_observer::{OfOneRun, QueueObserver};
+use super::queue_observer::QueueObserver;
 use super::queued_run::QueuedRun;
 use super::samples;
 use super::schedule::{Next, Schedule};
-use super::work;
 use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::memory;
@@ -139,11 +139,29 @@ impl Queue {
     /// Executes all runs that are not finished, as many at once as the laboratory has threads and the memory can hold, and returns
     /// how each ended. A single run that is left gets all threads. Results depend neither on the order nor on what runs beside.
     pub fn run(&self, laboratory: &Laboratory, observer: &dyn QueueObserver) -> Vec<Outcome> {
+        let sharing = Laboratory {
+            shared: Some(Arc::new(Shared::default())),
+            grains_per_thread: GRAINS_PER_THREAD,
+            ..laboratory.clone()
+        };
+        let at_once = self.at_once(laboratory.hardware.threads);
+        self.run_by(&InThisProcess(&sharing), laboratory, at_once, observer)
+    }
+
+    /// The same with another executor of the runs, and with so many runs at once. The laboratory says which runs are those of this
+    /// version and engine.
+    pub fn run_by(
+        &self,
+        executor: &dyn Executor,
+        laboratory: &Laboratory,
+        at_once: usize,
+        observer: &dyn QueueObserver,
+    ) -> Vec<Outcome> {
         let held: Vec<Held> =
             self.runs.iter().map(|run| Held::by(run, laboratory).unwrap_or(Held::Nothing)).collect();
         let after: Vec<Option<usize>> =
             (0..held.len()).map(|k| self.after[k].filter(|_| held[k].needs_sample())).collect();
-        let work: Vec<f64> = self.runs.iter().map(work::expected).collect();
+        let work: Vec<f64> = self.runs.iter().map(QueuedRun::expected_work).collect();
         let mut schedule = Schedule::new(&work, after.clone());
         let mut outcomes: Vec<Option<Outcome>> = held.iter().map(|_| None).collect();
         let waited_for: BTreeSet<usize> = self.after.iter().flatten().copied().collect();
@@ -165,17 +183,9 @@ impl Queue {
             schedule.over(k, true);
             outcomes[k] = Some(outcome);
         }
-        let shared = Arc::new(Shared::default());
-        let laboratory = Laboratory {
-            shared: Some(shared.clone()),
-            grains_per_thread: GRAINS_PER_THREAD,
-            ..laboratory.clone()
-        };
-        let at_once = self.at_once(laboratory.hardware.threads, memory::available());
         let execution = Execution {
             queue: self,
-            laboratory,
-            shared,
+            executor,
             observer,
             after: &after,
             progress: Mutex::new(InProgress { schedule, outcomes, stopped: false }),
@@ -194,7 +204,11 @@ impl Queue {
 
     /// The number of runs that are executed at once: at most one for each thread, and so many that the largest of them fit into
     /// the memory together.
-    fn at_once(&self, threads: usize, memory: Option<u64>) -> usize {
+    pub fn at_once(&self, threads: usize) -> usize {
+        self.fitting(threads, memory::available())
+    }
+
+    fn fitting(&self, threads: usize, memory: Option<u64>) -> usize {
         let mut needed: Vec<u64> =
             self.runs.iter().map(|run| memory::needed(run.case.grains.count)).collect();
         needed.sort_unstable_by(|a, b| b.cmp(a));
@@ -210,8 +224,7 @@ impl Queue {
 /// What the threads of an execution share.
 struct Execution<'a> {
     queue: &'a Queue,
-    laboratory: Laboratory,
-    shared: Arc<Shared>,
+    executor: &'a dyn Executor,
     observer: &'a dyn QueueObserver,
     after: &'a [Option<usize>],
     progress: Mutex<InProgress>,
@@ -232,10 +245,8 @@ impl Execution<'_> {
         while let Some(next) = self.next() {
             let outcome = match next {
                 Next::Run(run) => {
-                    let _entered = self.shared.enter();
                     self.observer.begins(run);
-                    let mut observer = OfOneRun { observer: self.observer, run };
-                    let record = execute(&self.laboratory, &self.queue.runs[run], &mut observer);
+                    let record = self.executor.execute(run, &self.queue.runs[run], self.observer);
                     (run, self.outcome(record))
                 }
                 Next::GiveUp(run) => (run, self.without_sample(run)),
@@ -320,9 +331,9 @@ mod tests {
     fn as_many_runs_at_once_as_threads_and_memory_allow() {
         let queue = Queue::new(vec![run("a", None), run("b", None), run("c", None)]).unwrap();
         let one = memory::needed(Case::default().grains.count);
-        assert_eq!(queue.at_once(2, None), 2);
-        assert_eq!(queue.at_once(8, Some(u64::MAX)), 3);
-        assert_eq!(queue.at_once(8, Some(2 * one)), 2);
-        assert_eq!(queue.at_once(8, Some(1)), 1);
+        assert_eq!(queue.fitting(2, None), 2);
+        assert_eq!(queue.fitting(8, Some(u64::MAX)), 3);
+        assert_eq!(queue.fitting(8, Some(2 * one)), 2);
+        assert_eq!(queue.fitting(8, Some(1)), 1);
     }
 }

@@ -25,18 +25,23 @@ pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
     let mut groups: Vec<(String, Vec<usize>)> =
         alike.into_iter().filter(|(_, tests)| tests.len() > 1).collect();
     groups.sort_by_key(|(_, tests)| tests[0]);
-    for (digest, tests) in groups {
-        let name = digest[..DIGITS.min(digest.len())].to_string();
-        let path = folder.join(&name);
-        let name = format!("sample {name}");
-        samples.push(QueuedRun::sample(&name, of_sample(&runs[tests[0]].case), Source::Case, &path));
+    for (_, tests) in groups {
+        let sample = of_test(&runs[tests[0]], folder);
         for test in tests {
-            runs[test].source = Source::Folder(path.clone());
-            runs[test].after = Some(name.clone());
+            runs[test].source = Source::Folder(sample.folder.clone());
+            runs[test].after = Some(sample.name.clone());
         }
+        samples.push(sample);
     }
     samples.extend(runs);
     samples
+}
+
+/// The preparation of the sample of a test, in a folder inside `folder`.
+pub(super) fn of_test(test: &QueuedRun, folder: &Path) -> QueuedRun {
+    let digest = test.case.preparation_digest();
+    let name = &digest[..DIGITS.min(digest.len())];
+    QueuedRun::sample(format!("sample {name}"), of_sample(&test.case), Source::Case, folder.join(name))
 }
 
 /// The case of a sample without the test, so that it is the same whichever tests the sample serves.

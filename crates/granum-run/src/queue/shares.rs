@@ -4,12 +4,13 @@ use granum_dem::observer::Progress;
 use granum_dem::preparation::Phase;
 
 use super::outcome::Outcome;
-use super::queued_run::RunKind;
+use super::queued_run::{QueuedRun, RunKind};
 use super::runner::Queue;
-use super::work;
 
 /// Share of the preparation in the work of a run that prepares its sample itself.
-const PREPARATION_SHARE: f64 = 0.15;
+const PREPARATION_SHARE: f64 = TEST_BEGINS_AT;
+/// The completed share at which the test of a run begins that prepares its sample itself.
+pub const TEST_BEGINS_AT: f64 = 0.15;
 
 /// The completed share of each run of a queue, weighed by its expected work.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +25,7 @@ impl Shares {
     pub fn new(queue: &Queue) -> Shares {
         let runs = queue.runs();
         Shares {
-            work: runs.iter().map(work::expected).collect(),
+            work: runs.iter().map(QueuedRun::expected_work).collect(),
             is_sample: runs.iter().map(|run| run.kind == RunKind::Prepare).collect(),
             done: vec![0.0; runs.len()],
         }
@@ -41,6 +42,11 @@ impl Shares {
             (_, true) => self.done[run].max(prepared),
             (_, false) => self.done[run].max(PREPARATION_SHARE * prepared),
         };
+    }
+
+    /// Notes the completed share of a run, from 0 to 1.
+    pub fn set(&mut self, run: usize, share: f64) {
+        self.done[run] = self.done[run].max(share.clamp(0.0, 1.0));
     }
 
     /// Notes the end of a run. One that was interrupted keeps its share.

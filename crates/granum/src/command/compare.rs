@@ -9,13 +9,14 @@ use granum_io::{Case, Conventions, LaboratoryTest, check_output_file, read_labor
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
-use granum_run::runs_table::{RunEntry, find_runs, legend};
+use granum_run::runs_table::{RunEntry, legend};
 use granum_run::strength::critical_state_line::{CriticalStateLine, LateState};
 use granum_run::strength::one_material;
 use serde_json::{Value, json};
 
 use super::comparability::{check_common, unlike_stresses};
 use super::records::check_begun;
+use super::run_folders::run_folders;
 use super::text_table;
 use super::whole::open_run;
 use crate::context::Context;
@@ -132,7 +133,7 @@ impl Compare {
             let message = format!("{}: is a file, not a run; the laboratory's file comes last", file.shown());
             return Err(Failure::new(message));
         }
-        let folders = find_runs(&self.files)?;
+        let folders = run_folders(&self.files)?;
         let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
         if let Some(sample) = entries.iter().find(|entry| entry.record.kind == "prepare") {
             return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.shown())));

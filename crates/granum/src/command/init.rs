@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::gallery::{CASES, ReadyCase};
+use granum::gallery::{CASES, PLANS, ReadyCase, ReadyPlan};
 use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -15,11 +15,11 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write a commented case file: every key at its default, or one of the ready cases.
+/// Write a commented case file, every key at its default or one of the ready cases, or one of the ready plans of campaigns.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum init my-sand.toml\n  granum run my-sand.toml\n  granum init --list\n  granum init --case drained-dense \
-                  dense.toml\n  granum run dense.toml --out dense"
+                  dense.toml\n  granum run dense.toml --out dense\n  granum init --plan friction-pressure-density"
 )]
 pub struct Init {
     /// Path of the case file; by default case.toml, or the name of the ready case.
@@ -28,8 +28,11 @@ pub struct Init {
     /// Write this ready case.
     #[arg(long, value_name = "NAME")]
     case: Option<String>,
-    /// List the ready cases and write nothing.
-    #[arg(long, conflicts_with_all = ["path", "case"])]
+    /// Write this ready plan, and beside it the case that it starts from.
+    #[arg(long, value_name = "NAME", conflicts_with = "case")]
+    plan: Option<String>,
+    /// List the ready cases and plans and write nothing.
+    #[arg(long, conflicts_with_all = ["path", "case", "plan"])]
     list: bool,
 }
 
@@ -37,6 +40,9 @@ impl Init {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
             return list(context);
+        }
+        if let Some(name) = &self.plan {
+            return self.write_plan(context, name);
         }
         let Some(name) = &self.case else {
             let path = self.path.clone().unwrap_or_else(|| PathBuf::from("case.toml"));
@@ -65,6 +71,39 @@ impl Init {
     }
 }
 
+impl Init {
+    /// Writes a ready plan and its base case, both or neither.
+    fn write_plan(&self, context: &Context, name: &str) -> Result<(), Failure> {
+        let ready = ReadyPlan::named(name).ok_or_else(|| {
+            let known = PLANS.iter().map(|ready| ready.name);
+            Failure::new(format!("--plan {name}: there is no such ready plan; {}", suggestion(name, known)))
+        })?;
+        let base = ReadyCase::named(ready.case)
+            .ok_or_else(|| Failure::new(format!("the base case {} of the plan is missing", ready.case)))?;
+        let path = self.path.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
+        let case = path.with_file_name(format!("{}.toml", base.name));
+        // A case that is there already, as it is, serves.
+        let is_there = std::fs::read(&case).is_ok_and(|text| text == base.text.as_bytes());
+        check_output_file(&path, context.force)?;
+        if !is_there {
+            write(&case, base.text, context)?;
+        }
+        write(&path, ready.text, context)?;
+        let result = json!({
+            "plan": output::path(&path), "case": output::path(&case), "name": name, "title": ready.title(),
+        });
+        output::say(context, &result, || {
+            let quoted = quoted_path(&path);
+            format!(
+                "wrote {} and {}: {}\nsee what it runs: granum campaign {quoted} --dry-run",
+                path.shown(),
+                case.shown(),
+                ready.title()
+            )
+        })
+    }
+}
+
 fn write(path: &Path, text: &str, context: &Context) -> Result<(), Failure> {
     check_output_file(path, context.force)?;
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
@@ -73,9 +112,17 @@ fn write(path: &Path, text: &str, context: &Context) -> Result<(), Failure> {
 fn list(context: &Context) -> Result<(), Failure> {
     let ready = |ready: &ReadyCase| json!({ "name": ready.name, "title": ready.title() });
     let cases: Vec<Value> = CASES.iter().map(ready).collect();
-    output::say(context, &json!({ "cases": cases }), || {
-        let lines: Vec<String> =
-            CASES.iter().map(|ready| format!("{:<20} {}", ready.name, ready.title())).collect();
-        format!("{}\nwrite one: granum init --case NAME", lines.join("\n"))
+    let plan = |ready: &ReadyPlan| json!({ "name": ready.name, "case": ready.case, "title": ready.title() });
+    let plans: Vec<Value> = PLANS.iter().map(plan).collect();
+    output::say(context, &json!({ "cases": cases, "plans": plans }), || {
+        let cases = CASES.iter().map(|ready| format!("{:<20} {}", ready.name, ready.title()));
+        let plans = PLANS.iter().map(|ready| format!("{:<27} {}", ready.name, ready.title()));
+        let mut lines: Vec<String> = cases.collect();
+        lines.push("write one: granum init --case NAME".into());
+        lines.push(String::new());
+        lines.push("plans of campaigns:".into());
+        lines.extend(plans);
+        lines.push("write one: granum init --plan NAME".into());
+        lines.join("\n")
     })
 }

@@ -1,6 +1,8 @@
 //! The subcommands, one file each.
 
 mod bench;
+mod campaign;
+mod campaign_report;
 mod case_flags;
 mod checkpoints;
 mod comparability;
@@ -29,6 +31,7 @@ mod report;
 mod reproduce;
 mod resume;
 mod run;
+mod run_folders;
 mod run_report;
 mod schema;
 mod scores;
@@ -84,6 +87,7 @@ commands! {
     Prepare(prepare::Prepare),
     Shear(shear::Shear),
     Run(run::Run),
+    Campaign(campaign::Campaign),
     Limits(limits::Limits),
     Table(table::Table),
     Compare(compare::Compare),

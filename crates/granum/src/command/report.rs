@@ -10,6 +10,7 @@ use granum_antony2006::files::load_study;
 use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
 use granum_antony2006::{StudyReport, study_report};
+use granum_campaign::Campaign;
 use granum_io::formats::Observation;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -22,8 +23,10 @@ use granum_report::{
 use granum_run::runs_table::find_runs;
 use serde_json::json;
 
+use super::campaign_report;
 use super::measure::packing_alone;
 use super::records;
+use super::run_folders::run_folders;
 use super::sources::SourceFlags;
 use super::summary_file::{read_summary, write_speed_page};
 use super::whole::open_run;
@@ -37,22 +40,26 @@ use crate::surrogate_methods::surrogate_methods;
 ///
 /// The report consists of report.html, which contains its figures and can be read offline, and of the figures as SVG files
 /// in the folder figures. Several runs, or folders that contain runs, are drawn over each other, with a legend of the keys by which
-/// their cases differ; runs that differ in their seed alone have one colour. Files of grains and contacts of other programs, as
+/// their cases differ; runs that differ in their seed alone have one colour. The report of a campaign has the curves of all runs, coloured by
+/// a variable, their strength against each variable, checks, failures and times. Files of grains and contacts of other programs, as
 /// `granum measure` reads them, give a report with their force chains, fabric, distribution of forces and all sensors.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report run-1 run-2 --out both.html\n  \
-                  granum report study\n  granum report grains.dump contacts.dump --columns \
+                  granum report study --colour pressure\n  granum report grains.dump contacts.dump --columns \
                   contacts.dump=index,patom1,patom2,fx,fy,fz,p1,p2,p3 --out lammps\n  granum report reproduction --force"
 )]
 pub struct Report {
-    /// Folders of runs, of a sample or of a reproduction, or files of grains and contacts of another program.
+    /// Folders of runs, of a campaign, of a sample or of a reproduction, or files of grains and contacts of another program.
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
     /// Folder for report.html and figures, or a file name that ends in .html for the page alone. By default the folder of the data;
     /// the page report.html here for several folders or for files.
     #[arg(short, long, value_name = "FILE/DIR")]
     out: Option<PathBuf>,
+    /// The variable of a campaign by which its curves are coloured; the first one by default.
+    #[arg(long, value_name = "VARIABLE")]
+    colour: Option<String>,
     #[command(flatten)]
     sources: SourceFlags,
 }
@@ -127,6 +134,16 @@ impl Report {
         if let Some(flag) = self.sources.first_given() {
             return Err(Failure::new(format!("{flag}: it belongs to files of another program, not to runs")));
         }
+        let campaign = match &self.data[..] {
+            [one] => Campaign::read(one)?,
+            _ => None,
+        };
+        if let Some(campaign) = campaign {
+            return Ok((campaign_report::document(context, &campaign, self.colour.as_deref())?, None));
+        }
+        if self.colour.is_some() {
+            return Err(Failure::new("--colour: it belongs to the report of a campaign"));
+        }
         match &self.data[..] {
             [one] if !is_of_several(one)? => document(context, one),
             folders => over_each_other(context, folders),
@@ -161,7 +178,7 @@ impl Report {
 /// True for a folder that is no run itself and contains several.
 fn is_of_several(folder: &Path) -> Result<bool, Failure> {
     Ok(match Contents::read(folder)? {
-        Contents::Runs { .. } => true,
+        Contents::Runs { .. } | Contents::Campaign(_) => true,
         Contents::Other => find_runs(&[folder.to_path_buf()]).is_ok(),
         _ => false,
     })
@@ -172,7 +189,7 @@ fn over_each_other(
     context: &Context,
     folders: &[PathBuf],
 ) -> Result<(Document, Option<StudyReport>), Failure> {
-    let found = find_runs(folders)?;
+    let found = run_folders(folders)?;
     let mut runs = Vec::new();
     for folder in &found {
         let run = open_run(context, folder)?;

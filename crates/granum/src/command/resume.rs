@@ -10,6 +10,7 @@ use granum_io::{OutputFolder, RunFolder, RunStatus};
 use granum_learn::study::StudyPlan;
 use serde_json::json;
 
+use super::campaign::{self, CarryOutFlags};
 use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::reproduce::Reproduce;
@@ -22,12 +23,12 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Continue a preparation, test, list of runs, training or reproduction that was interrupted or killed. The results are exactly those of
+/// Continue a preparation, test, list of runs, campaign, training or reproduction that was interrupted or killed. The results are exactly those of
 /// an uninterrupted run.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum resume run-1")]
 pub struct Resume {
-    /// The folder of the run, of several runs, of the training or the reproduction.
+    /// The folder of the run, of several runs, of a campaign, of the training or the reproduction.
     folder: PathBuf,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
@@ -51,6 +52,9 @@ impl Resume {
             Contents::Runs { list, .. } => {
                 let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
                 several_runs::resume(context, &laboratory, &list, &self.folder)
+            }
+            Contents::Campaign(of) => {
+                campaign::resume(context, &of, &CarryOutFlags::resumed(&self.checkpoints))
             }
             Contents::Training { .. } if Train::is_in(&self.folder) => self.training(context),
             _ => self.of_grains(context),

@@ -12,6 +12,7 @@ use granum_learn::study::StudyPlan;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
+use super::campaign;
 use super::train::Train;
 use super::whole;
 use crate::context::Context;
@@ -31,6 +32,7 @@ impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("checking the files"));
         match Contents::read(&self.folder)? {
+            Contents::Campaign(of) => campaign::print_status(context, &of),
             Contents::Training { finished } => self.training(context, finished),
             contents @ (Contents::Reproduction { .. } | Contents::Runs { .. }) => {
                 self.several(context, &contents)

@@ -21,7 +21,9 @@ pub fn load(folder: &Path) -> Result<Study, Failure> {
             Contents::Reproduction { .. } => {
                 format!("its networks are in the folder {}", quoted_path(&folder.join("models")))
             }
-            Contents::Training { .. } | Contents::Runs { .. } => contents.next(folder).text,
+            Contents::Training { .. } | Contents::Runs { .. } | Contents::Campaign(_) => {
+                contents.next(folder).text
+            }
             Contents::Nothing | Contents::Other => "give the folder that `granum train` wrote".into(),
         };
         return Err(Failure::new(format!(

@@ -6,9 +6,10 @@ use clap::Args;
 use granum_core::{Column, parallel};
 use granum_io::shell::ShowPath;
 use granum_io::{Run, RunStatus, check_output_file, write_table};
-use granum_run::runs_table::{RunEntry, RunsTable, Selection, find_runs};
+use granum_run::runs_table::{RunEntry, RunsTable, Selection};
 use serde_json::{Map, Value, json};
 
+use super::run_folders::run_folders;
 use super::text_table;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -41,7 +42,7 @@ impl Table {
             check_output_file(path, context.force)?;
         }
         let reading = context.nothing_written(Some("reading the runs"));
-        let folders = find_runs(&self.folders)?;
+        let folders = run_folders(&self.folders)?;
         let all = self.output.is_some() || self.all || context.json;
         let mut runs = parallel::map(folders.len(), 0, |k| read(context, &folders[k], all))?;
         drop(reading);

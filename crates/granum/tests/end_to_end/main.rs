@@ -2,6 +2,7 @@
 //! are refused.
 
 mod bounds_of_use;
+mod campaigns;
 mod changed;
 mod columns;
 #[path = "../common/mod.rs"]

@@ -1,5 +1,6 @@
 //! No work is lost and no bit of a result changes, whatever ends the program: kills, signals, a full disk, a second process.
 
+mod campaigns;
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;

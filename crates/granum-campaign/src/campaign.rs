@@ -1,0 +1,323 @@
+//! A campaign: the runs of a plan in a folder.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use granum_core::input::read_text;
+use granum_io::sealed::{unseal_strictly, write_sealed};
+use granum_io::shell::ShowPath;
+use granum_io::{Case, Error, Reading, Result};
+use granum_run::laboratory::Source;
+use granum_run::queue::QueuedRun;
+use serde::{Deserialize, Serialize};
+
+use crate::plan::{Condition, Plan, PlannedRuns, RunValue, apply_settings};
+
+/// The file of a campaign in its folder.
+pub const CAMPAIGN_FILE: &str = "campaign.json";
+/// Folder of the runs.
+pub const RUNS: &str = "tests";
+/// Folder of the samples that several runs share.
+pub const SAMPLES: &str = "samples";
+/// Layout of the file.
+const FORMAT: u32 = 1;
+/// A larger file is something else.
+const LARGEST: u64 = 1 << 31;
+
+/// The runs of a plan in a folder, with all that determines them: the base case and what each run sets. The folders of the runs are
+/// the truth about what has been computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    folder: PathBuf,
+    file: CampaignFile,
+    base: Case,
+}
+
+/// The content of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct CampaignFile {
+    format: u32,
+    /// Version of granum that planned the runs.
+    granum_version: String,
+    /// The text of the plan.
+    plan: String,
+    /// The resolved base case.
+    case: String,
+    variables: Vec<VariableRecord>,
+    /// Limits up to which a run that did not pass a check is taken all the same.
+    accept: Vec<String>,
+    runs: Vec<CampaignRun>,
+    /// Names of the runs of earlier plans whose folders are still there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    no_longer_planned: Vec<String>,
+}
+
+/// A variable of a campaign.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariableRecord {
+    /// Its name.
+    pub name: String,
+    /// SI unit of its numbers; empty for pure numbers and words.
+    pub unit: String,
+    /// The keys that take its value.
+    pub keys: Vec<String>,
+    /// True if it is spread on a logarithmic scale.
+    #[serde(default)]
+    pub logarithmic: bool,
+}
+
+/// A run of a campaign.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CampaignRun {
+    /// Its name, which is that of its folder.
+    pub name: String,
+    /// The values of the variables, in the order of [`Campaign::variables`].
+    pub values: Vec<RunValue>,
+    /// The keys that it sets over the base case, with their values as text.
+    pub settings: Vec<(String, String)>,
+    /// Digest of its case.
+    pub case_digest: String,
+    /// True if other runs have the same sample, which is then a run of its own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub shares_sample: bool,
+}
+
+/// What differs between the runs of a changed plan and those that a folder has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PlanDifference {
+    /// Number of runs that are in both.
+    pub kept: usize,
+    /// Number of runs that are new.
+    pub added: usize,
+    /// Names of the runs that are no longer planned.
+    pub dropped: Vec<String>,
+}
+
+impl PlanDifference {
+    /// True if both have the same runs.
+    pub fn is_none(&self) -> bool {
+        self.added == 0 && self.dropped.is_empty()
+    }
+}
+
+impl Campaign {
+    /// The campaign of a plan in a folder. Nothing is written.
+    pub fn new(folder: &Path, plan: &Plan, planned: &PlannedRuns, version: &str) -> Campaign {
+        let variables = plan.variables.iter().map(|variable| VariableRecord {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            keys: variable.keys.iter().map(|key| key.value.clone()).collect(),
+            logarithmic: variable.is_logarithmic(),
+        });
+        let mut alike: BTreeMap<String, usize> = BTreeMap::new();
+        let samples: Vec<String> = planned.runs.iter().map(|run| run.case.preparation_digest()).collect();
+        samples.iter().for_each(|digest| *alike.entry(digest.clone()).or_default() += 1);
+        let runs = planned.runs.iter().zip(&samples).map(|(run, sample)| CampaignRun {
+            name: run.name.clone(),
+            values: run.values.iter().map(|(_, value)| value.clone()).collect(),
+            settings: run.settings.clone(),
+            case_digest: run.case.digest(),
+            shares_sample: alike.get(sample).is_some_and(|count| *count > 1),
+        });
+        let file = CampaignFile {
+            format: FORMAT,
+            granum_version: version.to_string(),
+            plan: plan.text().to_string(),
+            case: plan.case.resolved_toml(),
+            variables: variables.collect(),
+            accept: plan.accept.iter().map(|condition| condition.value.text().to_string()).collect(),
+            runs: runs.collect(),
+            no_longer_planned: Vec::new(),
+        };
+        Campaign { folder: folder.to_path_buf(), file, base: plan.case.clone() }
+    }
+
+    /// Reads the campaign of a folder; `None` if it has none.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is damaged or of a newer version.
+    pub fn read(folder: &Path) -> Result<Option<Campaign>> {
+        Campaign::read_as(folder, Reading::recorded())
+    }
+
+    /// The same with other laws and paths that cases can name.
+    ///
+    /// # Errors
+    /// As [`Campaign::read`].
+    pub fn read_as(folder: &Path, reading: Reading) -> Result<Option<Campaign>> {
+        let path = folder.join(CAMPAIGN_FILE);
+        if path.symlink_metadata().is_ok() && !path.is_file() {
+            let message =
+                "is not a regular file, so that it is not known what the folder is; put the file back";
+            return Err(Error::content(&path, message));
+        }
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = read_text(&path, LARGEST).map_err(Error::file("read", &path))?;
+        let text = unseal_strictly(&path, &text)?;
+        let damaged = |why: String| Error::content(&path, format!("is no campaign or is damaged: {why}"));
+        let file: CampaignFile = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;
+        if file.format != FORMAT {
+            return Err(damaged(format!("its format is {}, and this version reads {FORMAT}", file.format)));
+        }
+        let is_name = |name: &String| !name.is_empty() && name.chars().all(|c| c.is_ascii_hexdigit());
+        let names = file.runs.iter().map(|run| &run.name).chain(&file.no_longer_planned);
+        if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
+            return Err(damaged(format!("{name:?} is not the name of a run")));
+        }
+        if let Some(run) = file.runs.iter().find(|run| run.values.len() != file.variables.len()) {
+            return Err(damaged(format!("the run {} has not the values of all variables", run.name)));
+        }
+        let base = Case::parse_as(&file.case, &format!("{} (base case)", path.shown()), reading)?;
+        Ok(Some(Campaign { folder: folder.to_path_buf(), file, base }))
+    }
+
+    /// Writes the file of the campaign under a temporary name and renames it.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn write(&self) -> Result<()> {
+        write_sealed(&self.folder.join(CAMPAIGN_FILE), &self.file)
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Version of granum that planned the runs.
+    pub fn version(&self) -> &str {
+        &self.file.granum_version
+    }
+
+    /// The text of the plan.
+    pub fn plan_text(&self) -> &str {
+        &self.file.plan
+    }
+
+    /// The variables.
+    pub fn variables(&self) -> &[VariableRecord] {
+        &self.file.variables
+    }
+
+    /// The runs in the order of the plan.
+    pub fn runs(&self) -> &[CampaignRun] {
+        &self.file.runs
+    }
+
+    /// The names of runs of earlier plans whose folders are still there.
+    pub fn no_longer_planned(&self) -> &[String] {
+        &self.file.no_longer_planned
+    }
+
+    /// The folder of a run of this or an earlier plan.
+    pub fn folder_of(&self, name: &str) -> PathBuf {
+        self.folder.join(RUNS).join(name)
+    }
+
+    /// The conditions under which a run that did not pass a check is taken all the same.
+    pub fn accept(&self) -> Vec<Condition> {
+        // They were read before they were written.
+        self.file.accept.iter().filter_map(|text| Condition::parse(text).ok()).collect()
+    }
+
+    /// Compares the runs with those of the campaign that the folder had.
+    pub fn difference(&self, earlier: &Campaign) -> PlanDifference {
+        let now: BTreeSet<&str> = self.runs().iter().map(|run| run.name.as_str()).collect();
+        let before: BTreeSet<&str> = earlier.runs().iter().map(|run| run.name.as_str()).collect();
+        let dropped = earlier.runs().iter().filter(|run| !now.contains(run.name.as_str()));
+        PlanDifference {
+            kept: now.intersection(&before).count(),
+            added: now.difference(&before).count(),
+            dropped: dropped.map(|run| run.name.clone()).collect(),
+        }
+    }
+
+    /// The same campaign, which knows the folders of an earlier one that its plan no longer has.
+    pub fn after(mut self, earlier: &Campaign) -> Campaign {
+        let now: BTreeSet<&str> = self.file.runs.iter().map(|run| run.name.as_str()).collect();
+        let before = earlier.file.runs.iter().map(|run| &run.name).chain(&earlier.file.no_longer_planned);
+        let dropped: BTreeSet<&String> = before.filter(|name| !now.contains(name.as_str())).collect();
+        let dropped = dropped.into_iter().filter(|name| earlier.folder_of(name).exists());
+        let dropped = dropped.cloned().collect();
+        self.file.no_longer_planned = dropped;
+        self
+    }
+
+    /// The same campaign without the runs of earlier plans, whose folders have been removed.
+    pub fn forgetting_earlier(mut self) -> Campaign {
+        self.file.no_longer_planned.clear();
+        self
+    }
+
+    /// The same runs in another folder, where none shares its sample.
+    pub(crate) fn elsewhere(&self, folder: &Path) -> Campaign {
+        let mut campaign = Campaign { folder: folder.to_path_buf(), ..self.clone() };
+        campaign.file.runs.iter_mut().for_each(|run| run.shares_sample = false);
+        campaign
+    }
+
+    /// The run of a name as it is executed: its case, its sample and its folder. The name of a shared sample, which begins with
+    /// `sample `, gives the preparation of it.
+    ///
+    /// # Errors
+    /// If there is no such run, or its case cannot be made any more.
+    pub fn queued(&self, name: &str) -> Result<QueuedRun> {
+        let missing = || {
+            Error::content(
+                &self.folder.join(CAMPAIGN_FILE),
+                format!("has no run or sample of the name {name:?}"),
+            )
+        };
+        if let Some(digits) = name.strip_prefix("sample ") {
+            for run in self.runs().iter().filter(|run| run.shares_sample) {
+                let test = self.queued_run(run)?;
+                let sample = test.its_sample(&self.folder.join(SAMPLES));
+                if sample.name.strip_prefix("sample ") == Some(digits) {
+                    return Ok(sample);
+                }
+            }
+            return Err(missing());
+        }
+        self.queued_run(self.runs().iter().find(|run| run.name == name).ok_or_else(missing)?)
+    }
+
+    /// All runs as they are executed, the shared samples before the tests.
+    ///
+    /// # Errors
+    /// As [`Campaign::queued`].
+    pub fn all_queued(&self) -> Result<Vec<QueuedRun>> {
+        let tests = self.runs().iter().map(|run| self.queued_run(run)).collect::<Result<Vec<_>>>()?;
+        let mut seen = BTreeSet::new();
+        let mut all = Vec::new();
+        for test in tests.iter().filter(|test| test.after.is_some()) {
+            if seen.insert(test.after.clone()) {
+                all.push(test.its_sample(&self.folder.join(SAMPLES)));
+            }
+        }
+        all.extend(tests);
+        Ok(all)
+    }
+
+    fn queued_run(&self, run: &CampaignRun) -> Result<QueuedRun> {
+        let case = apply_settings(&self.base, &run.settings)?;
+        if case.digest() != run.case_digest {
+            let message = format!(
+                "the case of the run {} is not the one that was planned: a file that it names was changed, or another version of \
+                 granum planned it; give the plan again",
+                run.name
+            );
+            return Err(Error::content(&self.folder.join(CAMPAIGN_FILE), message));
+        }
+        let values = self.variables().iter().zip(&run.values);
+        let values = values.map(|(variable, value)| (variable.name.clone(), value.to_string())).collect();
+        let queued = QueuedRun::test(&run.name, case, Source::Case, self.folder_of(&run.name));
+        let queued = QueuedRun { values, ..queued };
+        if !run.shares_sample {
+            return Ok(queued);
+        }
+        let sample = queued.its_sample(&self.folder.join(SAMPLES));
+        Ok(QueuedRun { source: Source::Folder(sample.folder), after: Some(sample.name), ..queued })
+    }
+}

@@ -1,0 +1,13 @@
+//! The execution of a campaign on this machine: a coordinator gives each run a process of its own.
+
+mod child_processes;
+mod coordinator;
+mod one_run;
+mod pilots;
+mod recorder;
+
+pub use child_processes::ChildProcesses;
+pub use coordinator::{Coordinator, Summary};
+pub use one_run::execute_run;
+pub use pilots::{CampaignEstimate, Pilot, PilotOptions, pilots};
+pub use recorder::{CampaignObserver, CampaignProgress, NoCampaignObserver};

@@ -1,0 +1,113 @@
+//! One run of a campaign, as its process executes it.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use granum_dem::observer::{Flow, Progress};
+use granum_dem::preparation::Phase;
+use granum_io::{OutputFolder, Reading, Result};
+use granum_run::Laboratory;
+use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, Shares};
+
+use crate::campaign::Campaign;
+use crate::message::{End, Message};
+
+/// Time between two messages of progress.
+const TELL_EVERY: Duration = Duration::from_millis(500);
+/// How long a run waits for a process that is still at work in its folder: that of a coordinator that was killed ends within
+/// seconds, when it has written its checkpoint.
+const WAIT_FOR_FOLDER: Duration = Duration::from_secs(120);
+/// How often it looks.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// Executes the run of a campaign in its folder, or continues it, and tells what happens. The run ends in good order when `flow` says so.
+/// It can be called for any run at any time on any machine that sees the folder: a run that is finished is left as it is.
+///
+/// # Errors
+/// If the campaign cannot be read or has no such run. A run that fails is told by the last message.
+pub fn execute_run(
+    folder: &Path,
+    name: &str,
+    laboratory: &Laboratory,
+    flow: &(dyn Fn() -> Flow + Sync),
+    tell: &(dyn Fn(&Message) + Sync),
+) -> Result<End> {
+    let reading = Reading::recorded().with_vocabulary(&laboratory.registry.vocabulary);
+    let campaign = Campaign::read_as(folder, reading)?.ok_or_else(|| {
+        let message = "there is no campaign.json: the folder holds no campaign";
+        granum_io::Error::content(folder, message)
+    })?;
+    let run = campaign.queued(name)?;
+    let end = execute(&run, laboratory, flow, tell);
+    tell(&Message::Ended { end: end.clone(), memory: peak_memory() });
+    Ok(end)
+}
+
+/// Largest memory of this process so far, bytes; `None` where the system does not tell it in a file.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes << 10)
+}
+
+/// Executes a run alone.
+pub(crate) fn execute(
+    run: &QueuedRun,
+    laboratory: &Laboratory,
+    flow: &(dyn Fn() -> Flow + Sync),
+    tell: &(dyn Fn(&Message) + Sync),
+) -> End {
+    let since = Instant::now();
+    while OutputFolder::is_in_use(&run.folder) && since.elapsed() < WAIT_FOR_FOLDER {
+        if flow() == Flow::Stop {
+            return End::Interrupted;
+        }
+        thread::sleep(LOOK_EVERY);
+    }
+    // Its sample is finished: the coordinator sees to it, and a run whose sample is missing fails.
+    let alone = QueuedRun { after: None, ..run.clone() };
+    let queue = match Queue::new(vec![alone]) {
+        Ok(queue) => queue,
+        Err(error) => return End::Failed { reason: error.to_string(), lasting: true },
+    };
+    let teller = Teller { flow, tell, shown: Mutex::new((Shares::new(&queue), None)) };
+    match queue.run(laboratory, &teller).pop() {
+        Some(Outcome::Finished { .. }) => End::Finished,
+        Some(Outcome::Failed(error)) => {
+            End::Failed { reason: error.to_string(), lasting: error.is_lasting() }
+        }
+        _ => End::Interrupted,
+    }
+}
+
+/// Tells what happens to the run.
+struct Teller<'a> {
+    flow: &'a (dyn Fn() -> Flow + Sync),
+    tell: &'a (dyn Fn(&Message) + Sync),
+    /// The completed share, and when it was told last.
+    shown: Mutex<(Shares, Option<Instant>)>,
+}
+
+impl QueueObserver for Teller<'_> {
+    fn progress(&self, run: usize, progress: &Progress) -> Flow {
+        let mut held = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let (shares, last) = &mut *held;
+        if last.is_none_or(|last| last.elapsed() >= TELL_EVERY) {
+            *last = Some(Instant::now());
+            shares.update(run, progress);
+            (self.tell)(&Message::Progress { share: shares.all(), in_test: progress.phase == Phase::Test });
+        }
+        self.flow()
+    }
+
+    fn warn(&self, _: usize, text: &str) {
+        (self.tell)(&Message::Warning { text: text.to_string() });
+    }
+
+    fn flow(&self) -> Flow {
+        (self.flow)()
+    }
+}

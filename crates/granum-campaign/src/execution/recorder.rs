@@ -1,0 +1,294 @@
+//! What happens in a campaign, written into its journal and its file of progress, and passed on to whoever follows.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use granum_dem::observer::{Flow, Progress};
+use granum_io::Result;
+use granum_run::queue::{Outcome, Queue, QueueObserver, RunKind, Shares};
+
+use crate::acceptance::is_accepted;
+use crate::clock::readable;
+use crate::journal::{Event, JOURNAL, LineWriter};
+use crate::plan::Condition;
+
+/// The file to which a line is added every minute.
+pub const PROGRESS_FILE: &str = "progress.txt";
+/// Time between two lines of it.
+const LINE_EVERY: Duration = Duration::from_secs(60);
+/// The rate is that of so many minutes.
+const MINUTES_OF_RATE: usize = 15;
+
+/// Follows a campaign. It is called from several threads and cannot change a result.
+pub trait CampaignObserver: Sync {
+    /// How far the campaign is.
+    fn progress(&self, progress: &CampaignProgress) {
+        let _ = progress;
+    }
+
+    /// Something that the user should know.
+    fn warn(&self, text: &str) {
+        let _ = text;
+    }
+
+    /// Asked often: after [`Flow::Stop`] all runs end in good order.
+    fn flow(&self) -> Flow {
+        Flow::Continue
+    }
+}
+
+/// The observer of a campaign that none follows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoCampaignObserver;
+
+impl CampaignObserver for NoCampaignObserver {}
+
+/// How far a campaign is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CampaignProgress {
+    /// Number of the runs of the plan; samples are not counted.
+    pub runs: usize,
+    /// Number of runs that are finished.
+    pub finished: usize,
+    /// Those of them that did not pass a check.
+    pub flagged: usize,
+    /// Those of them that did not pass a check and are not accepted.
+    pub refused: usize,
+    /// Number of runs that failed.
+    pub failed: usize,
+    /// Number of runs and samples that go on at present.
+    pub running: usize,
+    /// The completed share of all work, from 0 to 1.
+    pub share: f64,
+    /// Runs an hour, if it is known.
+    pub runs_per_hour: Option<f64>,
+    /// Time left, if it is known.
+    pub left: Option<Duration>,
+}
+
+impl CampaignProgress {
+    /// The progress in one line.
+    pub fn line(&self) -> String {
+        let mut parts = vec![format!("{} of {} runs finished", self.finished, self.runs)];
+        if self.failed > 0 {
+            parts.push(format!("{} failed", self.failed));
+        }
+        if self.flagged > 0 {
+            parts.push(format!("{} flagged", self.flagged));
+        }
+        if self.running > 0 {
+            parts.push(format!("{} running", self.running));
+        }
+        parts.extend(self.runs_per_hour.map(|rate| format!("{rate:.0} runs an hour")));
+        parts.extend(self.left.map(|left| format!("{} left", readable(left))));
+        parts.join(", ")
+    }
+}
+
+/// Writes what happens.
+pub(super) struct Recorder<'a> {
+    queue: &'a Queue,
+    observer: &'a dyn CampaignObserver,
+    accept: Vec<Condition>,
+    /// What the journal already knows.
+    known: BTreeMap<String, Event>,
+    deadline: Option<Instant>,
+    held: Mutex<Held>,
+}
+
+struct Held {
+    journal: LineWriter,
+    progress_file: LineWriter,
+    shares: Shares,
+    counts: CampaignProgress,
+    /// Share of the work that was done when this coordinator began.
+    share_before: f64,
+    begun: Instant,
+    last_line: Instant,
+    /// The numbers of finished runs at the last lines.
+    pace: VecDeque<(Instant, usize)>,
+    warned: bool,
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder for a queue in the folder of a campaign.
+    pub(super) fn new(
+        queue: &'a Queue,
+        folder: &Path,
+        accept: Vec<Condition>,
+        known: BTreeMap<String, Event>,
+        counts: CampaignProgress,
+        stop_after: Option<Duration>,
+        observer: &'a dyn CampaignObserver,
+    ) -> Result<Recorder<'a>> {
+        let now = Instant::now();
+        let held = Held {
+            journal: LineWriter::open(&folder.join(JOURNAL))?,
+            progress_file: LineWriter::open(&folder.join(PROGRESS_FILE))?,
+            shares: Shares::new(queue),
+            counts,
+            share_before: 0.0,
+            begun: now,
+            last_line: now,
+            pace: VecDeque::new(),
+            warned: false,
+        };
+        let deadline = stop_after.and_then(|time| now.checked_add(time));
+        Ok(Recorder { queue, observer, accept, known, deadline, held: Mutex::new(held) })
+    }
+
+    /// What was counted; a last line is added to the file of progress.
+    pub(super) fn end(self) -> CampaignProgress {
+        let mut held = self.lock();
+        self.write_line(&mut held);
+        held.counts.clone()
+    }
+
+    /// Begins to measure the rate, when the first run begins and what was finished before is known.
+    fn begin(&self, held: &mut Held) {
+        if !held.pace.is_empty() {
+            return;
+        }
+        held.share_before = held.shares.all();
+        held.begun = Instant::now();
+        held.pace.push_back((held.begun, held.counts.finished));
+        self.write_line(held);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_test(&self, run: usize) -> bool {
+        self.queue.runs()[run].kind == RunKind::Test
+    }
+
+    fn note(&self, held: &mut Held, run: usize, event: Event) {
+        let result = held.journal.note(&self.queue.runs()[run].name, event);
+        self.warn_once(held, JOURNAL, result);
+    }
+
+    /// The journal and the file of progress are no part of the results: a full disk is told once.
+    fn warn_once(&self, held: &mut Held, file: &str, result: std::io::Result<()>) {
+        if let Err(error) = result
+            && !held.warned
+        {
+            held.warned = true;
+            let text = format!("cannot write {file}: {error}; it is made again from the folders of the runs");
+            self.observer.warn(&text);
+        }
+    }
+
+    fn write_line(&self, held: &mut Held) {
+        held.last_line = Instant::now();
+        self.measure(held);
+        let line = held.counts.line();
+        let result = held.progress_file.append(|time| format!("{time} {line}"));
+        self.warn_once(held, PROGRESS_FILE, result);
+    }
+
+    /// Share, rate and time left.
+    fn measure(&self, held: &mut Held) {
+        held.counts.share = held.shares.all();
+        let elapsed = held.begun.elapsed();
+        let done = held.counts.share - held.share_before;
+        let is_known = done > 0.0 && elapsed > Duration::from_secs(2);
+        held.counts.left = is_known
+            .then(|| elapsed.mul_f64(((1.0 - held.counts.share) / done).clamp(0.0, 1e9)))
+            .filter(|_| held.counts.share < 1.0);
+        if let Some((since, before)) = held.pace.front() {
+            let hours = since.elapsed().as_secs_f64() / 3600.0;
+            let finished = held.counts.finished.saturating_sub(*before);
+            held.counts.runs_per_hour = (finished > 0 && hours > 0.0).then(|| finished as f64 / hours);
+        }
+    }
+
+    fn follow(&self, held: &mut Held) {
+        self.measure(held);
+        self.observer.progress(&held.counts);
+        if held.last_line.elapsed() >= LINE_EVERY {
+            self.write_line(held);
+            let finished = held.counts.finished;
+            held.pace.push_back((Instant::now(), finished));
+            while held.pace.len() > MINUTES_OF_RATE {
+                held.pace.pop_front();
+            }
+        }
+    }
+}
+
+impl QueueObserver for Recorder<'_> {
+    fn begins(&self, run: usize) {
+        let mut held = self.lock();
+        self.begin(&mut held);
+        held.counts.running += 1;
+        self.note(&mut held, run, Event::Begun);
+        self.follow(&mut held);
+    }
+
+    fn progress(&self, run: usize, progress: &Progress) -> Flow {
+        let mut held = self.lock();
+        held.shares.update(run, progress);
+        self.follow(&mut held);
+        drop(held);
+        self.flow()
+    }
+
+    fn share(&self, run: usize, share: f64) -> Flow {
+        let mut held = self.lock();
+        held.shares.set(run, share);
+        self.follow(&mut held);
+        drop(held);
+        self.flow()
+    }
+
+    fn warn(&self, run: usize, text: &str) {
+        self.observer.warn(&format!("{}: {text}", self.queue.runs()[run].name));
+    }
+
+    fn ends(&self, run: usize, outcome: &Outcome) {
+        let mut held = self.lock();
+        held.shares.end(run, outcome);
+        let is_new = !matches!(outcome, Outcome::Finished { reused: true, .. } | Outcome::NotNeeded);
+        held.counts.running -= usize::from(is_new && held.counts.running > 0);
+        let event = match outcome {
+            Outcome::Finished { record, .. } => Some(Event::finished(record)),
+            Outcome::Interrupted(_) => Some(Event::Interrupted),
+            Outcome::Failed(error) => {
+                Some(Event::Failed { reason: error.to_string(), lasting: error.is_lasting() })
+            }
+            Outcome::WithoutSample { .. } => {
+                Some(Event::Failed { reason: outcome.failure().unwrap_or_default(), lasting: false })
+            }
+            _ => None,
+        };
+        let name = &self.queue.runs()[run].name;
+        if self.is_test(run) {
+            match &event {
+                Some(Event::Finished { flags, .. }) => {
+                    held.counts.finished += 1;
+                    held.counts.flagged += usize::from(!flags.is_empty());
+                    held.counts.refused += usize::from(!is_accepted(flags, &self.accept));
+                }
+                Some(Event::Failed { .. }) => held.counts.failed += 1,
+                _ => {}
+            }
+        }
+        if let Some(event) = event.filter(|event| is_new || self.known.get(name) != Some(event)) {
+            if let Event::Failed { reason, .. } = &event {
+                self.observer.warn(&format!("{name}: failed: {reason}"));
+            }
+            self.note(&mut held, run, event);
+        }
+        if is_new {
+            self.follow(&mut held);
+        }
+    }
+
+    fn flow(&self) -> Flow {
+        let is_over = self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        if is_over { Flow::Stop } else { self.observer.flow() }
+    }
+}

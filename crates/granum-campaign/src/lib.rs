@@ -1,0 +1,21 @@
+//! Campaigns: a [`plan`] of many tests in one file, and its [`execution`], in which nothing is lost.
+//!
+//! ```text
+//! plan.toml --> runs, each resolved and checked --> campaign folder --> a process for each run --> run folders
+//! ```
+//!
+//! The folder of a campaign has `campaign.json` (the runs with all that determines them), `tests/` and `samples/` (their folders, which
+//! are the truth about what has been computed), [`journal`] (an index of what happened, made again from the folders where it is lost) and
+//! `progress.txt` (a line every minute).
+
+pub mod acceptance;
+mod campaign;
+pub mod clock;
+pub mod execution;
+pub mod journal;
+pub mod message;
+pub mod plan;
+mod status;
+
+pub use campaign::{CAMPAIGN_FILE, Campaign, CampaignRun, PlanDifference, RUNS, SAMPLES, VariableRecord};
+pub use status::{CampaignStatus, RunState};

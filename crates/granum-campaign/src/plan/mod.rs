@@ -1,0 +1,47 @@
+//! Plans: a base case, variables over its keys, a design, constraints and replicates, from which the runs of a campaign are made.
+//!
+//! ```toml
+//! case = "sand.toml"
+//! constraints = ["rolling_friction < friction"]
+//!
+//! [design]
+//! kind = "sobol"
+//! points = 200
+//! replicates = 2
+//!
+//! [[variable]]
+//! name = "friction"
+//! key = "grains.material.friction"
+//! from = 0.1
+//! to = 0.8
+//!
+//! [[variable]]
+//! name = "pressure"
+//! keys = ["preparation.mean_stress", "stage.1.lateral_stress"]
+//! from = "50 kPa"
+//! to = "400 kPa"
+//! scale = "log"
+//!
+//! [[variable]]
+//! name = "rolling_friction"
+//! key = "contact.rolling_friction"
+//! from = 0.05
+//! to = 0.5
+//! ```
+
+mod definition;
+mod design;
+mod expression;
+mod read;
+mod runs;
+mod units;
+
+pub use definition::{
+    Choice, DesignKind, DesignTable, FixedKey, Plan, PlanSource, Row, RowPlace, SampleSeeds, Spanned,
+    Variable, VariableKind,
+};
+pub use expression::{Condition, Expression};
+pub use runs::{PlannedRun, PlannedRuns, RunValue, apply_settings};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,542 @@
+//! The runs of a plan: every one is resolved and checked before anything is computed.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use granum_core::quantity::format_number;
+use granum_io::case::{SEED, SetKey};
+use granum_io::{Case, Error, InputError, Result};
+use granum_simd::power;
+use serde::{Deserialize, Serialize};
+
+use super::definition::{Choice, DesignKind, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
+use super::design::{Axis, Coordinate, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
+use super::read::PATH;
+use super::units;
+
+/// Number of digits of the case digest in the name of a run.
+const DIGITS: usize = 12;
+/// Most mistakes that are told one by one.
+const MOST_TOLD: usize = 5;
+/// Most runs of a plan.
+const MOST_RUNS: usize = 1_000_000;
+/// The first stage, whose parameters belong to the named path.
+const FIRST_STAGE: &str = "stage.1.";
+
+/// The value of a variable in a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum RunValue {
+    /// A number in SI units.
+    Number(f64),
+    /// A word.
+    Word(String),
+}
+
+impl RunValue {
+    /// The number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            RunValue::Number(number) => Some(*number),
+            RunValue::Word(_) => None,
+        }
+    }
+}
+
+impl std::fmt::Display for RunValue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RunValue::Number(number) => f.write_str(&format_number(*number)),
+            RunValue::Word(word) => f.write_str(word),
+        }
+    }
+}
+
+/// A run of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedRun {
+    /// Its name, made of the digest of its case: the same case has the same name in every plan.
+    pub name: String,
+    /// The values of the variables, in their order.
+    pub values: Vec<(String, RunValue)>,
+    /// The keys that it sets over the base case, in the order in which they are set, with their values as text.
+    pub settings: Vec<(String, String)>,
+    /// The case.
+    pub case: Case,
+}
+
+/// The runs of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedRuns {
+    /// The runs, in the order of the design; replicates follow each other.
+    pub runs: Vec<PlannedRun>,
+    /// Number of points that the constraints left out.
+    pub left_out: usize,
+    /// Number of runs whose case another run already has.
+    pub repeated: usize,
+}
+
+/// The base case with the keys of a run.
+///
+/// # Errors
+/// As [`Case::set`] for a key or value that is wrong, and as [`Case::check`] for values that do not go together.
+pub fn apply_settings(base: &Case, settings: &[(String, String)]) -> Result<Case> {
+    let path = settings.iter().find(|(key, _)| key == PATH);
+    let mut case = match path {
+        Some((_, name)) => {
+            let of_path = settings
+                .iter()
+                .filter_map(|(key, text)| Some((key.strip_prefix(FIRST_STAGE)?, text.as_str())));
+            base.with_path(name, &of_path.collect::<Vec<_>>())?
+        }
+        None => base.clone(),
+    };
+    for (key, text) in settings {
+        if key != PATH && !(path.is_some() && key.starts_with(FIRST_STAGE)) {
+            case.set(key, text)?;
+        }
+    }
+    case.check()?;
+    Ok(case)
+}
+
+/// The first variable whose expression depends on itself, directly or through others.
+pub(super) fn in_a_circle(variables: &[Variable]) -> Option<&Variable> {
+    let by_name: BTreeMap<&str, &Variable> =
+        variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
+    let reaches = |start: &Variable| {
+        let (mut open, mut seen) = (vec![start], BTreeSet::new());
+        while let Some(variable) = open.pop() {
+            let VariableKind::Expression(expression) = &variable.kind else { continue };
+            for name in expression.value.names() {
+                let Some(next) = by_name.get(name) else { continue };
+                if next.name == start.name {
+                    return true;
+                }
+                if seen.insert(name) {
+                    open.push(next);
+                }
+            }
+        }
+        false
+    };
+    variables.iter().find(|variable| reaches(variable))
+}
+
+/// A mistake of a run, with the place in the plan, or in the file of rows, that it concerns.
+struct Mistake {
+    error: InputError,
+    /// The values of the run.
+    values: String,
+}
+
+/// A point with its values, before its case is made.
+struct Valued {
+    values: Vec<(String, RunValue)>,
+    settings: Vec<(String, String)>,
+}
+
+/// What keeps a point from being a run.
+enum Refusal {
+    /// A constraint does not hold.
+    Constraint(usize),
+    /// Something is wrong with it.
+    Mistake(Range<usize>, String),
+}
+
+impl Plan {
+    /// Makes the runs and checks each of them. Nothing is written.
+    ///
+    /// # Errors
+    /// [`Error::Inputs`] with the runs that no case accepts: the place in the plan, the values of the run and what is wrong.
+    pub fn runs(&self) -> Result<PlannedRuns> {
+        let mut left_out = 0;
+        let mut mistakes = Vec::new();
+        let points = self.points(&mut left_out, &mut mistakes)?;
+        self.check_bare_numbers(points.first())?;
+        let (mut runs, mut repeated) = (Vec::new(), 0);
+        let mut names = BTreeSet::new();
+        for (k, (valued, row)) in points.into_iter().enumerate() {
+            for seed in self.seeds(k) {
+                let mut settings = valued.settings.clone();
+                settings.extend(seed.map(|seed| (SEED.to_string(), seed.to_string())));
+                let (case, digest) = match apply_settings(&self.case, &settings) {
+                    Ok(case) => {
+                        let digest = case.digest();
+                        (case, digest)
+                    }
+                    Err(error) => {
+                        mistakes.push(self.mistake(&valued, row, &error));
+                        break;
+                    }
+                };
+                let name = digest[..DIGITS.min(digest.len())].to_string();
+                if names.insert(name.clone()) {
+                    runs.push(PlannedRun { name, values: valued.values.clone(), settings, case });
+                } else {
+                    repeated += 1;
+                }
+            }
+        }
+        if !mistakes.is_empty() {
+            return Err(told(mistakes));
+        }
+        if runs.is_empty() {
+            let message = "the plan has no run: the constraints leave out every point";
+            return Err(self.source.error(&self.design.span, message).into());
+        }
+        Ok(PlannedRuns { runs, left_out, repeated })
+    }
+
+    /// The seeds of the runs of point k; `None` for that of the base case.
+    fn seeds(&self, k: usize) -> Vec<Option<u64>> {
+        let (replicates, first) = (self.design.replicates, self.case.preparation.seed);
+        match self.design.sample_seeds {
+            SampleSeeds::Same if replicates == 1 => vec![None],
+            SampleSeeds::Same => (0..replicates).map(|r| Some(first.wrapping_add(r as u64))).collect(),
+            SampleSeeds::Different => {
+                (0..replicates).map(|r| Some(first.wrapping_add((k * replicates + r) as u64))).collect()
+            }
+        }
+    }
+
+    /// The points with their values, and the row of each if the design has rows.
+    fn points(
+        &self,
+        left_out: &mut usize,
+        mistakes: &mut Vec<Mistake>,
+    ) -> Result<Vec<(Valued, Option<&Row>)>> {
+        let free: Vec<&Variable> = self.variables.iter().filter(|variable| variable.kind.is_free()).collect();
+        let axes: Vec<Axis> = free.iter().map(|variable| axis(variable)).collect();
+        let mut found = Vec::new();
+        let mut take = |valued: std::result::Result<Valued, Refusal>, row: Option<&RowPlace>| match valued {
+            Ok(valued) => Some(valued),
+            Err(Refusal::Constraint(_)) if row.is_none() => {
+                *left_out += 1;
+                None
+            }
+            Err(Refusal::Constraint(k)) => {
+                let constraint = &self.constraints[k];
+                let message = format!("the row breaks the constraint {}", constraint.value.text());
+                mistakes.extend(
+                    row.map(|row| Mistake { error: row.error(&self.source, message), values: String::new() }),
+                );
+                None
+            }
+            Err(Refusal::Mistake(span, message)) => {
+                let error = match row {
+                    Some(row) => row.error(&self.source, message),
+                    None => self.source.error(&span, message),
+                };
+                mistakes.push(Mistake { error, values: String::new() });
+                None
+            }
+        };
+        let wanted = self.design.points.unwrap_or(0);
+        match &self.design.kind {
+            DesignKind::Rows(rows) => {
+                for row in rows {
+                    let valued = self.of_row(row);
+                    found.extend(take(valued, Some(&row.place)).map(|valued| (valued, Some(row))));
+                }
+            }
+            DesignKind::Sobol => {
+                // Points that the constraints leave out are replaced by further ones of the sequence.
+                for k in 0..MOST_POINTS {
+                    if found.len() == wanted {
+                        break;
+                    }
+                    let valued = self.of_point(&free, &sobol(k, self.design.seed, &axes));
+                    found.extend(take(valued, None).map(|valued| (valued, None)));
+                }
+                if found.len() < wanted && mistakes.is_empty() {
+                    let message = format!(
+                        "of the first {MOST_POINTS} points of the sequence only {} fulfil the constraints, and {wanted} are wanted",
+                        found.len()
+                    );
+                    return Err(self.source.error(&self.design.span, message).into());
+                }
+            }
+            DesignKind::LatinHypercube => {
+                for point in latin_hypercube(wanted, self.design.seed, &axes) {
+                    found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
+                }
+            }
+            DesignKind::FullFactorial => {
+                let levels: Vec<usize> = free.iter().map(|variable| levels(variable)).collect();
+                let count = levels.iter().fold(1usize, |all, count| all.saturating_mul(*count));
+                if count.saturating_mul(self.design.replicates) > MOST_RUNS {
+                    let message =
+                        format!("the design has {count} combinations; at most {MOST_RUNS} runs are possible");
+                    return Err(self.source.error(&self.design.span, message).into());
+                }
+                for point in full_factorial(&levels) {
+                    found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    fn of_point(&self, free: &[&Variable], point: &Point) -> std::result::Result<Valued, Refusal> {
+        let mut values = BTreeMap::new();
+        for (variable, coordinate) in free.iter().zip(point) {
+            values.insert(variable.name.as_str(), chosen(variable, *coordinate));
+        }
+        self.valued(values)
+    }
+
+    fn of_row(&self, row: &Row) -> std::result::Result<Valued, Refusal> {
+        let mut values = BTreeMap::new();
+        for variable in self.variables.iter().filter(|variable| variable.kind.is_free()) {
+            let Some((_, text)) = row.cells.iter().find(|(name, _)| *name == variable.name) else { continue };
+            let value = given(variable, text).map_err(|why| {
+                Refusal::Mistake(variable.span.clone(), format!("{} = {text} {why}", variable.name))
+            })?;
+            values.insert(variable.name.as_str(), value);
+        }
+        self.valued(values)
+    }
+
+    /// Adds the values of expressions, and compares the constraints.
+    fn valued<'a>(&'a self, mut values: BTreeMap<&'a str, Chosen>) -> std::result::Result<Valued, Refusal> {
+        // Numbers of the base case that expressions may use.
+        let case_number = |name: &str| {
+            if !name.contains('.') {
+                return None;
+            }
+            let fixed = self.fixed.iter().find(|fixed| fixed.key == name);
+            let unit = || self.case.unit_of(name).unwrap_or_default();
+            match fixed {
+                Some(fixed) => units::quantity(&fixed.text, &unit()).ok(),
+                None => self.case.parameters().into_iter().find(|known| known.key == name)?.number(),
+            }
+        };
+        let mut open: Vec<&Variable> =
+            self.variables.iter().filter(|variable| !variable.kind.is_free()).collect();
+        while !open.is_empty() {
+            let known: BTreeMap<&str, Option<f64>> =
+                values.iter().map(|(name, chosen)| (*name, chosen.value.number())).collect();
+            let names: Vec<&str> = open.iter().map(|variable| variable.name.as_str()).collect();
+            let mut later = Vec::new();
+            for variable in &open {
+                let VariableKind::Expression(expression) = &variable.kind else { continue };
+                if expression.value.names().any(|name| names.contains(&name)) {
+                    later.push(*variable);
+                    continue;
+                }
+                let of = |name: &str| known.get(name).copied().unwrap_or_else(|| case_number(name));
+                let number = expression.value.value(&of).map_err(|why| {
+                    let message =
+                        format!("{}: {why}, where {}", variable.name, shown(&self.ordered(&values)));
+                    Refusal::Mistake(expression.span.clone(), message)
+                })?;
+                let number = rounded(number, variable.step);
+                values.insert(&variable.name, Chosen::number(number));
+            }
+            if later.len() == open.len() {
+                // A circle, which was refused when the plan was read.
+                break;
+            }
+            open = later;
+        }
+        let of = |name: &str| match values.get(name) {
+            Some(chosen) => chosen.value.number(),
+            None => case_number(name),
+        };
+        for (k, constraint) in self.constraints.iter().enumerate() {
+            match constraint.value.holds(&of) {
+                Ok(true) => {}
+                Ok(false) => return Err(Refusal::Constraint(k)),
+                Err(why) => {
+                    let message = format!("{}: {why}", constraint.value.text());
+                    return Err(Refusal::Mistake(constraint.span.clone(), message));
+                }
+            }
+        }
+        let mut settings: Vec<(String, String)> =
+            self.fixed.iter().map(|fixed| (fixed.key.clone(), fixed.text.clone())).collect();
+        for variable in &self.variables {
+            let Some(chosen) = values.get(variable.name.as_str()) else { continue };
+            settings.extend(variable.keys.iter().map(|key| (key.value.clone(), chosen.text.clone())));
+            settings.extend(chosen.set.iter().cloned());
+        }
+        Ok(Valued { values: self.ordered(&values), settings })
+    }
+
+    fn ordered(&self, values: &BTreeMap<&str, Chosen>) -> Vec<(String, RunValue)> {
+        let of = |variable: &Variable| {
+            values.get(variable.name.as_str()).map(|chosen| (variable.name.clone(), chosen.value.clone()))
+        };
+        self.variables.iter().filter_map(of).collect()
+    }
+
+    /// Refuses numbers without a unit that the plan has for stresses and strains and that are probably meant in another one.
+    fn check_bare_numbers(&self, first: Option<&(Valued, Option<&Row>)>) -> Result<()> {
+        let Some((valued, _)) = first else { return Ok(()) };
+        // What is wrong with the run itself is told with all runs.
+        let Ok(case) = apply_settings(&self.case, &valued.settings) else { return Ok(()) };
+        let check = |path: &str, text: &str, span: &Range<usize>| {
+            let key = SetKey { flag: path, path, text };
+            case.check_bare_numbers(&self.case, &[key])
+                .map_err(|error| Error::from(self.source.error(span, error.to_string())))
+        };
+        for fixed in &self.fixed {
+            check(&fixed.key, &fixed.text, &fixed.span)?;
+        }
+        for variable in &self.variables {
+            for key in &variable.keys {
+                match &variable.kind {
+                    VariableKind::Range { texts, .. } => {
+                        texts.iter().try_for_each(|text| check(&key.value, text, &variable.span))?;
+                    }
+                    VariableKind::Choice(choices) => {
+                        choices
+                            .iter()
+                            .try_for_each(|choice| check(&key.value, &choice.name, &choice.span))?;
+                    }
+                    VariableKind::Expression(_) | VariableKind::Given => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The mistake of a run whose case is refused, at the variable that sets the key in question if that is known.
+    fn mistake(&self, valued: &Valued, row: Option<&Row>, error: &Error) -> Mistake {
+        let values = shown(&valued.values);
+        if let Some(row) = row {
+            return Mistake { error: row.place.error(&self.source, error.to_string()), values };
+        }
+        let named = match error {
+            Error::Value { name, .. } => Some(name.as_str()),
+            _ => None,
+        };
+        let sets = |variable: &&Variable, key: &str| {
+            let by_choice = match &variable.kind {
+                VariableKind::Choice(choices) => {
+                    choices.iter().any(|choice| choice.set.iter().any(|(own, _)| own == key))
+                }
+                _ => false,
+            };
+            by_choice || variable.keys.iter().any(|own| own.value == key)
+        };
+        let variable = named.and_then(|key| self.variables.iter().find(|variable| sets(variable, key)));
+        let span = variable.map_or(&self.design.span, |variable| &variable.span);
+        Mistake { error: self.source.error(span, error.to_string()), values }
+    }
+}
+
+/// The value of a variable at a point.
+#[derive(Clone)]
+struct Chosen {
+    value: RunValue,
+    /// The text that its keys get.
+    text: String,
+    /// Further keys that it sets.
+    set: Vec<(String, String)>,
+}
+
+impl Chosen {
+    fn number(number: f64) -> Chosen {
+        Chosen { value: RunValue::Number(number), text: format_number(number), set: Vec::new() }
+    }
+
+    fn of_choice(choice: &Choice) -> Chosen {
+        let value = choice.number.map_or_else(|| RunValue::Word(choice.name.clone()), RunValue::Number);
+        Chosen { value, text: choice.name.clone(), set: choice.set.clone() }
+    }
+}
+
+fn axis(variable: &Variable) -> Axis {
+    match &variable.kind {
+        VariableKind::Choice(choices) => Axis::Levels(choices.len()),
+        _ => Axis::Continuous,
+    }
+}
+
+/// Number of values in a full factorial design.
+fn levels(variable: &Variable) -> usize {
+    match &variable.kind {
+        VariableKind::Choice(choices) => choices.len(),
+        VariableKind::Range { levels, .. } => levels.unwrap_or(1),
+        VariableKind::Expression(_) | VariableKind::Given => 1,
+    }
+}
+
+/// The value of a variable at a place on its axis.
+fn chosen(variable: &Variable, at: Coordinate) -> Chosen {
+    match (&variable.kind, at) {
+        (VariableKind::Choice(choices), Coordinate::Level(level)) => {
+            choices.get(level).map_or_else(|| Chosen::number(f64::NAN), Chosen::of_choice)
+        }
+        (VariableKind::Range { between, logarithmic, levels, .. }, at) => {
+            let share = match at {
+                Coordinate::Share(share) => share,
+                Coordinate::Level(level) => level as f64 / (levels.unwrap_or(2) - 1) as f64,
+            };
+            Chosen::number(rounded(between_bounds(*between, *logarithmic, share), variable.step))
+        }
+        _ => Chosen::number(f64::NAN),
+    }
+}
+
+/// The number at a share of a range. The bounds themselves are met exactly.
+fn between_bounds([from, to]: [f64; 2], logarithmic: bool, share: f64) -> f64 {
+    match share {
+        0.0 => from,
+        1.0 => to,
+        _ if logarithmic => from * power(to / from, share),
+        _ => from + (to - from) * share,
+    }
+}
+
+/// A number with six digits, or the nearest multiple of a step: values that can be read in a table and written by hand.
+fn rounded(number: f64, step: Option<f64>) -> f64 {
+    let text = match step {
+        Some(step) => format!("{:.11e}", (number / step).round() * step),
+        None => format!("{number:.5e}"),
+    };
+    text.parse().unwrap_or(number)
+}
+
+/// The value that a row gives to a variable.
+fn given(variable: &Variable, text: &str) -> std::result::Result<Chosen, String> {
+    if let VariableKind::Choice(choices) = &variable.kind {
+        let found = choices.iter().find(|choice| choice.name == text);
+        return found.map(Chosen::of_choice).ok_or_else(|| {
+            let names: Vec<&str> = choices.iter().map(|choice| choice.name.as_str()).collect();
+            format!("is none of its values: {}", names.join(", "))
+        });
+    }
+    if text.is_empty() {
+        return Err("is empty".into());
+    }
+    match units::quantity(text, &variable.unit) {
+        Ok(number) => Ok(Chosen { text: text.to_string(), ..Chosen::number(number) }),
+        Err(why) if !variable.unit.is_empty() || variable.keys.is_empty() => Err(why),
+        Err(_) => Ok(Chosen { value: RunValue::Word(text.into()), text: text.into(), set: Vec::new() }),
+    }
+}
+
+/// `friction = 0.2, law = hertz`.
+pub(crate) fn shown(values: &[(String, RunValue)]) -> String {
+    values.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The mistakes of runs as one error: the first few, and how many more there are.
+fn told(mistakes: Vec<Mistake>) -> Error {
+    let count = mistakes.len();
+    let tell = |mistake: Mistake| {
+        let Mistake { mut error, values } = mistake;
+        if !values.is_empty() {
+            error.message = format!("{} in the run with {values}", error.message);
+        }
+        error
+    };
+    let mut errors: Vec<InputError> = mistakes.into_iter().take(MOST_TOLD).map(tell).collect();
+    if let Some(last) = errors.last_mut().filter(|_| count > MOST_TOLD) {
+        last.message = format!("{}; {} more runs are refused", last.message, count - MOST_TOLD);
+    }
+    Error::Inputs(errors)
+}

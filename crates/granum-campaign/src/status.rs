@@ -1,0 +1,108 @@
+//! The state of a campaign, read from its folder without disturbing who works in it.
+
+use granum_io::{OutputFolder, Result, Run, RunStatus};
+
+use crate::acceptance::is_accepted;
+use crate::campaign::Campaign;
+use crate::journal::{Event, FailedCheck, last_events};
+
+/// The state of a run of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RunState {
+    /// It has not been begun.
+    NotBegun,
+    /// A process is at work on it.
+    Running,
+    /// It was stopped or killed and is continued by the same command.
+    Unfinished,
+    /// It is finished.
+    Finished {
+        /// The checks that it did not pass.
+        flags: Vec<FailedCheck>,
+        /// True if it is part of the data set.
+        accepted: bool,
+        /// Seconds of work.
+        seconds: f64,
+    },
+    /// It failed.
+    Failed {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl RunState {
+    /// A word for it.
+    pub fn word(&self) -> &'static str {
+        match self {
+            RunState::NotBegun => "not begun",
+            RunState::Running => "running",
+            RunState::Unfinished => "unfinished",
+            RunState::Finished { flags, .. } if flags.is_empty() => "finished",
+            RunState::Finished { accepted: true, .. } => "flagged, accepted",
+            RunState::Finished { .. } => "flagged",
+            RunState::Failed { .. } => "failed",
+        }
+    }
+}
+
+/// The state of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignStatus {
+    /// The state of every run, in the order of the plan.
+    pub states: Vec<RunState>,
+    /// True if a coordinator is at work.
+    pub at_work: bool,
+}
+
+impl CampaignStatus {
+    /// The state of a campaign: the journal, and the folders of runs of which it does not know the end.
+    ///
+    /// # Errors
+    /// If the record of a run cannot be read.
+    pub fn of(campaign: &Campaign) -> Result<CampaignStatus> {
+        let (events, accept) = (last_events(campaign.folder()), campaign.accept());
+        let state = |name: &str| -> Result<RunState> {
+            let finished = |flags: Vec<FailedCheck>, seconds| RunState::Finished {
+                accepted: is_accepted(&flags, &accept),
+                flags,
+                seconds,
+            };
+            let folder = campaign.folder_of(name);
+            match events.get(name) {
+                Some(Event::Finished { flags, seconds }) => return Ok(finished(flags.clone(), *seconds)),
+                Some(Event::Failed { reason, .. }) if !OutputFolder::is_in_use(&folder) => {
+                    return Ok(RunState::Failed { reason: reason.clone() });
+                }
+                _ => {}
+            }
+            if OutputFolder::is_in_use(&folder) {
+                return Ok(RunState::Running);
+            }
+            if !folder.join("run.json").is_file() {
+                let begun = events.contains_key(name);
+                return Ok(if begun { RunState::Unfinished } else { RunState::NotBegun });
+            }
+            let record = Run::at(&folder)?.record()?;
+            Ok(match (record.status, Event::finished(&record)) {
+                (RunStatus::Finished, Event::Finished { flags, seconds }) => finished(flags, seconds),
+                (RunStatus::Failed, _) => RunState::Failed {
+                    reason: record.notes.last().cloned().unwrap_or_else(|| "it failed".into()),
+                },
+                _ => RunState::Unfinished,
+            })
+        };
+        let states = campaign.runs().iter().map(|run| state(&run.name)).collect::<Result<_>>()?;
+        Ok(CampaignStatus { states, at_work: OutputFolder::is_in_use(campaign.folder()) })
+    }
+
+    /// Number of runs in a state of this word.
+    pub fn count(&self, word: &str) -> usize {
+        self.states.iter().filter(|state| state.word() == word).count()
+    }
+
+    /// True if nothing is left to compute: every run is finished or failed.
+    pub fn is_done(&self) -> bool {
+        self.states.iter().all(|state| matches!(state, RunState::Finished { .. } | RunState::Failed { .. }))
+    }
+}

@@ -1,0 +1,66 @@
+//! The laboratory and the executor of a campaign, from the flags of the command.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use granum_campaign::execution::ChildProcesses;
+use granum_dem::Isa;
+use granum_dem::simulation::Hardware;
+use granum_run::Laboratory;
+
+use super::CarryOutFlags;
+use crate::command::checkpoints::CheckpointFlags;
+use crate::command::hardware::processors;
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// Most runs at once.
+const MOST_WORKERS: usize = 4096;
+
+/// A laboratory with so many threads.
+pub fn laboratory(
+    context: &Context,
+    threads: usize,
+    checkpoints: &CheckpointFlags,
+) -> Result<Laboratory, Failure> {
+    let hardware = Hardware { threads, isa: Isa::detect() };
+    let mut laboratory =
+        Laboratory::new(hardware, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
+    laboratory.checkpoint_every = checkpoints.every()?;
+    Ok(laboratory)
+}
+
+impl CarryOutFlags {
+    /// Those of a campaign that is resumed.
+    pub fn resumed(checkpoints: &CheckpointFlags) -> CarryOutFlags {
+        CarryOutFlags { workers: None, stop_after: None, again: false, checkpoints: checkpoints.clone() }
+    }
+
+    /// The number of runs at once, if it is given.
+    pub fn workers(&self) -> Result<Option<usize>, Failure> {
+        match self.workers {
+            Some(0) => Err(Failure::new("--workers 0: at least one run at once is needed")),
+            Some(count) if count > MOST_WORKERS => Err(Failure::new(format!(
+                "--workers {count}: at most {MOST_WORKERS} runs at once are possible"
+            ))),
+            workers => Ok(workers),
+        }
+    }
+
+    /// The laboratory of the coordinator, which has a thread for each processor.
+    pub fn laboratory(&self, context: &Context) -> Result<Laboratory, Failure> {
+        laboratory(context, processors(), &self.checkpoints)
+    }
+
+    /// Executes the runs of the campaign in a folder by this program.
+    pub fn executor(&self, context: &Context, folder: &Path) -> Result<ChildProcesses, Failure> {
+        let program = std::env::current_exe()
+            .map_err(|error| Failure::new(format!("cannot find the file of this program: {error}")))?;
+        let seconds = self.checkpoints.every()?.as_secs_f64();
+        let mut arguments: Vec<OsString> = vec!["--checkpoint-every".into(), seconds.to_string().into()];
+        if context.allow_outside {
+            arguments.push("--allow-outside".into());
+        }
+        Ok(ChildProcesses::new(program, folder, arguments))
+    }
+}

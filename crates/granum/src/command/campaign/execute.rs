@@ -1,0 +1,219 @@
+//! Carrying out a plan.
+
+use std::path::{Path, PathBuf};
+
+use granum::contents::{FolderKind, check_free};
+use granum_campaign::execution::{Coordinator, Summary};
+use granum_campaign::plan::{Plan, PlannedRuns};
+use granum_campaign::{Campaign, PlanDifference, RUNS};
+use granum_io::OutputFolder;
+use granum_io::shell::{ShowPath, quoted_path};
+use granum_run::queue::QueueError;
+use serde_json::json;
+
+use super::show::ShowCampaign;
+use super::{CarryOutFlags, PlanFlags, estimate, plan_text, status};
+use crate::context::Context;
+use crate::failure::{Failure, Interrupted};
+use crate::output;
+
+/// Number of runs that are named in a message.
+const MOST_NAMED: usize = 10;
+
+/// Carries out a plan, or prints what it will run.
+pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
+    let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
+    let plan = Plan::read(file, context.reading())?;
+    let planned = plan.runs()?;
+    if flags.dry_run {
+        let estimate = estimate::of(context, flags, &plan, &planned)?;
+        let mut result = plan_text::as_json(&planned);
+        result["estimate"] = json!(estimate.as_ref().map(estimate::as_json));
+        return output::say(context, &result, || {
+            let text = plan_text::text(&plan, &planned);
+            estimate.map_or(text.clone(), |found| format!("{text}\n{}", estimate::text(&found)))
+        });
+    }
+    let out =
+        flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
+    start(context, &flags.carry_out, &plan, &planned, &out)
+}
+
+fn start(
+    context: &Context,
+    flags: &CarryOutFlags,
+    plan: &Plan,
+    planned: &PlannedRuns,
+    out: &Path,
+) -> Result<(), Failure> {
+    check_free(out, FolderKind::Campaign, true)?;
+    let earlier = Campaign::read(out)?;
+    let mut campaign = Campaign::new(out, plan, planned, env!("CARGO_PKG_VERSION"));
+    let mut dropped = Vec::new();
+    if let Some(earlier) = &earlier {
+        campaign = campaign.after(earlier);
+        let difference = campaign.difference(earlier);
+        tell_difference(context, &difference, campaign.no_longer_planned());
+        if context.force {
+            dropped = campaign.no_longer_planned().to_vec();
+            campaign = campaign.forgetting_earlier();
+        }
+    }
+    check(context, flags, &campaign)?;
+    let folder = OutputFolder::open_or_create(out)?;
+    folder.refuse_links(&[RUNS])?;
+    for name in &dropped {
+        remove_run(&campaign, name)?;
+    }
+    campaign.write()?;
+    carry_out(context, flags, &campaign, &folder)
+}
+
+/// Continues the campaign of a folder without its plan.
+pub fn resume(context: &Context, campaign: &Campaign, flags: &CarryOutFlags) -> Result<(), Failure> {
+    check(context, flags, campaign)?;
+    let folder = OutputFolder::open(campaign.folder())?;
+    carry_out(context, flags, campaign, &folder)
+}
+
+/// Refuses a campaign of which a run cannot be executed, before any begins.
+fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Result<(), Failure> {
+    flags.workers()?;
+    let laboratory = flags.laboratory(context)?;
+    let executor = flags.executor(context, campaign.folder())?;
+    let _alone = context.nothing_written(Some("checking the runs"));
+    let coordinator = Coordinator {
+        campaign,
+        laboratory: &laboratory,
+        executor: &executor,
+        workers: None,
+        stop_after: None,
+        again: false,
+    };
+    coordinator.check(context.force).map_err(|error| match error {
+        QueueError::OtherRun { .. } => {
+            Failure::new(format!("{error}; give --force to replace it, or another folder with --out"))
+        }
+        other => other.into(),
+    })
+}
+
+fn carry_out(
+    context: &Context,
+    flags: &CarryOutFlags,
+    campaign: &Campaign,
+    folder: &OutputFolder,
+) -> Result<(), Failure> {
+    let laboratory = flags.laboratory(context)?;
+    let executor = flags.executor(context, campaign.folder())?;
+    let coordinator = Coordinator {
+        campaign,
+        laboratory: &laboratory,
+        executor: &executor,
+        workers: flags.workers()?,
+        stop_after: flags.stop_after,
+        again: flags.again || context.force,
+    };
+    let summary = {
+        let show = ShowCampaign::new(context);
+        coordinator.run(folder, context.force, &show)?
+    };
+    report(context, campaign, &summary)
+}
+
+/// Says how a changed plan differs from the runs that the folder has.
+fn tell_difference(context: &Context, difference: &PlanDifference, left: &[String]) {
+    if !difference.is_none() {
+        let PlanDifference { kept, added, dropped } = difference;
+        let mut text = format!("the plan was changed: {kept} runs are still in it, {added} are new");
+        if !dropped.is_empty() {
+            text += &format!(", {} are no longer in it", dropped.len());
+        }
+        context.note(&text);
+    }
+    if left.is_empty() {
+        return;
+    }
+    let names = named(left);
+    context.note(&match context.force {
+        true => format!("the folders of {} runs that are no longer in the plan are removed: {names}", left.len()),
+        false => format!(
+            "the folders of {} runs that are no longer in the plan stay and are not used: {names}; --force removes them",
+            left.len()
+        ),
+    });
+}
+
+fn named(names: &[String]) -> String {
+    let shown = names.iter().take(MOST_NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMED) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+/// Removes the folder of a run that is no longer planned.
+fn remove_run(campaign: &Campaign, name: &str) -> Result<(), Failure> {
+    let path = campaign.folder_of(name);
+    if !path.is_dir() {
+        return Ok(());
+    }
+    // Held, so that a process at work in it is not disturbed.
+    let _locked = OutputFolder::open(&path)?;
+    std::fs::remove_dir_all(&path).map_err(granum_io::Error::file("remove", &path))?;
+    Ok(())
+}
+
+/// Prints how the campaign ended.
+fn report(context: &Context, campaign: &Campaign, summary: &Summary) -> Result<(), Failure> {
+    let (out, quoted) = (campaign.folder().shown(), quoted_path(campaign.folder()));
+    let line = summary.progress.line();
+    if summary.stopped && context.stopped() {
+        let left = format!("{line} in {out}; continue with the same command or `granum resume {quoted}`");
+        return Err(Interrupted { left }.into());
+    }
+    let result = json!({
+        "folder": output::path(campaign.folder()),
+        "runs": summary.progress.runs,
+        "finished": summary.progress.finished,
+        "reused": summary.reused,
+        "flagged": summary.progress.flagged,
+        "refused": summary.progress.refused,
+        "failed": summary.failed.iter().map(|(name, why)| json!({ "name": name, "reason": why })).collect::<Vec<_>>(),
+        "stopped": summary.stopped,
+    });
+    let found = status::Found::of(campaign)?;
+    output::say_complete(context, campaign.folder(), &result, || {
+        let mut lines = vec![format!("{out}: {line}")];
+        match summary.reused {
+            0 => {}
+            count if !summary.stopped && count >= summary.progress.runs => {
+                lines.push("all were already finished; nothing was left to do".into());
+            }
+            count => lines.push(format!("{count} runs and samples were already finished")),
+        }
+        lines.extend(found.flagged_lines());
+        if summary.stopped {
+            lines
+                .push(format!("the time is over; continue with the same command or: granum resume {quoted}"));
+        } else {
+            lines.push(format!("their results in a table: granum table {quoted}"));
+        }
+        lines.join("\n")
+    })?;
+    if summary.failed.is_empty() {
+        return Ok(());
+    }
+    let told: Vec<String> =
+        summary.failed.iter().take(MOST_NAMED).map(|(name, why)| format!("{name}: {why}")).collect();
+    let more = match summary.failed.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!("\n  and {more} more"),
+    };
+    let all = summary.progress.runs;
+    Err(Failure::new(format!(
+        "{} of {all} runs failed:\n  {}{more}",
+        summary.failed.len(),
+        told.join("\n  ")
+    )))
+}

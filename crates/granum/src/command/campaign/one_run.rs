@@ -1,0 +1,79 @@
+//! `granum campaign run`: one run of a campaign, as the coordinator starts it or a user's own scheduler.
+
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use clap::Args;
+use granum_campaign::execution::execute_run;
+use granum_campaign::message::{End, Message};
+use granum_run::Flow;
+
+use super::arguments;
+use crate::command::checkpoints::CheckpointFlags;
+use crate::context::Context;
+use crate::failure::{Failure, Interrupted};
+
+/// Execute runs of a campaign on one thread, or continue them, by their names.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum campaign run study 3f2a9c11d0ab")]
+pub struct OneRun {
+    /// Folder of the campaign.
+    folder: PathBuf,
+    /// Names of runs, or of samples.
+    #[arg(required = true)]
+    names: Vec<String>,
+    /// End in good order when the standard input is closed, and tell what happens as lines of JSON.
+    #[arg(long)]
+    watched: bool,
+    #[command(flatten)]
+    checkpoints: CheckpointFlags,
+}
+
+impl OneRun {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let laboratory = arguments::laboratory(context, 1, &self.checkpoints)?;
+        let closed = Arc::new(AtomicBool::new(false));
+        if self.watched {
+            watch_input(closed.clone());
+        }
+        let flow = || match context.stopped() || closed.load(Ordering::Relaxed) {
+            true => Flow::Stop,
+            false => Flow::Continue,
+        };
+        let tell = |message: &Message| match message {
+            _ if self.watched => say(message),
+            Message::Warning { text } => context.warn(text),
+            _ => {}
+        };
+        let mut failed = Vec::new();
+        for name in &self.names {
+            match execute_run(&self.folder, name, &laboratory, &flow, &tell)? {
+                End::Finished => {}
+                End::Interrupted => {
+                    return Err(Interrupted { left: format!("{name} goes on with the same command") }.into());
+                }
+                End::Failed { reason, .. } => failed.push(format!("{name}: {reason}")),
+            }
+        }
+        if failed.is_empty() { Ok(()) } else { Err(Failure::new(failed.join("\n"))) }
+    }
+}
+
+/// Notes when the standard input is closed: by the coordinator, or by the system after its end.
+fn watch_input(closed: Arc<AtomicBool>) {
+    thread::spawn(move || {
+        let mut buffer = [0; 64];
+        let mut input = std::io::stdin().lock();
+        while matches!(input.read(&mut buffer), Ok(1..)) {}
+        closed.store(true, Ordering::Relaxed);
+    });
+}
+
+/// Tells the coordinator. If it is gone the run soon learns that from its input.
+fn say(message: &Message) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(format!("{}\n", message.line()).as_bytes()).and_then(|()| out.flush());
+}
