@@ -34,8 +34,6 @@ KNOWN = [
         "granum-io/src/case/stage_values",
         "granum-io/src/case/suggestion",
     },
-    {"granum-io/src/formats/csv", "granum-io/src/formats/csv_words"},
-    {"granum-io/src/formats/parquet", "granum-io/src/formats/parquet/words"},
     {"granum-io/src/run", "granum-io/src/run/check", "granum-io/src/run/content"},
     {"granum-run/src/engine/engine_trait", "granum-run/src/registry"},
     {

@@ -12,7 +12,7 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 use crate::case::bare_number::{Kind, Known};
 use crate::error::{Error, InputError, Result};
-use crate::formats::csv::{self, Lines};
+use crate::formats::lines::{self, Lines};
 
 /// The quantities that a file can have, each with its dimension.
 pub const QUANTITIES: [(&str, Dimension); 8] = [
@@ -100,7 +100,7 @@ fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) ->
                 name = unquoted(cell);
             }
             if let Some(Some(place)) = places.get(count) {
-                let value = csv::number(lines, QUANTITIES[place.quantity].0, start, cell)?;
+                let value = lines::number(lines, QUANTITIES[place.quantity].0, start, cell)?;
                 if !value.is_finite() {
                     let message = format!("{} = {cell} is not finite", QUANTITIES[place.quantity].0);
                     return Err(lines.cell_error(start, cell, message).into());
@@ -188,7 +188,7 @@ fn split(cell: &str) -> (&str, &str) {
 }
 
 fn columns<R: std::io::BufRead>(lines: &Lines<R>, conventions: &Conventions) -> Result<Header> {
-    let names = csv::names(lines)?;
+    let names = lines::names(lines)?;
     let mut mapped = Vec::new();
     for (quantity, column) in &conventions.columns {
         let known = QUANTITIES.iter().map(|(name, _)| *name).chain([TEST]);

@@ -13,7 +13,7 @@ use super::stage_values::{Mistake, Node, Parsed, number, text};
 use super::suggestion::meant;
 use super::unit::dimension;
 use crate::error::{Error, Result};
-use crate::formats::csv::{self, Lines};
+use crate::formats::lines::{self, Lines};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// Keys of a stage that give a history.
@@ -114,7 +114,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<SourceColumn>> {
             continue;
         }
         // What every table refuses: empty names, two alike, other separators.
-        csv::names(lines)?;
+        lines::names(lines)?;
         let place = |(start, cell): (usize, &str)| {
             place(cell.trim_matches('"')).map_err(|(message, help)| {
                 Error::from(lines.cell_error(start, cell, message).with_help(help))
@@ -151,7 +151,7 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
 
 fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell: &str) -> Result<f64> {
     let name = place.quantity.map_or_else(|| "time".to_string(), Quantity::name);
-    let value = csv::number(lines, &name, start, cell)? * place.factor + 0.0;
+    let value = lines::number(lines, &name, start, cell)? * place.factor + 0.0;
     if value.is_finite() {
         return Ok(value);
     }

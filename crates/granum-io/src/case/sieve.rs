@@ -9,7 +9,7 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::sizes::check_curve;
 
 use crate::error::{Error, Result};
-use crate::formats::csv::{self, Lines};
+use crate::formats::lines::{self, Lines};
 
 /// Points of a curve: diameter, m, and share of the mass that is finer.
 pub(super) type Points = Vec<[f64; 2]>;
@@ -46,7 +46,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Points> {
         let mut point = [0.0; 2];
         for (k, (start, cell)) in cells.iter().enumerate() {
             let (place, factor) = factors[k];
-            point[place] = csv::number(lines, COLUMNS[place].0, *start, cell)? * factor;
+            point[place] = lines::number(lines, COLUMNS[place].0, *start, cell)? * factor;
         }
         points.push(point);
         let fault = |wrong: (Option<usize>, String)| wrong.0.map(|_| wrong.1);
@@ -71,7 +71,7 @@ fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<(usize, f64)>> {
         if lines.is_empty() {
             continue;
         }
-        csv::names(lines)?;
+        lines::names(lines)?;
         let column = |(start, cell): (usize, &str)| {
             column(cell.trim_matches('"')).map_err(|message| {
                 Error::from(lines.cell_error(start, cell, message).with_help("e.g. diameter (mm),finer (%)"))

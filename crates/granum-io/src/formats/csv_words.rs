@@ -8,7 +8,7 @@ use std::path::Path;
 
 use granum_core::{Column, Table};
 
-use super::csv::{Lines, position};
+use super::lines::{Lines, position};
 use crate::error::{Error, Result};
 
 /// Writes a table with words.

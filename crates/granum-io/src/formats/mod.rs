@@ -27,6 +27,7 @@ pub mod gsd;
 pub mod join;
 pub mod lammps_data;
 pub mod lammps_dump;
+pub(crate) mod lines;
 pub mod mercury_data;
 pub mod mercury_fstat;
 pub mod mercury_restart;

@@ -8,7 +8,7 @@ use std::path::Path;
 use granum_core::assembly::Vector;
 
 use crate::error::{Error, Result};
-use crate::formats::csv::Lines;
+use crate::formats::lines::Lines;
 
 /// Lines of a file and the words of the present one.
 pub(crate) struct Words {

@@ -5,7 +5,7 @@ use std::io::BufRead;
 use granum_core::geometry::{Matrix, Vector, determinant, invert};
 
 use crate::error::Result;
-use crate::formats::csv::Lines;
+use crate::formats::lines::Lines;
 use granum_core::quantity::format_number;
 
 /// An example of such a line.

@@ -19,7 +19,7 @@ use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::formats::csv::{Lines, names, number, position};
+use crate::formats::lines::{Lines, names, number, position};
 use crate::formats::{FrameCell, PackingFormat};
 use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};

@@ -6,6 +6,7 @@
 //! numbers are read from files of any writer, uncompressed or snappy; a null becomes NaN. Sizes given in the file are
 //! checked against the size of the file before memory is allocated for them.
 
+mod decoding;
 mod format;
 mod sizes;
 mod thrift;
@@ -27,6 +28,7 @@ use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedF
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
+use self::decoding::{GROUP, explain};
 use crate::atomic::write_atomically;
 use crate::contain::contain;
 use crate::error::{Error, Result};
@@ -34,8 +36,6 @@ use crate::formats::TableFormat;
 use granum_core::names::suggestion;
 use granum_core::{Column, ColumnKind, Table};
 
-/// Number of rows of a group, and of values decoded at a time.
-const GROUP: usize = 1 << 17;
 /// Key of the units in the metadata of a file.
 const UNITS: &str = "granum.units";
 /// Number of values to which even a small file may expand.
@@ -468,18 +468,6 @@ impl Chunk<'_> {
             }
         }
     }
-}
-
-/// An error of the parquet crate, explained with what to do.
-fn explain(error: &ParquetError) -> String {
-    let text = error.to_string();
-    let lower = text.to_lowercase();
-    if lower.contains("codec") || lower.contains("compression") || lower.contains("disabled feature") {
-        return format!(
-            "is compressed by an unsupported method ({text}); write it uncompressed or with snappy"
-        );
-    }
-    format!("is not a Parquet file or is damaged ({text})")
 }
 
 #[cfg(test)]

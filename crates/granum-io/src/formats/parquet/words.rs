@@ -9,7 +9,7 @@ use parquet::data_type::ByteArray;
 use parquet::file::reader::RowGroupReader;
 use parquet::schema::types::ColumnDescriptor;
 
-use super::{GROUP, explain};
+use super::decoding::{GROUP, explain};
 
 /// True for a flat column of UTF-8 text.
 pub(super) fn is_text(column: &ColumnDescriptor) -> bool {
