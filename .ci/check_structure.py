@@ -22,12 +22,6 @@ KNOWN = [
     {"granum/src/command/reproduce", "granum/src/command/reproduce/study"},
     {"granum-dem/src/search", "granum-dem/src/search/levels"},
     {
-        "granum-io/src/case/case_test",
-        "granum-io/src/case/definition",
-        "granum-io/src/case/field",
-        "granum-io/src/case/test_definition",
-    },
-    {
         "granum-io/src/case/bare_number",
         "granum-io/src/case/history",
         "granum-io/src/case/stage",
@@ -36,11 +30,6 @@ KNOWN = [
     },
     {"granum-io/src/run", "granum-io/src/run/check", "granum-io/src/run/content"},
     {"granum-run/src/engine/engine_trait", "granum-run/src/registry"},
-    {
-        "granum-run/src/engine/native/run_state",
-        "granum-run/src/engine/native/test",
-        "granum-run/src/engine/native/test_state",
-    },
     {"granum-run/src/queue/queue_observer", "granum-run/src/queue/runner"},
 ]
 problems = []

@@ -165,7 +165,7 @@ impl RunReport {
     pub fn mean_stress(&self) -> f64 {
         match self.run.kind.as_str() {
             "prepare" => self.case.preparation.mean_stress,
-            _ => self.case.test_definition().mean_stress(&self.case),
+            _ => self.case.test_definition().mean_stress(self.case.preparation.mean_stress),
         }
     }
 

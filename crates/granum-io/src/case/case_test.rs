@@ -1,18 +1,17 @@
 //! How a case file writes its test: as tables `[[stage]]`, or as the section `[shear]`, which is a short way of writing one stage.
 //!
-//! Everything that depends on which of the two it is stands in this file. The rest of granum asks for [`Case::test_definition`].
+//! Everything that depends on which of the two it is stands in this file. The rest of granum asks for
+//! [`Case::test_definition`](super::Case::test_definition).
 //!
 //! The section `[shear]` is older than stages, and results were published that were made with it. They stay the same, with their
 //! digests: its stage is that of the paper ([`preset::antony2006`]), a sample of another mean stress is consolidated as it was
 //! prepared, and the columns are those of the first version ([`RecordedColumns::FirstPublished`]).
 
-use granum_dem::config::{RecordedColumns, Shear};
-use granum_dem::loading::{Stage, density_scaling, preset};
+use granum_dem::config::{RecordedColumns, Recording, Shear};
+use granum_dem::loading::{density_scaling, preset};
 use serde::{Deserialize, Serialize};
 
 use super::case_stage::CaseStage;
-use super::definition::Case;
-use super::field::{Field, Value};
 use super::test_definition::TestDefinition;
 use crate::error::{Error, Result};
 
@@ -83,75 +82,49 @@ pub(super) fn is_of_shear(key: &str) -> bool {
             .contains(&key)
 }
 
-impl Case {
-    /// The test of the case.
-    pub fn test_definition(&self) -> TestDefinition {
-        match &self.test {
-            CaseTest::Shear(shear) => {
-                let sample_stress = self.preparation.mean_stress;
-                let stage = preset::antony2006(shear, &self.recording, sample_stress);
-                TestDefinition {
-                    stages: self.within_overlaps([stage].into_iter()),
-                    initial_mean_stress: Some(shear.mean_stress.unwrap_or(sample_stress)),
-                    initial_density_scaling: density_scaling(&shear.rate),
-                    snapshots: self.recording.snapshots.clone(),
-                    columns: RecordedColumns::FirstPublished,
-                    speed_key: "shear.inertial_number",
-                }
-            }
+impl CaseTest {
+    /// What the test comes to in a case with this recording, on a sample prepared at a mean stress `sample_stress`, Pa; stages
+    /// go on up to the overlap `largest_overlap`.
+    pub(super) fn definition(
+        &self,
+        recording: &Recording,
+        sample_stress: f64,
+        largest_overlap: f64,
+    ) -> TestDefinition {
+        let mut test = match self {
+            CaseTest::Shear(shear) => TestDefinition {
+                stages: vec![preset::antony2006(shear, recording, sample_stress)],
+                initial_mean_stress: Some(shear.mean_stress.unwrap_or(sample_stress)),
+                initial_density_scaling: density_scaling(&shear.rate),
+                snapshots: recording.snapshots.clone(),
+                columns: RecordedColumns::FirstPublished,
+                speed_key: "shear.inertial_number",
+            },
             CaseTest::Stages(stages) => TestDefinition {
-                stages: self.within_overlaps(stages.iter().flat_map(CaseStage::stages)),
+                stages: stages.iter().flat_map(CaseStage::stages).collect(),
                 initial_mean_stress: None,
                 initial_density_scaling: 1.0,
                 snapshots: Vec::new(),
                 columns: RecordedColumns::All,
                 speed_key: "the inertial_number of the stage",
             },
-        }
-    }
-
-    /// The stages of the test.
-    pub fn test_stages(&self) -> Vec<Stage> {
-        self.test_definition().stages
-    }
-
-    /// The same case with another section `[shear]` as its test.
-    ///
-    /// ```
-    /// use granum_io::Case;
-    ///
-    /// let case = Case::default().with_shear(|shear| shear.deviator_strain = 0.1);
-    /// assert_eq!(case.test_definition().deviator_strain_end(), Some(0.1));
-    /// ```
-    pub fn with_shear(mut self, change: impl FnOnce(&mut Shear)) -> Case {
-        let mut shear = self.test.shear().cloned().unwrap_or_default();
-        change(&mut shear);
-        self.test = CaseTest::Shear(shear);
-        self
-    }
-
-    /// The same case with these stages as its test.
-    pub fn with_stages(self, stages: Vec<CaseStage>) -> Case {
-        Case { test: CaseTest::Stages(stages), ..self }
+        };
+        test.stages.iter_mut().for_each(|stage| stage.largest_overlap = largest_overlap);
+        test
     }
 
     /// True if a key of the case file can have a part in the result: those of `[shear]` have none beside tables `[[stage]]`.
     pub(super) fn uses(&self, key: &str) -> bool {
-        self.test.shear().is_some() || !is_of_shear(key)
-    }
-
-    /// The value of a field as digests and comparisons of cases count it: a key that the case does not use counts at its default, so
-    /// that it makes no difference whether it was ever written.
-    pub(super) fn counted(&self, field: &Field) -> Option<Value> {
-        if self.uses(&field.path()) { field.value(self) } else { field.value(&Case::default()) }
+        self.shear().is_some() || !is_of_shear(key)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use granum_dem::config::{Rate, Recording, Spacing};
+    use granum_dem::config::{Rate, Spacing};
     use granum_dem::loading::{Measure, Speed};
 
+    use super::super::Case;
     use super::*;
 
     fn parse(text: &str) -> Case {
@@ -211,9 +184,9 @@ mod tests {
             recording.spacing = Spacing::Geometric(1.0);
         });
         assert!(
-            case.uses("recording.sensors")
-                && !case.uses("recording.states")
-                && !case.uses("shear.mean_stress")
+            case.test.uses("recording.sensors")
+                && !case.test.uses("recording.states")
+                && !case.test.uses("shear.mean_stress")
         );
         assert_eq!(case.digest(), other.digest());
         assert_eq!((case.resolved_toml(), case.values()), (other.resolved_toml(), other.values()));

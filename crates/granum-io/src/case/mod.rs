@@ -32,6 +32,7 @@ mod stage_write;
 mod stresses;
 mod suggestion;
 mod test_definition;
+mod test_of_case;
 mod unit;
 mod value_list;
 mod vocabulary;

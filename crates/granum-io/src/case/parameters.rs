@@ -71,7 +71,7 @@ impl Case {
     pub fn parameters(&self) -> Vec<CaseParameter> {
         let mut all = Vec::new();
         for field in self.fields().iter() {
-            if let Some(value) = field.value(self).filter(|_| self.uses(&field.path())) {
+            if let Some(value) = field.value(self).filter(|_| self.test.uses(&field.path())) {
                 all.push(CaseParameter::new(
                     field.path(),
                     &field.si_unit(),

@@ -144,7 +144,7 @@ impl Case {
         if path.starts_with("material.") || path.starts_with("pair.") {
             return self.set_material(path, text);
         }
-        if !self.uses(path) {
+        if !self.test.uses(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
         let field = self.fields().named(path).ok_or_else(|| match new_name(path) {

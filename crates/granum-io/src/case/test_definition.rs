@@ -3,8 +3,6 @@
 use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Measure, Stage};
 
-use super::definition::Case;
-
 /// The test of a case: its stages, and how it begins and what it leaves behind. It is all that engines, sensors, reports and the
 /// program know of a test; how a case file writes it is known to [`CaseTest`](super::CaseTest) alone.
 ///
@@ -37,9 +35,9 @@ pub struct TestDefinition {
 }
 
 impl TestDefinition {
-    /// Mean stress, Pa, of a case's sample at the start of its test.
-    pub fn mean_stress(&self, case: &Case) -> f64 {
-        self.initial_mean_stress.unwrap_or(case.preparation.mean_stress)
+    /// Mean stress, Pa, at the start of the test of a sample that was prepared at a mean stress `of_sample`, Pa.
+    pub fn mean_stress(&self, of_sample: f64) -> f64 {
+        self.initial_mean_stress.unwrap_or(of_sample)
     }
 
     /// The deviator strain `eps_1 - eps_3` at which the test ends; `None` if it has several stages, or ends otherwise.

@@ -87,7 +87,7 @@ impl Case {
         let all = self.fields();
         for [section, _] in SECTIONS {
             let of_section = all.iter().filter(|field| field.section == *section);
-            let fields: Vec<_> = of_section.filter(|field| self.uses(&field.path())).collect();
+            let fields: Vec<_> = of_section.filter(|field| self.test.uses(&field.path())).collect();
             if fields.is_empty() {
                 continue;
             }

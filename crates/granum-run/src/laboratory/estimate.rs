@@ -57,7 +57,7 @@ pub fn estimate(case: &Case) -> Option<Estimate> {
     let compacted = Scales::at_stress(case, p.compaction_stress.unwrap_or(p.mean_stress))?;
     let preparation = compacted.steps(COMPACTION, p.inertial_number * compacted.rate);
     let test = case.test_definition();
-    let tested = Scales::at_stress(case, test.mean_stress(case))?;
+    let tested = Scales::at_stress(case, test.mean_stress(p.mean_stress))?;
     let test = test.stages.iter().map(|stage| stage_steps(stage, &tested)).sum();
     Some(Estimate { preparation, test })
 }

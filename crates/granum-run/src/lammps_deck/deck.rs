@@ -186,7 +186,7 @@ fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: 
     let own = sample.state().stress();
     let test = case.test_definition();
     let wanted = match confinement {
-        Confinement::Prepared => Some(test.mean_stress(case)),
+        Confinement::Prepared => Some(test.mean_stress(case.preparation.mean_stress)),
         Confinement::Own => test.initial_mean_stress,
     };
     let held = |a: usize| Drive::Stress(Target::held(wanted.unwrap_or(own[a][a])));

@@ -17,6 +17,7 @@ mod mixed;
 mod names;
 mod networks;
 mod nothing_lost;
+mod one_kind_of_test;
 mod packings;
 mod recordings;
 mod refusals;

@@ -128,3 +128,8 @@ impl Observer for Snapshots<'_> {
 pub(super) fn snapshot_name(strain: f64) -> String {
     format!("strain-{}", format_number(strain).replace('.', "_"))
 }
+
+/// Name of the snapshot at the end of a stage that is followed by another.
+pub(super) fn stage_snapshot(number: usize) -> String {
+    format!("stage-{number}")
+}

@@ -4,7 +4,7 @@ use granum_dem::loading::{self, Ending, StageEnd};
 use granum_dem::observer::{Observer, Observers};
 use granum_io::Case;
 
-use super::follow::{self, Follow, Snapshots};
+use super::follow::{self, Follow, Snapshots, stage_snapshot};
 use super::pace::Interval;
 use super::run_state::{RunPart, RunState};
 use super::segment::Segment;
@@ -14,11 +14,6 @@ use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 use crate::strength::symmetry;
-
-/// Name of the snapshot at the end of a stage that is followed by another.
-pub(super) fn stage_snapshot(number: usize) -> String {
-    format!("stage-{number}")
-}
 
 impl Laboratory {
     /// Prepares a sample for the test that the case defines.

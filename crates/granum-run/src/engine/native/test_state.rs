@@ -9,10 +9,9 @@ use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::energy_balance::Stored;
-use super::follow::snapshot_name;
+use super::follow::{snapshot_name, stage_snapshot};
 use super::saved_state::SavedState;
 use super::store::END;
-use super::test::stage_snapshot;
 use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The state of a test in addition to that of the simulation.
