@@ -66,7 +66,10 @@ impl Resume {
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let folder = RunFolder::open(&self.folder)?;
         let before = folder.run().record().ok().filter(|record| record.status == RunStatus::Finished);
+        // All files of a finished run are compared with its record; one that is written again is renamed into its place as a whole.
+        let checking = before.is_some().then(|| context.nothing_written(Some("checking the files")));
         let record = laboratory.resume(&folder, &mut Show::new(context))?;
+        drop(checking);
         if before.as_ref() == Some(&record) {
             return run_report::print_finished(context, &self.folder, &record);
         }
