@@ -120,8 +120,11 @@ fn work(record: &RunRecord) -> String {
     let steps =
         record.steps.iter().filter(|(phase, _)| is_own(phase)).map(|(_, steps)| *steps as f64).sum::<f64>();
     let grain_steps = steps * record.grains as f64;
-    let rate = grain_steps / seconds.max(1e-9) / 1e6;
-    format!("{grain_steps:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)")
+    let rate = match grain_steps / seconds.max(1e-9) {
+        rate @ 1e5.. => format!("{:.1} M/s", rate / 1e6),
+        rate => format!("{:.0} k/s", rate / 1e3),
+    };
+    format!("{grain_steps:.2e} grain-steps in {seconds:.1} s ({rate})")
 }
 
 /// A readable warning for a quality flag that was not passed.

@@ -153,8 +153,8 @@ impl Load {
             return Ok(self);
         }
         Err(Failure::new(format!(
-            "the packing has lost its load under the shear: {contacts:.2} contacts a grain at {stress:.4e} Pa (at the beginning \
-             {:.2} at {:.4e} Pa), and a speed without contacts means nothing; at least {FEWEST_CONTACTS} contacts a grain, and of the \
+            "the packing has lost its load under the shear: {contacts:.2} contacts a grain at {stress:.0} Pa (at the beginning \
+             {:.2} at {:.0} Pa), and a speed without contacts means nothing; at least {FEWEST_CONTACTS} contacts a grain, and of the \
              first contacts and stress a share of {LEAST_CONTACTS} and {LEAST_STRESS}, are needed. Give a denser packing, or one that \
              is at rest under a larger stress",
             before.contacts_per_grain, before.mean_stress
