@@ -110,7 +110,7 @@ fn the_start_of_undrained_paths_is_that_of_lammps() {
         let copies = [1, 2]
             .map(|copy| read_table(data(&format!("validation/paths/{name}-lammps-{copy}.csv"))).unwrap());
         for (column, relative) in
-            [("von_mises_ratio", in_ratio), ("mean_stress", 0.015), ("coordination_number", 0.005)]
+            [("stress_ratio", in_ratio), ("mean_stress", 0.015), ("coordination_number", 0.005)]
         {
             for k in 1..4 {
                 // The rows of the stored curves are means over 0.001 of strain.
