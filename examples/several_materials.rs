@@ -41,8 +41,9 @@ struct Contacts {
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // ANCHOR: sample
     let case = Case::parse(CASE, "case")?;
-    let sample = Laboratory::here().sample(&case, &mut NoObserver)?;
-    let assembly = sample.simulation.assembly();
+    let planned = Laboratory::here().plan(RunKind::Sample, &case, &Source::Case, &mut NoObserver)?;
+    let sample = planned.in_memory(&mut NoObserver)?;
+    let assembly = sample.simulation()?.assembly();
     // ANCHOR_END: sample
 
     // ANCHOR: pairs

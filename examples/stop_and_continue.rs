@@ -29,7 +29,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         if tested > 0.5 { Flow::Stop } else { Flow::Continue }
     };
     let folder = RunFolder::create(base.join("run"), false)?;
-    let record = laboratory.shear(&case, &Source::Case, &folder, &mut half)?;
+    let record = laboratory.run(RunKind::Test, &case, &Source::Case, &folder, &mut half)?;
     println!("stopped: {} states are recorded", folder.run().series()?.rows());
     // ANCHOR_END: stop
     assert_eq!(record.status, RunStatus::Interrupted);

@@ -16,7 +16,7 @@ unbalanced_force = 0.01
 observations_per_state = 4
 ";
 
-fn test(path: &str) -> Result<TestResult, Box<dyn std::error::Error>> {
+fn test(path: &str) -> Result<RunResult, Box<dyn std::error::Error>> {
     let stage = "axial_strain = 0.04\ninertial_number = 0.005\nstates = 8\n";
     let text = format!("{MATERIAL}\n[[stage]]\npath = {path:?}\n{stage}");
     Ok(Laboratory::here().test(&Case::parse(&text, path)?)?)

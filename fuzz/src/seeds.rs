@@ -1,5 +1,7 @@
 //! Small valid inputs of every target, made in code: their formats change with the program.
 
+use granum_io::RunKind;
+
 use std::sync::Arc;
 
 use granum_antony2006::training_checkpoints::TrainingManifest;
@@ -42,7 +44,7 @@ fn seed(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Seed {
 fn cases() -> Vec<Seed> {
     let mut case = Case::default();
     let short = "[grains]\ncount = 1_000\ndiameter = \"0.2 mm\"\n[shear]\nstrain_rate = \"1e-5 /s\"\ndensity_scaling = 1e12\n";
-    let mut record = RunRecord::new("test", "0.1.0", &case, Machine::here("avx2", 2));
+    let mut record = RunRecord::new(RunKind::Test, "0.1.0", &case, Machine::here("avx2", 2));
     record.steps.insert("test".into(), 1000);
     record.wall_seconds.insert("test".into(), 0.3);
     record.measures.insert("solid_fraction".into(), f64::NAN);
@@ -152,10 +154,10 @@ fn attachments() -> [String; 2] {
         Simulation::restore(&bytes).expect("a checkpoint").1
     };
     let sample = RunFolder::create(base.path().join("sample"), false).expect("a folder");
-    laboratory.prepare(&case, &Source::Case, &sample, &mut NoObserver).expect("a sample");
+    laboratory.run(RunKind::Sample, &case, &Source::Case, &sample, &mut NoObserver).expect("a sample");
     let test = RunFolder::create(base.path().join("test"), false).expect("a folder");
     let source = Source::Folder(sample.path().to_path_buf());
-    laboratory.shear(&case, &source, &test, &mut NoObserver).expect("a test");
+    laboratory.run(RunKind::Test, &case, &source, &test, &mut NoObserver).expect("a test");
     [beside(&sample), beside(&test)]
 }
 

@@ -1,5 +1,7 @@
 //! Whole studies on synthetic records.
 
+use granum_io::RunKind;
+
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -444,7 +446,7 @@ fn a_record_survives_its_files() {
     let case = granum_io::Case::default();
     let machine = granum_io::Machine::here("avx2", 1);
     folder.write_case(&case, None).unwrap();
-    folder.write_record(&granum_io::RunRecord::new("test", "0.1.0", &case, machine)).unwrap();
+    folder.write_record(&granum_io::RunRecord::new(RunKind::Test, "0.1.0", &case, machine)).unwrap();
     granum_run::record::write_record(&folder, &record).unwrap();
     assert_eq!(granum_run::record::read_record(&folder.run()).unwrap(), record);
     let mut broken = record.clone();

@@ -33,10 +33,15 @@ impl Flow {
 pub struct NamedValue {
     /// Its name, e.g. `time` or `error`.
     pub name: Cow<'static, str>,
-    /// The value.
+    /// The value; a NaN is null in JSON.
+    #[serde(deserialize_with = "null_is_nan")]
     pub value: f64,
     /// SI unit; empty for a pure number.
     pub unit: Cow<'static, str>,
+}
+
+fn null_is_nan<'d, D: serde::Deserializer<'d>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// The progress of some work at one moment.
@@ -154,6 +159,22 @@ pub enum Event {
     StageStarted {
         /// Number of the stage, from 1.
         number: usize,
+    },
+    /// A state of a test was recorded.
+    StateRecorded {
+        /// The values of the columns of its series, `state` and `stage` among them.
+        values: Vec<NamedValue>,
+    },
+    /// A stage of a test ended.
+    StageEnded {
+        /// Number of the stage, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// Number of its steps.
+        steps: u64,
+        /// Why it ended, in words.
+        reason: String,
     },
     /// A part of the work is complete, such as one of several networks.
     PartCompleted {
@@ -352,6 +373,24 @@ mod tests {
         assert_eq!(progress.completed(), Some(0.125));
         assert_eq!(progress.to_string(), "shear load: 400 steps, time 3.00e-1 s");
         assert_eq!(Progress::new("shear", "steps", 0).completed(), None);
+    }
+
+    #[test]
+    fn events_come_back_from_json() {
+        let value = |name: &'static str, value| NamedValue { name: name.into(), value, unit: "".into() };
+        let recorded =
+            Event::StateRecorded { values: vec![value("state", 3.0), value("stress_ratio", f64::NAN)] };
+        let text = serde_json::to_string(&recorded).unwrap();
+        assert!(
+            text.starts_with(r#"{"event":"state_recorded","values":[{"name":"state","value":3.0"#),
+            "{text}"
+        );
+        let Event::StateRecorded { values } = serde_json::from_str(&text).unwrap() else { panic!("{text}") };
+        assert!(values[0] == value("state", 3.0) && values[1].value.is_nan());
+        let (name, reason) = ("load".to_string(), "reached 0.1".to_string());
+        let ended = Event::StageEnded { number: 2, name, steps: 400, reason };
+        let text = serde_json::to_string(&ended).unwrap();
+        assert_eq!(serde_json::from_str::<Event>(&text).unwrap(), ended);
     }
 
     #[test]

@@ -38,4 +38,4 @@ pub use named_file::named_file;
 pub use packing::Packing;
 pub use presence::is_there;
 pub use recordable::recordable;
-pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
+pub use run::{Machine, QualityFlag, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};

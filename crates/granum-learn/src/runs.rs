@@ -112,12 +112,12 @@ fn last_part(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_io::{Case, Machine, RunFolder, RunRecord};
+    use granum_io::{Case, Machine, RunFolder, RunKind, RunRecord};
 
     /// Creates the folder of a run with the given source.
     fn make(path: &Path, source: RunSource) -> Run {
         let folder = RunFolder::create(path, false).unwrap();
-        let mut record = RunRecord::new("test", "0.1.0", &Case::default(), Machine::here("avx2", 1));
+        let mut record = RunRecord::new(RunKind::Test, "0.1.0", &Case::default(), Machine::here("avx2", 1));
         record.source = source;
         folder.write_record(&record).unwrap();
         folder.run()

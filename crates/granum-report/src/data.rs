@@ -1,5 +1,7 @@
 //! The data from which a report is made.
 
+use granum_io::RunKind;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -128,7 +130,7 @@ impl RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
             // A sample has no record of a test.
-            record: if about.kind == "prepare" {
+            record: if about.kind == RunKind::Sample {
                 Record::default()
             } else {
                 without_consolidation(granum_run::record::read_record(run)?, &case.test_stages())
@@ -163,9 +165,9 @@ impl RunReport {
 
     /// Mean stress, Pa: of the test, or of a sample that was not sheared.
     pub fn mean_stress(&self) -> f64 {
-        match self.run.kind.as_str() {
-            "prepare" => self.case.preparation.mean_stress,
-            _ => self.case.test_definition().mean_stress(self.case.preparation.mean_stress),
+        match self.run.kind {
+            RunKind::Sample => self.case.preparation.mean_stress,
+            RunKind::Test => self.case.test_definition().mean_stress(self.case.preparation.mean_stress),
         }
     }
 
@@ -230,9 +232,9 @@ impl RunReport {
 
     /// The first value of a column, that of the sample before shear; for a sample that was not sheared, the measured value.
     pub fn first(&self, name: &str) -> Option<f64> {
-        match self.run.kind.as_str() {
-            "prepare" => self.run.measures.get(name).copied(),
-            _ => self.column(name).first().copied(),
+        match self.run.kind {
+            RunKind::Sample => self.run.measures.get(name).copied(),
+            RunKind::Test => self.column(name).first().copied(),
         }
     }
 

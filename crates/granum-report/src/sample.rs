@@ -1,5 +1,7 @@
 //! Comparison of the sample with that of the paper.
 
+use granum_io::RunKind;
+
 use super::data::RunReport;
 use super::figure::literal;
 use super::numbers::{quantity, significant, whole};
@@ -132,7 +134,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
         row("Stages of the preparation", "–", whole(case.sample_stages().len() as f64));
     }
     match test.stages.as_slice() {
-        _ if run.run.kind == "prepare" => {}
+        _ if run.run.kind == RunKind::Sample => {}
         [stage] if is_at_constant_p => {
             row("Strain rate", "10^{−5} s^{−1}", rate(stage));
             let end = test.deviator_strain_end();
@@ -181,9 +183,9 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
 
 /// Table of the sample and the test of one run, without comparison.
 pub fn own_table(label: &str, run: &RunReport) -> Table {
-    let caption = match run.run.kind.as_str() {
-        "prepare" => "The sample.",
-        _ => "The sample at the start of the test, and the test.",
+    let caption = match run.run.kind {
+        RunKind::Sample => "The sample.",
+        RunKind::Test => "The sample at the start of the test, and the test.",
     };
     let mut table = Table::new(label, caption, &["Quantity", "Value"]);
     for [name, _, here] in rows(std::slice::from_ref(run)) {

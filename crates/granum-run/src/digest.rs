@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use granum_core::digest::Digest;
 use granum_core::{Column, Table};
 use granum_io::snapshot::{contacts_table, grains_table};
-use granum_io::{Error, Result, Run};
+use granum_io::{Error, Result, Run, RunKind};
 
 /// SHA-256 (hexadecimal) of the physical content of a run: case, series, force histograms and snapshots, bit by bit. Times and the
 /// description of the computer are left out, so that the same case has the same digest on every machine.
@@ -18,7 +18,7 @@ pub fn of_run(run: &Run) -> Result<String> {
     hash.text("granum digest 1");
     hash.text(&run.case()?.digest_with(record.packing_digest()));
     // A sample has no tables of a test, whereas a test that has begun has both.
-    if record.kind != "prepare" {
+    if record.kind == RunKind::Test {
         let series = run.series()?;
         table(&mut hash, "series", &series);
         table(&mut hash, "forces", &as_first_written(run.forces()?, &series)?);

@@ -16,7 +16,11 @@ pub mod runs_table;
 pub mod stiffness;
 pub mod strength;
 
-pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};
+pub use engine::{Engine, EngineError, EngineRun, Engines, Resources, Sink, Task};
 pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress, Work};
-pub use laboratory::{Laboratory, LaboratoryError, Source, TestResult};
+pub use granum_io::RunKind;
+pub use laboratory::{Laboratory, LaboratoryError, PlannedRun, RunResult, Source};
 pub use registry::{Registry, RegistryError};
+
+#[cfg(test)]
+mod owned_tests;

@@ -10,7 +10,8 @@ use granum_io::{Case, Formats, Reading, Run};
 use granum_sensors::{Sensor, SensorError};
 
 use crate::engine::engine_error::EngineError;
-use crate::engine::engine_trait::{Engine, Engines};
+use crate::engine::engine_trait::Engine;
+use crate::engine::engines::Engines;
 
 /// What a program knows by name, which it builds once and passes on: contact laws, named paths, sensors, formats and engines.
 ///

@@ -49,6 +49,7 @@ mod parameter;
 pub mod radial_distribution;
 mod ratio;
 mod record;
+mod recorded_state;
 mod recorder;
 mod registry;
 pub mod rolling;
@@ -74,6 +75,7 @@ pub use histogram::{Bins, Histogram};
 pub use observation::Observation;
 pub use parameter::{ParameterDefault, SensorParameter};
 pub use record::{Histograms, Record, RecordError};
+pub use recorded_state::RecordedState;
 pub use recorder::{MissedObservations, Recorder, SavedRecorder};
 pub use registry::{
     LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, measure_row,

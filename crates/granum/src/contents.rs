@@ -1,5 +1,7 @@
 //! The contents of a folder, and the command line that continues from it. All commands use this module.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use granum_io::shell::ShowPath;
@@ -149,7 +151,7 @@ impl Contents {
         match self {
             Contents::Nothing | Contents::Other => None,
             Contents::Run(None) => Some(FolderKind::Run),
-            Contents::Run(Some(record)) if record.kind == "prepare" => Some(FolderKind::Sample),
+            Contents::Run(Some(record)) if record.kind == RunKind::Sample => Some(FolderKind::Sample),
             Contents::Run(Some(_)) => Some(FolderKind::Test),
             Contents::Training { .. } => Some(FolderKind::Training),
             Contents::Reproduction { .. } => Some(FolderKind::Reproduction),
@@ -174,7 +176,7 @@ impl Contents {
                 };
                 format!(
                     "{word} {}",
-                    if record.kind == "prepare" { "preparation of a sample" } else { "test" }
+                    if record.kind == RunKind::Sample { "preparation of a sample" } else { "test" }
                 )
             }
             Contents::Training { finished } => format!("{} training", ended(*finished)),
@@ -254,7 +256,7 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
     let resume = format!("granum resume {name}");
     let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT].iter().any(|file| folder.join(file).is_file());
     match record.status {
-        RunStatus::Finished if record.kind == "prepare" => {
+        RunStatus::Finished if record.kind == RunKind::Sample => {
             Next::new("test it", format!("granum run CASE --sample {name}"))
         }
         RunStatus::Finished if folder.join(REPORT_FILE).is_file() => {

@@ -40,8 +40,8 @@ pub use granum_learn::{
 };
 
 pub use granum_run::{
-    Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Registry, RegistryError, Source,
-    Task, TestResult,
+    Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Registry, RegistryError,
+    Resources, RunKind, RunResult, Sink, Source, Task,
 };
 pub use granum_sensors::{
     Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,

@@ -7,7 +7,7 @@ use common::{json, run, stderr, stdout};
 use granum::gallery::{CASES, ReadyCase};
 use granum_io::Case;
 use granum_run::Laboratory;
-use granum_run::laboratory::TestResult;
+use granum_run::RunResult;
 
 /// A ready case with fewer grains, faster, and with keys changed.
 fn small(name: &str, changes: &[(&str, &str)]) -> Case {
@@ -22,12 +22,12 @@ fn small(name: &str, changes: &[(&str, &str)]) -> Case {
     case
 }
 
-fn test(case: &Case) -> TestResult {
+fn test(case: &Case) -> RunResult {
     Laboratory::here().test(case).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A column of the last stage.
-fn column(test: &TestResult, name: &str) -> Vec<f64> {
+fn column(test: &RunResult, name: &str) -> Vec<f64> {
     let series = &test.record.series;
     let values = series.values(name).unwrap_or_else(|| panic!("no column {name}"));
     let Some(stages) = series.values("stage") else { return values.to_vec() };
@@ -35,18 +35,18 @@ fn column(test: &TestResult, name: &str) -> Vec<f64> {
     values.iter().zip(stages).filter(|(_, stage)| **stage == last).map(|(value, _)| *value).collect()
 }
 
-fn last(test: &TestResult, name: &str) -> f64 {
+fn last(test: &RunResult, name: &str) -> f64 {
     *column(test, name).last().unwrap()
 }
 
 /// Mean over the last fifth of the states.
-fn late(test: &TestResult, name: &str) -> f64 {
+fn late(test: &RunResult, name: &str) -> f64 {
     let values = column(test, name);
     let from = values.len() - values.len().div_ceil(5);
     values[from..].iter().sum::<f64>() / (values.len() - from) as f64
 }
 
-fn peak(test: &TestResult, name: &str) -> f64 {
+fn peak(test: &RunResult, name: &str) -> f64 {
     column(test, name).into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
@@ -86,7 +86,7 @@ fn drained_samples_meet_at_the_critical_state() {
     let far =
         [("stage.1.axial_strain", "0.35"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "60")];
     let [dense, loose] = ["drained-dense", "drained-loose"].map(|name| test(&small(name, &far)));
-    let solid = |test: &TestResult| column(test, "solid_fraction");
+    let solid = |test: &RunResult| column(test, "solid_fraction");
     assert!(solid(&dense)[0] > solid(&loose)[0] + 0.04, "{} {}", solid(&dense)[0], solid(&loose)[0]);
     assert!(last(&dense, "volumetric_strain") < -0.03, "{}", last(&dense, "volumetric_strain"));
     assert!(peak(&loose, "volumetric_strain") > 0.005, "{}", peak(&loose, "volumetric_strain"));
@@ -114,7 +114,7 @@ fn undrained_samples_lose_or_gain_mean_stress_by_their_density() {
             ],
         ))
     });
-    let p = |test: &TestResult| column(test, "mean_stress");
+    let p = |test: &RunResult| column(test, "mean_stress");
     assert!(p(&loose).into_iter().fold(f64::INFINITY, f64::min) < 40e3, "{:?}", p(&loose));
     assert!(last(&dense, "mean_stress") > 300e3, "{:?}", p(&dense));
 }
@@ -194,7 +194,7 @@ fn wet_grains_have_cohesion() {
     let mut dry = small("wet-grains", &quick);
     dry.set("contact.adhesion", "none").unwrap();
     let dry = test(&dry);
-    let strength = |test: &TestResult| peak(test, "von_mises_stress");
+    let strength = |test: &RunResult| peak(test, "von_mises_stress");
     assert!(strength(&wet) > 1.5 * strength(&dry), "{} {}", strength(&wet), strength(&dry));
 }
 
@@ -223,7 +223,8 @@ fn karlsruhe_sand_dilates_by_its_density() {
     let strength = [&dense, &loose].map(|test| peak(test, "von_mises_ratio"));
     assert!(strength[0] > 1.1 * strength[1], "{strength:?}");
     assert!(last(&dense, "volumetric_strain") < last(&loose, "volumetric_strain") - 0.02);
-    let radii: Vec<f64> = dense.simulation.assembly().grains.iter().map(|grain| grain.radius).collect();
+    let radii: Vec<f64> =
+        dense.simulation().unwrap().assembly().grains.iter().map(|grain| grain.radius).collect();
     let mass =
         |of: &dyn Fn(f64) -> bool| radii.iter().filter(|r| of(2.0 * **r)).map(|r| r.powi(3)).sum::<f64>();
     let finer = mass(&|d| d < 0.1249e-3) / mass(&|_| true);

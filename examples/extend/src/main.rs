@@ -45,7 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let file = std::env::temp_dir().join(format!("granum-extend-{}.spheres", std::process::id()));
     laboratory.registry.formats.write_packing(&file, &spheres::loose_lattice(6))?;
-    let test = laboratory.test_of(&case, &Source::Packing(file.clone()), &mut NoObserver);
+    let planned = laboratory.plan(RunKind::Test, &case, &Source::Packing(file.clone()), &mut NoObserver);
+    let test = planned.and_then(|planned| planned.in_memory(&mut NoObserver));
     std::fs::remove_file(&file)?;
     let test = test?;
 
@@ -58,7 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bins = test.record.histograms("speeds").first().map_or(0, Histogram::bins);
     assert_eq!(bins, 30, "the case gives the parameter of the sensor");
     let speeds = test.record.histograms("speeds").iter().map(Histogram::total).sum::<u64>();
-    let rolled = test.simulation.assembly().energy.rolling;
+    let rolled = test.simulation()?.assembly().energy.rolling;
     println!("{speeds} speeds were counted; {rolled:.2e} J were lost by rolling");
 
     assert!(fixed.iter().all(|strain| strain.abs() < 1e-12), "the path holds axis z");

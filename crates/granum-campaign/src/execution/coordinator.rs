@@ -83,7 +83,8 @@ impl Coordinator<'_> {
         let accept = self.campaign.accept();
         let recorder =
             Recorder::new(&queue, folder.path(), accept, known, counts, self.stop_after, observer)?;
-        let at_once = self.workers.unwrap_or_else(|| queue.at_once(self.laboratory.hardware.threads));
+        let at_once =
+            self.workers.unwrap_or_else(|| queue.at_once(self.laboratory.resources.hardware.threads));
         let outcomes = queue.run_by(self.executor, self.laboratory, at_once, &recorder);
         let progress = recorder.end();
         Ok(summary(&queue, &outcomes, progress, failed_before))

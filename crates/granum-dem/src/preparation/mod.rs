@@ -164,14 +164,14 @@ impl Preparing {
     /// the sample is at rest there, as after [`settle`], or the limit of steps was reached.
     pub fn consolidating(simulation: Simulation, specification: &SampleSpecification) -> Preparing {
         let mut preparing = Preparing::resting(simulation, specification, Stage::Relaxation);
-        let (s, p) = (&preparing.simulation, specification.preparation);
+        let (s, p) = (&preparing.simulation, &specification.preparation);
         let limit = most_steps(s, s.strain_rate(p.inertial_number, p.mean_stress));
         preparing.progress.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
         preparing
     }
 
     fn resting(mut simulation: Simulation, specification: &SampleSpecification, stage: Stage) -> Preparing {
-        let p = specification.preparation;
+        let p = &specification.preparation;
         let s = &mut simulation;
         s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
@@ -225,7 +225,7 @@ impl Preparing {
         next: NextTrial,
         diameter: f64,
     ) -> Preparing {
-        let p = specification.preparation;
+        let p = &specification.preparation;
         let NextTrial { procedure, position, trials, steps, time } = next;
         s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * diameter.powi(2));
@@ -311,7 +311,7 @@ impl Preparing {
             // Executed by itself.
             Stage::Loading { .. } => {}
             Stage::Relaxation | Stage::Consolidation { .. } => {
-                return Ok(self.check_relaxation(specification.preparation));
+                return Ok(self.check_relaxation(&specification.preparation));
             }
         }
         Ok(None)
@@ -333,7 +333,7 @@ impl Preparing {
 
     /// Reduces the rate once load is carried; starts the stages or the relaxation once the stress is reached and steady.
     fn check_compaction(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
-        let p = specification.preparation;
+        let p = &specification.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
         let Some(procedure) = progress.procedure else { return Ok(()) };
         let Stage::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
@@ -373,7 +373,7 @@ impl Preparing {
             // The last stage may have had another density and with it another time step.
             damp_globally(s, specification);
         }
-        begin_relaxation(s, specification.preparation);
+        begin_relaxation(s, &specification.preparation);
         progress.stage = Stage::Relaxation;
         Ok(())
     }
@@ -402,7 +402,7 @@ impl Preparing {
 
     /// The trials up to the present one, which has ended, and the next one if its target is not met.
     fn end_trial(&self, specification: &SampleSpecification) -> (Vec<Trial>, Option<NextTrial>) {
-        let (p, progress) = (specification.preparation, &self.progress);
+        let (p, progress) = (&specification.preparation, &self.progress);
         let mut trials = progress.trials.clone();
         let Some(procedure) = progress.procedure else { return (trials, None) };
         let solid_fraction = self.simulation.state().solid_fraction();
@@ -433,7 +433,7 @@ impl Preparing {
 
     /// The finished sample.
     fn sample(self, specification: &SampleSpecification, trials: Vec<Trial>, settled: bool) -> Sample {
-        let p = specification.preparation;
+        let p = &specification.preparation;
         let solid_fraction_met = self.meets_target(p);
         let Preparing { mut simulation, progress } = self;
         let state = simulation.state();
@@ -453,8 +453,8 @@ fn place(
     specification: &SampleSpecification,
     observer: &mut dyn Observer,
 ) -> Result<Placed, PreparationError> {
-    let p = specification.preparation;
-    let placed = followed_insertion(specification.grains, p.initial_solid_fraction, p.seed, observer);
+    let p = &specification.preparation;
+    let placed = followed_insertion(&specification.grains, p.initial_solid_fraction, p.seed, observer);
     placed.map_err(|error| match error {
         InsertionError::Stopped { .. } => PreparationError::Stopped { phase: Phase::Placing },
         error => error.into(),

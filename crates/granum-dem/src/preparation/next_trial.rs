@@ -17,7 +17,7 @@ pub struct NextTrial {
 impl NextTrial {
     /// The first trial of a specification.
     pub fn first(specification: &SampleSpecification) -> NextTrial {
-        let (p, own) = (specification.preparation, specification.grains.mean_friction());
+        let (p, own) = (&specification.preparation, specification.grains.mean_friction());
         let line = Line::new(p, own);
         let position = match (p.friction, p.target()) {
             (None, Some(target)) => line.next(&[], target),
@@ -30,6 +30,6 @@ impl NextTrial {
 
     /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, specification: &SampleSpecification) -> Properties {
-        specification.properties().while_compacting(specification.preparation, self.procedure.friction)
+        specification.properties().while_compacting(&specification.preparation, self.procedure.friction)
     }
 }

@@ -7,13 +7,13 @@ use crate::simulation::{Hardware, Properties};
 
 /// The specification of a preparation.
 #[derive(Clone, Debug)]
-pub struct SampleSpecification<'a> {
+pub struct SampleSpecification {
     /// Grains with their final properties.
-    pub grains: &'a Grains,
+    pub grains: Grains,
     /// Contact law.
-    pub contact: &'a ContactModel,
+    pub contact: ContactModel,
     /// Preparation parameters.
-    pub preparation: &'a Preparation,
+    pub preparation: Preparation,
     /// Loading paths between compaction and relaxation, in every trial: for example oedometric compression and unloading, or
     /// cycles. What they record is not used, and they cannot start from saved states.
     pub stages: Vec<loading::Stage>,
@@ -25,18 +25,14 @@ pub struct SampleSpecification<'a> {
     pub hardware: Hardware,
 }
 
-impl<'a> SampleSpecification<'a> {
+impl SampleSpecification {
     /// With the default time step factor, on one thread with the widest instruction set.
-    pub fn new(
-        grains: &'a Grains,
-        contact: &'a ContactModel,
-        preparation: &'a Preparation,
-    ) -> SampleSpecification<'a> {
+    pub fn new(grains: &Grains, contact: &ContactModel, preparation: &Preparation) -> SampleSpecification {
         let Numerics { time_step_factor, .. } = Numerics::default();
         SampleSpecification {
-            grains,
-            contact,
-            preparation,
+            grains: grains.clone(),
+            contact: *contact,
+            preparation: preparation.clone(),
             stages: Vec::new(),
             time_step_factor,
             largest_overlap: LARGEST_OVERLAP,
@@ -58,12 +54,12 @@ impl<'a> SampleSpecification<'a> {
     /// let specification = SampleSpecification::new(&grains, &contact, &preparation).with_stages(stages);
     /// assert_eq!(specification.stages.len(), 1);
     /// ```
-    pub fn with_stages(self, stages: Vec<loading::Stage>) -> SampleSpecification<'a> {
+    pub fn with_stages(self, stages: Vec<loading::Stage>) -> SampleSpecification {
         SampleSpecification { stages, ..self }
     }
 
     /// Materials and law of the finished sample.
     pub fn properties(&self) -> Properties {
-        Properties::for_grains(self.grains, self.contact, self.preparation.seed)
+        Properties::for_grains(&self.grains, &self.contact, self.preparation.seed)
     }
 }

@@ -44,7 +44,7 @@ impl PreparationState {
     fn stage_at(&self, specification: &SampleSpecification, index: usize) -> Option<loading::Stage> {
         let own = self.own_stages();
         if index < own {
-            return cycles(specification.preparation, self.procedure?);
+            return cycles(&specification.preparation, self.procedure?);
         }
         let mut stage = specification.stages.get(index - own)?.clone();
         stage.most_arc_length.get_or_insert(MOST_ARC_LENGTH);
@@ -90,7 +90,7 @@ impl Preparing {
         let friction = progress.procedure.map(|procedure| procedure.friction);
         let properties = friction.map_or_else(
             || specification.properties(),
-            |friction| specification.properties().while_compacting(specification.preparation, friction),
+            |friction| specification.properties().while_compacting(&specification.preparation, friction),
         );
         let properties = properties.with_densities(stage.density_scaling);
         if *s.properties() != properties {

@@ -179,7 +179,7 @@ fn compacted(
     let mut next = NextTrial::first(specification);
     loop {
         let simulation = Simulation::new(packing.0, &packing.1, next.properties(specification)).unwrap();
-        assert!(is_loose(&simulation, specification.preparation));
+        assert!(is_loose(&simulation, &specification.preparation));
         let preparing = Preparing::compacting(simulation, specification, next);
         match preparing.go_on(specification, &mut |_: &Progress| Flow::Continue).unwrap() {
             Outcome::Sample(sample) => return *sample,

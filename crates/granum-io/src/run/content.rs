@@ -5,7 +5,7 @@ use std::path::Path;
 use super::record::RunRecord;
 use super::{
     CASE, CHECKPOINT, FIGURES, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
-    REFUSED_CHECKPOINT, REPORT, SERIES, SNAPSHOTS, times,
+    REFUSED_CHECKPOINT, REPORT, SERIES, SNAPSHOTS, states::STATES, times,
 };
 use crate::folder::check_name;
 use crate::snapshot::{PARTS, list_snapshots};
@@ -56,7 +56,8 @@ pub(super) fn usual_snapshots(folder: &Path) -> Vec<String> {
 pub(super) fn written(folder: &Path, record: Option<&RunRecord>) -> Vec<String> {
     let mut names: Vec<String> = TABLES.map(String::from).to_vec();
     names.extend(
-        [CASE, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT, times::TIMES].map(String::from),
+        [CASE, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT, STATES, times::TIMES]
+            .map(String::from),
     );
     if let Some(record) = record {
         names.extend(record.content.keys().chain(record.replaced.keys()).cloned());

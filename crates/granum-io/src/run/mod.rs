@@ -5,6 +5,7 @@ mod check;
 mod content;
 mod record;
 mod run_folder;
+mod states;
 mod times;
 
 use std::collections::BTreeSet;
@@ -26,13 +27,17 @@ use crate::sealed::{unseal, unseal_strictly};
 use crate::shell::ShowPath;
 use crate::snapshot;
 use granum_core::Table;
+use granum_sensors::force_distribution::FORCES as FORCE_HISTOGRAM;
+use granum_sensors::{Record, RecordedState};
+
+use self::states::STATES;
 
 pub use check::Fault;
 pub use run_folder::RunFolder;
 
 pub use record::{
-    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunRecord, RunSource, RunStatus, TEST,
-    nulls_are_nan,
+    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunKind, RunRecord, RunSource, RunStatus,
+    TEST, nulls_are_nan,
 };
 
 pub(crate) const CASE: &str = "case.toml";
@@ -66,7 +71,9 @@ pub struct Run {
     path: PathBuf,
     /// Names of the files that have been compared.
     compared: Arc<Mutex<BTreeSet<String>>>,
-    /// The laws and paths that the case can name.
+    /// The states that a test under way has recorded, once they have been read.
+    states: Arc<Mutex<Option<Arc<Vec<RecordedState>>>>>,
+    /// The laws, paths and sensors that the case can name.
     vocabulary: Vocabulary,
 }
 
@@ -108,7 +115,12 @@ impl Run {
     }
 
     fn in_folder(path: &Path) -> Run {
-        Run { path: path.to_path_buf(), compared: Arc::default(), vocabulary: Vocabulary::standard() }
+        Run {
+            path: path.to_path_buf(),
+            compared: Arc::default(),
+            states: Arc::default(),
+            vocabulary: Vocabulary::standard(),
+        }
     }
 
     /// The same run, whose case can name other laws and paths than those of granum.
@@ -270,23 +282,62 @@ impl Run {
 
     /// True if the run has a table of states, which it has once its test has begun.
     pub fn has_series(&self) -> bool {
-        self.has(SERIES)
+        self.has(SERIES) || self.has_states_so_far()
     }
 
-    /// The table of states.
+    /// The states that a test under way, or one that was killed or failed, has recorded so far; none of a run whose tables have all
+    /// of them. The state under way is not among them.
+    ///
+    /// # Errors
+    /// As [`Run::record`]; [`Error::File`] if the file of the states cannot be read.
+    pub fn states_so_far(&self) -> Result<Arc<Vec<RecordedState>>> {
+        // They are read once, so that the tables that this value gives have the same states.
+        let mut known = self.states.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(states) = &*known {
+            return Ok(states.clone());
+        }
+        let states = match self.record()?.status {
+            RunStatus::Running | RunStatus::Failed => {
+                states::read(&self.path.join(STATES), self.vocabulary.sensors())?
+            }
+            RunStatus::Interrupted | RunStatus::Finished => Vec::new(),
+        };
+        Ok(known.insert(Arc::new(states)).clone())
+    }
+
+    fn has_states_so_far(&self) -> bool {
+        self.states_so_far().is_ok_and(|states| !states.is_empty())
+    }
+
+    /// The same run, as it is now: whatever was read before is read and compared again.
+    pub fn now(&self) -> Run {
+        Run::in_folder(&self.path).with_vocabulary(&self.vocabulary)
+    }
+
+    /// The table of states; of a test under way those so far.
     ///
     /// # Errors
     /// As for [`crate::formats::parquet::read`]; [`Error::Content`] if it is not the file that the run wrote.
     pub fn series(&self) -> Result<Table> {
-        self.table(SERIES)
+        self.table_so_far(SERIES, |record| Some(record.series))
     }
 
-    /// The table of force histograms.
+    /// The table of force histograms; of a test under way that of the states so far.
     ///
     /// # Errors
     /// As [`Run::series`].
     pub fn forces(&self) -> Result<Table> {
-        self.table(FORCES)
+        self.table_so_far(FORCES, |record| histogram_of(&record, FORCE_HISTOGRAM))
+    }
+
+    /// A table with the rows of the states that a test under way has recorded since it was written.
+    fn table_so_far(&self, name: &str, of: impl FnOnce(Record) -> Option<Table>) -> Result<Table> {
+        // They are read first: a test that ends in between has them all in the table.
+        let later = self.states_so_far()?;
+        let later = if later.is_empty() { None } else { of(RecordedState::record(&later)) };
+        let Some(later) = later else { return self.table(name) };
+        let saved = self.path.join(name).is_file().then(|| self.table(name)).transpose()?;
+        Ok(states::joined(saved, later))
     }
 
     /// Names of the histograms beside that of the forces, sorted.
@@ -299,7 +350,16 @@ impl Run {
             name.strip_prefix(HISTOGRAMS)?.strip_prefix('/')?.strip_suffix(".parquet").map(str::to_string)
         });
         let is_there = |name: &String| self.has(&content::histogram_file(name));
-        Ok(names.filter(is_there).collect())
+        let mut names: Vec<String> = names.filter(is_there).collect();
+        let later = self.states_so_far()?;
+        let told = later.iter().flat_map(|state| &state.histograms).map(|histogram| &histogram.name);
+        for name in told.filter(|name| *name != FORCE_HISTOGRAM) {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+        names.sort();
+        Ok(names)
     }
 
     /// The table of a histogram of that name.
@@ -308,7 +368,7 @@ impl Run {
     /// As [`Run::series`]; [`Error::Value`] if the name is no plain word.
     pub fn histogram(&self, name: &str) -> Result<Table> {
         check_name("histogram", name)?;
-        self.table(&content::histogram_file(name))
+        self.table_so_far(&content::histogram_file(name), |record| histogram_of(&record, name))
     }
 
     /// The history of the preparation; `None` if it was not recorded.
@@ -324,7 +384,9 @@ impl Run {
     /// # Errors
     /// As [`Run::record`].
     pub fn tables(&self) -> Result<Vec<String>> {
-        let own = content::TABLES.into_iter().filter(|name| self.has(name));
+        let under_way = self.has_states_so_far();
+        let is_there = |name: &&str| self.has(name) || (under_way && [SERIES, FORCES].contains(name));
+        let own = content::TABLES.into_iter().filter(is_there);
         let mut names: Vec<String> = own.map(|name| name.trim_end_matches(".parquet").to_string()).collect();
         names.extend(self.histograms()?);
         Ok(names)
@@ -337,7 +399,12 @@ impl Run {
     pub fn table_named(&self, name: &str) -> Result<Table> {
         check_name("table", name)?;
         let file = format!("{name}.parquet");
-        if content::TABLES.contains(&file.as_str()) { self.table(&file) } else { self.histogram(name) }
+        match file.as_str() {
+            SERIES => self.series(),
+            FORCES => self.forces(),
+            PREPARATION => self.table(PREPARATION),
+            _ => self.histogram(name),
+        }
     }
 
     /// Names of the snapshots, sorted: those that the record lists. Records of earlier versions list none; there the names are
@@ -369,6 +436,11 @@ impl Run {
         }
         snapshot::read_snapshot(&self.path.join(SNAPSHOTS), name)
     }
+}
+
+/// The table of a histogram of a record.
+fn histogram_of(record: &Record, name: &str) -> Option<Table> {
+    record.histogram_tables().find(|(known, _)| *known == name).map(|(_, table)| table)
 }
 
 /// SHA-256 of a file, in hexadecimal digits.

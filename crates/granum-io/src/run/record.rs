@@ -26,6 +26,18 @@ pub enum RunStatus {
     Failed,
 }
 
+/// What a run does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RunKind {
+    /// It prepares a sample; `prepare` in files.
+    #[serde(rename = "prepare")]
+    Sample,
+    /// It tests a sample; `test` in files, and `shear` in those of earlier versions.
+    #[default]
+    #[serde(rename = "test", alias = "shear")]
+    Test,
+}
+
 /// One quality check of a run: a measure compared with its threshold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QualityFlag {
@@ -115,13 +127,9 @@ pub const TEST: &str = "test";
 /// The word for it in records of earlier versions.
 const FIRST_WORD_FOR_TEST: &str = "shear";
 
-/// The present word for a kind of run, or for a phase.
+/// The present word for a phase.
 fn of_this_version(word: String) -> String {
     if word == FIRST_WORD_FOR_TEST { TEST.to_string() } else { word }
-}
-
-fn kind_of_any_version<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<String, D::Error> {
-    String::deserialize(input).map(of_this_version)
 }
 
 /// Reads values by phase.
@@ -147,14 +155,16 @@ pub struct RunRecord {
     pub format: u32,
     /// Version of granum that executed the run.
     pub granum_version: String,
-    /// The kind of the run, e.g. `prepare`, [`TEST`].
-    #[serde(deserialize_with = "kind_of_any_version")]
-    pub kind: String,
+    /// What the run does.
+    pub kind: RunKind,
     /// Its status.
     pub status: RunStatus,
     /// Name of the engine that ran it.
     #[serde(default = "own_engine", skip_serializing_if = "is_own_engine")]
     pub engine: String,
+    /// Version of that engine; empty for granum's own, whose version is that of granum.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub engine_version: String,
     /// Seed of the sample; `None` if it was made from a packing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -205,16 +215,11 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// The initial record for a case.
-    pub fn new(
-        kind: impl Into<String>,
-        granum_version: impl Into<String>,
-        case: &Case,
-        machine: Machine,
-    ) -> Self {
+    pub fn new(kind: RunKind, granum_version: impl Into<String>, case: &Case, machine: Machine) -> Self {
         RunRecord {
             format: RUN_FORMAT,
             granum_version: granum_version.into(),
-            kind: kind.into(),
+            kind,
             engine: own_engine(),
             seed: Some(case.preparation.seed),
             case_digest: case.digest(),

@@ -11,11 +11,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use granum_core::Table;
 use granum_core::assembly::Assembly;
+use granum_sensors::RecordedState;
 
 use super::record::{RUN_FORMAT, RunRecord};
 use super::{
     CASE, CHECKPOINT, FOLDERS, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
-    REFUSED_CHECKPOINT, Run, SERIES, SNAPSHOTS, content, file_digest, times,
+    REFUSED_CHECKPOINT, Run, SERIES, SNAPSHOTS, content, file_digest,
+    states::{self, STATES},
+    times,
 };
 use crate::atomic::{STAGING, sync_folder, write_atomically, write_keeping_previous};
 use crate::case::Case;
@@ -153,6 +156,30 @@ impl RunFolder {
     pub fn write_histogram(&self, name: &str, table: &Table) -> Result<()> {
         check_name("histogram", name)?;
         self.write_table(Some(HISTOGRAMS), &format!("{name}.parquet"), table)
+    }
+
+    /// Writes the file of the states of a test that is under way, with those that were recorded before.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be written.
+    pub fn write_states(&self, recorded: &[RecordedState]) -> Result<()> {
+        self.replacing(|| states::write(&self.folder.file(STATES), recorded))
+    }
+
+    /// Appends a state that was recorded to their file.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be written.
+    pub fn append_state(&self, state: &RecordedState) -> Result<()> {
+        states::append(&self.folder.file(STATES), state)
+    }
+
+    /// Removes the file of the states, once the tables of the test have them all.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be removed.
+    pub fn remove_states(&self) -> Result<()> {
+        states::remove(&self.folder.file(STATES))
     }
 
     /// Writes a snapshot, e.g. `sample` or `end`.

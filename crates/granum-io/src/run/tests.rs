@@ -1,10 +1,11 @@
+use super::RunKind;
 use super::*;
 use granum_core::Column;
 use std::collections::BTreeMap;
 use std::fs;
 
 fn record() -> RunRecord {
-    let mut record = RunRecord::new(TEST, "0.1.0", &Case::default(), Machine::here("avx2", 2));
+    let mut record = RunRecord::new(RunKind::Test, "0.1.0", &Case::default(), Machine::here("avx2", 2));
     record.status = RunStatus::Finished;
     record.steps.insert(TEST.into(), 1000);
     record.wall_seconds.insert(TEST.into(), 0.1 + 0.2);
@@ -269,7 +270,7 @@ fn runs_of_earlier_versions_are_read_and_say_what_cannot_be_checked() {
     fs::write(path.join("snapshots/my.json"), "{}").unwrap();
     let run = Run::at(&path).unwrap();
     let read = run.record().unwrap();
-    assert_eq!((read.kind.as_str(), read.steps[TEST], read.wall_seconds[TEST]), (TEST, 1000, 2.5));
+    assert_eq!((read.kind, read.steps[TEST], read.wall_seconds[TEST]), (RunKind::Test, 1000, 2.5));
     assert_eq!(run.snapshots().unwrap(), ["end"]);
     run.snapshot("end").unwrap();
     assert_eq!(run.uncheckable().unwrap(), content::snapshot_files("end"));

@@ -1,5 +1,7 @@
 //! Tests of data sets along arbitrary paths.
 
+use granum_io::RunKind;
+
 use granum_core::{Column, Table};
 use granum_io::{Case, Machine, RunFolder, RunRecord};
 use granum_sensors::Record;
@@ -160,7 +162,7 @@ fn a_run_folder_gives_its_case_as_parameters() {
     case.set("grains.material.friction", "0.45").unwrap();
     case = case.with_path("drained-triaxial", &[("lateral_stress", "50 kPa")]).unwrap();
     folder.write_case(&case, None).unwrap();
-    folder.write_record(&RunRecord::new("test", "0.1.0", &case, Machine::here("avx2", 1))).unwrap();
+    folder.write_record(&RunRecord::new(RunKind::Test, "0.1.0", &case, Machine::here("avx2", 1))).unwrap();
     granum_run::record::write_record(&folder, &record).unwrap();
 
     let dataset = Dataset::read(&[&path]).unwrap();

@@ -1,5 +1,7 @@
 //! One case: it is run twice in different ways, and its results are checked.
 
+use granum_io::RunKind;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -117,11 +119,10 @@ fn folder(base: &Path, name: &str) -> Result<RunFolder, String> {
 }
 
 fn laboratory(hardware: Hardware) -> Laboratory {
-    Laboratory {
-        grains_per_thread: 1,
-        checkpoint_every: Duration::from_secs(5),
-        ..Laboratory::new(hardware, "soak")
-    }
+    let mut laboratory = Laboratory::new(hardware, "soak");
+    laboratory.resources.grains_per_thread = 1;
+    laboratory.resources.checkpoint_every = Duration::from_secs(5);
+    laboratory
 }
 
 /// Runs the case; `None` if it took too long.
@@ -133,7 +134,7 @@ fn run(
     outcome: &mut Outcome,
 ) -> Result<Option<RunRecord>, String> {
     outcome.runs += 1;
-    let record = match laboratory(hardware).shear(case, &Source::Case, folder, stopper) {
+    let record = match laboratory(hardware).run(RunKind::Test, case, &Source::Case, folder, stopper) {
         Ok(record) => record,
         Err(error) => {
             let text = error.to_string();

@@ -7,7 +7,7 @@ use granum_dem::observer::{Flow, NoObserver, Progress};
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
-use granum_io::run::{CHECKPOINT, RunFolder, RunStatus};
+use granum_io::run::{CHECKPOINT, RunFolder, RunKind, RunStatus};
 use serde_json::{Value, json};
 
 use super::tests::{laboratory, small};
@@ -42,13 +42,13 @@ fn a_test_that_an_earlier_version_interrupted_ends_in_the_same_bytes() {
         let base = tempfile::tempdir().unwrap();
         let [whole, broken] =
             ["whole", "broken"].map(|name| RunFolder::create(base.path().join(name), false).unwrap());
-        let finished = lab.shear(&case, &Source::Case, &whole, &mut NoObserver).unwrap();
+        let finished = lab.run(RunKind::Test, &case, &Source::Case, &whole, &mut NoObserver).unwrap();
         let mut calls = 0;
         let mut stopper = |progress: &Progress| {
             calls += u32::from(progress.phase == Phase::Test);
             if calls == 3 { Flow::Stop } else { Flow::Continue }
         };
-        let stopped = lab.shear(&case, &Source::Case, &broken, &mut stopper).unwrap();
+        let stopped = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut stopper).unwrap();
         assert_eq!(stopped.status, RunStatus::Interrupted);
         write_as_earlier(&broken, staged);
         let resumed = lab.resume(&broken, &mut NoObserver).unwrap();

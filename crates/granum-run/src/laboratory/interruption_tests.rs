@@ -1,5 +1,7 @@
 //! Runs that are interrupted and resumed, and checkpoints that cannot be used.
 
+use granum_io::RunKind;
+
 use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,6 +14,7 @@ use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunFolder, RunRecord, Run
 
 use super::tests::{laboratory, small};
 use super::*;
+use crate::engine::Resources;
 
 /// An observer that stops the run after a number of observations and stores the warnings.
 struct Stopper {
@@ -84,11 +87,11 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (searching(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let whole = lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert!(whole.measures["preparation_trials"] >= 2.0, "{:?}", whole.measures);
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut record = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
     let (mut stops, mut phases) = (1, std::collections::BTreeSet::new());
     while record.status == RunStatus::Interrupted {
         phases.insert(record.phase.clone());
@@ -118,12 +121,12 @@ fn a_preparation_with_stages_stopped_again_and_again_ends_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let lab = laboratory();
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let whole = lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let whole = lab.run(RunKind::Sample, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert!(whole.measures["preparation_trials"] >= 2.0, "{:?}", whole.measures);
     assert_ne!(whole.preparation_digest, searching().preparation_digest());
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let mut record = lab.prepare(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut record = lab.run(RunKind::Sample, &case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
     let mut phases = std::collections::BTreeSet::new();
     while record.status == RunStatus::Interrupted {
         phases.insert(record.phase.clone());
@@ -144,7 +147,8 @@ fn a_stage_of_the_preparation_that_is_cut_short_is_an_error() {
     let preparation_stages = Case::parse(text, "case.toml").unwrap().preparation_stages;
     let mut case = Case { preparation_stages, ..small() };
     case.grains.count = 80;
-    let error = laboratory().sample(&case, &mut NoObserver).err().unwrap().to_string();
+    let planned = laboratory().plan(RunKind::Sample, &case, &Source::Case, &mut NoObserver);
+    let error = planned.and_then(|planned| planned.in_memory(&mut NoObserver)).err().unwrap().to_string();
     assert!(
         error.contains("2 stages of the preparation (far): none of its end conditions was met"),
         "{error}"
@@ -164,9 +168,9 @@ fn parameters_set_to_their_defaults_give_the_same_bytes_after_a_resumption() {
     case.grains.material.interface_energy = 0.0;
     let lab = laboratory();
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(3)).unwrap();
+    let record = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut Stopper::after(3)).unwrap();
     assert_eq!(record.phase, "compaction");
     lab.resume(&broken, &mut NoObserver).unwrap();
     assert_same(&straight, &broken);
@@ -197,7 +201,7 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (staged(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let whole = lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(whole.status, RunStatus::Finished);
     let ends: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
     assert!(ends.len() == 3 && ends[1].contains("xx_strain reached 0.004"), "{:?}", whole.notes);
@@ -221,7 +225,7 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     assert_eq!(straight.run().snapshots().unwrap(), ["end", "stage-1", "stage-2", "start"]);
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut record = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
     let mut phases = std::collections::BTreeSet::new();
     while record.status == RunStatus::Interrupted {
         phases.insert(record.phase.clone());
@@ -250,7 +254,7 @@ fn repeated_stages_and_probes_stopped_again_and_again_end_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
     let lab = laboratory();
-    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let whole = lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(whole.status, RunStatus::Finished);
     let cut = whole.quality.iter().find(|flag| flag.name == "stages_cut_short").unwrap();
     assert!(cut.passed, "{:?}", whole.notes);
@@ -264,12 +268,14 @@ fn repeated_stages_and_probes_stopped_again_and_again_end_in_the_same_bytes() {
     assert!(first(6) != first(13) && first(7) != first(9));
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let threads = |threads: usize| Laboratory {
-        hardware: Hardware { threads, ..Hardware::default() },
-        grains_per_thread: 1,
-        ..laboratory()
+    let threads = |threads: usize| {
+        let hardware = Hardware { threads, ..Hardware::default() };
+        Laboratory {
+            resources: Resources { grains_per_thread: 1, ..Resources::new(hardware) },
+            ..laboratory()
+        }
     };
-    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut record = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
     let mut rounds = 0;
     while record.status == RunStatus::Interrupted {
         rounds += 1;
@@ -290,7 +296,7 @@ fn a_stage_cut_short_is_told_and_ends_the_test() {
     let case = Case { test, ..staged() };
     let folder = RunFolder::create(base.path().join("run"), false).unwrap();
     let mut stopper = Stopper::after(u32::MAX);
-    let record = laboratory().shear(&case, &Source::Case, &folder, &mut stopper).unwrap();
+    let record = laboratory().run(RunKind::Test, &case, &Source::Case, &folder, &mut stopper).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     let warned = stopper.warnings.iter().find(|text| text.contains("number of later stages not run: 1"));
     assert!(
@@ -306,7 +312,7 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let made = RunFolder::create(base.path().join("made"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &made, &mut NoObserver).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &made, &mut NoObserver).unwrap();
     let grains = made.run().snapshot(SAMPLE).unwrap();
     let edge = grains.cell[0][0];
     let mut text = format!(
@@ -321,14 +327,14 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
     fs::write(&file, &text).unwrap();
     let source = Source::Packing(file.clone());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.shear(&case, &source, &straight, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &source, &straight, &mut NoObserver).unwrap();
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let record = lab.shear(&case, &source, &broken, &mut Stopper::after(1)).unwrap();
+    let record = lab.run(RunKind::Test, &case, &source, &broken, &mut Stopper::after(1)).unwrap();
     assert_eq!((record.status, record.phase.as_str()), (RunStatus::Interrupted, "relaxation"));
     // A run that was killed before its first checkpoint needs the unchanged packing.
     let early = RunFolder::create(base.path().join("early"), false).unwrap();
-    lab.shear(&case, &source, &early, &mut Stopper::after(1)).unwrap();
+    lab.run(RunKind::Test, &case, &source, &early, &mut Stopper::after(1)).unwrap();
     for name in [CHECKPOINT, PREVIOUS_CHECKPOINT] {
         fs::remove_file(early.path().join(name)).unwrap();
     }
@@ -348,10 +354,10 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     // The contents of the folder after the first file has been written.
     let killed = RunFolder::create(base.path().join("killed"), false).unwrap();
-    let mut record = RunRecord::new("prepare", "test", &case, Machine::here("portable", 1));
+    let mut record = RunRecord::new(RunKind::Sample, "test", &case, Machine::here("portable", 1));
     record.unwritten_case = Some(case.resolved_toml());
     killed.write_record(&record).unwrap();
     let record = lab.resume(&killed, &mut NoObserver).unwrap();
@@ -368,7 +374,7 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     type Damage = fn(&mut Vec<u8>);
     let damages: [(&str, Damage); 4] = [
         ("truncated", |bytes| bytes.truncate(bytes.len() / 2)),
@@ -381,7 +387,8 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
     ];
     for (k, (word, damage)) in damages.into_iter().enumerate() {
         let folder = RunFolder::create(base.path().join(format!("damaged-{k}")), false).unwrap();
-        lab.shear(&case, &Source::Case, &folder, &mut Stopper::after(30 * (k as u32 + 1))).unwrap();
+        lab.run(RunKind::Test, &case, &Source::Case, &folder, &mut Stopper::after(30 * (k as u32 + 1)))
+            .unwrap();
         let path = folder.path().join(CHECKPOINT);
         let mut bytes = fs::read(&path).unwrap();
         damage(&mut bytes);
@@ -405,11 +412,12 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
 #[test]
 fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     let base = tempfile::tempdir().unwrap();
-    let (case, lab) = (small(), Laboratory { checkpoint_every: Duration::ZERO, ..laboratory() });
+    let (case, mut lab) = (small(), laboratory());
+    lab.resources.checkpoint_every = Duration::ZERO;
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     let folder = RunFolder::create(base.path().join("run"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &folder, &mut Stopper::after(20)).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &folder, &mut Stopper::after(20)).unwrap();
     let (current, previous) = (folder.path().join(CHECKPOINT), folder.path().join(PREVIOUS_CHECKPOINT));
     fs::remove_file(&current).unwrap();
     let mut observer = Stopper::after(5);
@@ -436,7 +444,7 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     fs::write(&current, bytes).unwrap();
     let other = RunFolder::create(base.path().join("other"), false).unwrap();
     let source = Source::Folder(folder.path().to_path_buf());
-    let message = lab.shear(&case, &source, &other, &mut NoObserver).unwrap_err().to_string();
+    let message = lab.run(RunKind::Test, &case, &source, &other, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("checksum") && message.contains("granum resume"), "{message}");
     lab.resume(&folder, &mut NoObserver).unwrap();
     assert_same(&straight, &folder);
@@ -448,15 +456,18 @@ fn an_unfinished_sample_is_not_sheared() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let sample = RunFolder::create(base.path().join("sample"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &sample, &mut Stopper::after(3)).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &sample, &mut Stopper::after(3)).unwrap();
     let run = RunFolder::create(base.path().join("run"), false).unwrap();
     let source = Source::Folder(sample.path().to_path_buf());
-    let message = lab.shear(&case, &source, &run, &mut NoObserver).unwrap_err().to_string();
+    let message = lab.run(RunKind::Test, &case, &source, &run, &mut NoObserver).unwrap_err().to_string();
     assert!(
         message.contains("its preparation is not finished; continue it with `granum resume"),
         "{message}"
     );
     // Once the sample is finished, the same run folder can be used, since the refused test left nothing in it.
     lab.resume(&sample, &mut NoObserver).unwrap();
-    assert_eq!(lab.shear(&case, &source, &run, &mut NoObserver).unwrap().status, RunStatus::Finished);
+    assert_eq!(
+        lab.run(RunKind::Test, &case, &source, &run, &mut NoObserver).unwrap().status,
+        RunStatus::Finished
+    );
 }

@@ -77,6 +77,12 @@ pub enum LaboratoryError {
         /// The file, and what is wrong.
         what: String,
     },
+    /// The observer stopped the run before its end.
+    #[error("stopped during the {phase}")]
+    Stopped {
+        /// The phase of the run.
+        phase: String,
+    },
     /// No checkpoint of a folder can be used.
     #[error(
         "{what}: no checkpoint can be used; run it again, e.g. `granum run {} --out OTHER`",

@@ -15,9 +15,10 @@
 //! collapse to denser states than the above (measured in the book).
 
 use granum_dem::observer::Observer;
+use granum_io::run::{RunKind, RunStatus};
 use granum_io::{Case, RunRecord};
 
-use super::{Laboratory, LaboratoryError};
+use super::{Laboratory, LaboratoryError, RunResult, Source};
 
 /// Number of cycles of the densest state.
 pub const CYCLES: u64 = 20;
@@ -77,14 +78,20 @@ impl Laboratory {
     pub fn limits(&self, case: &Case, observer: &mut dyn Observer) -> Result<Limits, LaboratoryError> {
         let sample = |case: Case, observer: &mut dyn Observer| {
             case.check()?;
-            self.sample(&case, observer)
+            let sample = self.plan(RunKind::Sample, &case, &Source::Case, observer)?.in_memory(observer)?;
+            match sample.about.status {
+                RunStatus::Interrupted => Err(LaboratoryError::Stopped { phase: sample.about.phase }),
+                _ => Ok(sample),
+            }
         };
         let dense = sample(densest(case), observer)?;
         let loose = sample(loosest(case), observer)?;
-        let void_ratio = |solid_fraction: f64| 1.0 / solid_fraction - 1.0;
+        let void_ratio = |sample: &RunResult| -> Result<f64, LaboratoryError> {
+            Ok(1.0 / sample.simulation()?.state().solid_fraction() - 1.0)
+        };
         Ok(Limits {
-            densest_void_ratio: void_ratio(dense.simulation.state().solid_fraction()),
-            loosest_void_ratio: void_ratio(loose.simulation.state().solid_fraction()),
+            densest_void_ratio: void_ratio(&dense)?,
+            loosest_void_ratio: void_ratio(&loose)?,
             records: [dense.about, loose.about],
         })
     }
@@ -113,7 +120,8 @@ mod tests {
         let tolerance = case.preparation.solid_fraction_tolerance * 1.7f64.powi(2) / (loose - dense);
         for wanted in [0.0, 0.5, 1.0] {
             case.set("preparation.relative_density", &wanted.to_string()).unwrap();
-            let sample = laboratory.sample(&case, &mut NoObserver).unwrap();
+            let sample = laboratory.plan(RunKind::Sample, &case, &Source::Case, &mut NoObserver).unwrap();
+            let sample = sample.in_memory(&mut NoObserver).unwrap();
             let density = sample.about.measures["relative_density"];
             assert!((density - wanted).abs() <= 1.1 * tolerance, "{density} {wanted} {tolerance}");
         }

@@ -1,30 +1,33 @@
 //! The laboratory prepares samples, tests them, and writes run folders.
 //!
 //! ```text
-//! Case --> prepare --> sample folder --> shear --> run folder
+//! Case --> plan --> run folder, or result in memory
 //! ```
 
+pub(crate) mod definition;
 pub mod estimate;
-mod in_folders;
-mod in_memory;
+mod folder_sink;
 pub(crate) mod laboratory_error;
 pub mod limits;
 pub mod memory;
-pub(crate) mod setup;
+mod memory_sink;
+mod planned_run;
+mod run_result;
 pub(crate) mod shared;
 pub(crate) mod source;
 pub(crate) mod status;
 
+pub use definition::Laboratory;
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-pub use in_memory::{PreparedSample, TestResult};
 pub use laboratory_error::LaboratoryError;
-pub use setup::{CHECKPOINT_EVERY, GRAINS_PER_THREAD};
+pub use planned_run::PlannedRun;
+pub use run_result::RunResult;
 pub use shared::{Entered, Shared};
 pub use source::Source;
 pub use status::{Field, fields, line};
 
-pub use crate::engine::engine_trait::Laboratory;
 pub use crate::engine::native::{END, PREPARATION_COLUMNS, SAMPLE, cell, check_beside, simulation, spheres};
+pub use crate::engine::{CHECKPOINT_EVERY, GRAINS_PER_THREAD};
 pub use crate::strength::late_mean;
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Progress};
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Hardware;
 use granum_io::Case;
+use granum_io::RunKind;
 use granum_io::run::{Run, RunFolder, RunStatus};
 
 use super::*;
@@ -57,18 +58,63 @@ impl observer::Observer for Listener {
     }
 }
 
+/// Notes the events of a run.
+#[derive(Default)]
+struct Events(Vec<observer::Event>);
+impl observer::Observer for Events {
+    fn event(&mut self, event: &observer::Event) {
+        self.0.push(event.clone());
+    }
+}
+
+#[test]
+fn states_and_ends_of_stages_are_told_as_they_come() {
+    let stage =
+        "[[stage]]\npath = 'drained-triaxial'\naxial_strain = 0.004\ninertial_number = 5e-3\nstates = 3\n";
+    let mut case = small();
+    case.test = Case::parse(&[stage, stage].concat(), "case").unwrap().test;
+    let mut events = Events::default();
+    let planned = laboratory().plan(RunKind::Test, &case, &Source::Case, &mut NoObserver).unwrap();
+    // What is planned can be executed in another thread.
+    let test = std::thread::scope(|scope| {
+        scope.spawn(|| planned.in_memory(&mut Follower(&mut events))).join().unwrap().unwrap()
+    });
+    let mut row = 0;
+    let mut ends = Vec::new();
+    for event in &events.0 {
+        match event {
+            observer::Event::StateRecorded { values } => {
+                for observer::NamedValue { name, value, .. } in values {
+                    let recorded = test.record.series.values(name).unwrap()[row];
+                    assert_eq!(value.to_bits(), recorded.to_bits(), "{name} of row {row}");
+                }
+                assert!(values.iter().any(|value| value.name == "overlap" || value.name == "mean_stress"));
+                row += 1;
+            }
+            observer::Event::StageEnded { number, name, steps, reason } => {
+                assert!(*steps > 0 && reason.contains("reached"), "{name}: {reason}");
+                ends.push((*number, row));
+            }
+            _ => {}
+        }
+    }
+    assert_eq!(row, test.record.series.rows());
+    assert_eq!(ends, [(1, row / 2), (2, row)]);
+    assert!(test.simulation().is_ok());
+}
+
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let record = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let record = lab.run(RunKind::Test, &case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     assert!(record.quality.iter().any(|q| q.name == "energy_gap" && q.passed), "{:?}", record.quality);
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
     let mut stopper = Stopper(5);
-    let record = lab.shear(&case, &Source::Case, &broken, &mut stopper).unwrap();
+    let record = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut stopper).unwrap();
     assert_eq!(record.status, RunStatus::Interrupted);
     // An observer of any work follows a run as well, and stops it.
     let mut listener = Listener { stop_at: 3, ..Listener::default() };
@@ -90,19 +136,19 @@ fn a_prepared_sample_shears_as_a_case_in_one_go() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let sample = RunFolder::create(base.path().join("sample"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &sample, &mut NoObserver).unwrap();
+    lab.run(RunKind::Sample, &case, &Source::Case, &sample, &mut NoObserver).unwrap();
     let source = Source::Folder(sample.path().to_path_buf());
     let two = RunFolder::create(base.path().join("two"), false).unwrap();
-    lab.shear(&case, &source, &two, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &source, &two, &mut NoObserver).unwrap();
     let one = RunFolder::create(base.path().join("one"), false).unwrap();
-    lab.shear(&case, &Source::Case, &one, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &Source::Case, &one, &mut NoObserver).unwrap();
     let record = |folder: &RunFolder| read_record(&Run::at(folder.path()).unwrap()).unwrap();
     assert_eq!(record(&one), record(&two));
 
     let mut other = case.clone();
     other.grains.material.youngs_modulus = 30e9;
     let three = RunFolder::create(base.path().join("three"), false).unwrap();
-    let error = lab.shear(&other, &source, &three, &mut NoObserver).unwrap_err();
+    let error = lab.run(RunKind::Test, &other, &source, &three, &mut NoObserver).unwrap_err();
     let wanted = "grains.material.youngs_modulus: 7e10 Pa in the sample; 3e10 Pa in the case";
     assert!(error.to_string().contains(wanted), "{error}");
     assert!(Run::at(three.path()).is_err(), "a sample that cannot be used leaves nothing behind");
@@ -114,14 +160,14 @@ fn density_scaling_says_the_same_physics() {
     let lab = laboratory();
     let mut case = small().with_shear(|shear| shear.deviator_strain = 0.004);
     let number = RunFolder::create(base.path().join("number"), false).unwrap();
-    lab.shear(&case, &Source::Case, &number, &mut NoObserver).unwrap();
+    lab.run(RunKind::Test, &case, &Source::Case, &number, &mut NoObserver).unwrap();
     // A density factor that is a power of four scales time by a power of two, so that even the rounding is the same.
     let scaling = 4f64.powi(20);
     let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
     let rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
     case = case.with_shear(|shear| shear.rate = rate);
     let scaled = RunFolder::create(base.path().join("scaled"), false).unwrap();
-    let record = lab.shear(&case, &Source::Case, &scaled, &mut NoObserver).unwrap();
+    let record = lab.run(RunKind::Test, &case, &Source::Case, &scaled, &mut NoObserver).unwrap();
     // Half of the work of the first step is computed with the power in the last step of the sample, whose time was scaled
     // differently.
     let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;

@@ -8,8 +8,8 @@ use granum_io::{Run, RunFolder, RunRecord, RunSource, RunStatus};
 
 use super::outcome::RunError;
 use super::queue_error::QueueError;
-use super::queued_run::{QueuedRun, RunKind};
-use crate::engine::engine_trait::Laboratory;
+use super::queued_run::QueuedRun;
+use crate::laboratory::definition::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 
@@ -70,7 +70,7 @@ fn is_of(record: &RunRecord, run: &QueuedRun, laboratory: &Laboratory) -> granum
     // A run that has been prepared only in part does not always know its packing yet.
     let same_case = record.case_digest == run.case.digest_with(packing.as_deref());
     Ok(same_case
-        && record.kind == run.kind.name()
+        && record.kind == run.kind
         && record.engine == laboratory.engine
         && record.granum_version == laboratory.version)
 }
@@ -133,8 +133,5 @@ fn go_on(
         Ok(Held::Nothing | Held::Other(_)) | Err(_) => {}
     }
     let folder = RunFolder::create(&run.folder, true)?;
-    Ok(match run.kind {
-        RunKind::Prepare => laboratory.prepare(&run.case, &run.source, &folder, observer),
-        RunKind::Test => laboratory.shear(&run.case, &run.source, &folder, observer),
-    }?)
+    Ok(laboratory.run(run.kind, &run.case, &run.source, &folder, observer)?)
 }

@@ -6,7 +6,7 @@ use super::execution::execute;
 use super::outcome::RunError;
 use super::queue_observer::{OfOneRun, QueueObserver};
 use super::queued_run::QueuedRun;
-use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::definition::Laboratory;
 
 /// Executes the runs of a queue: in this process ([`InThisProcess`]), in a process each, or elsewhere. It is called from several
 /// threads, from each for one run at a time, and returns when the run has ended.
@@ -34,7 +34,7 @@ impl Executor for InThisProcess<'_> {
         run: &QueuedRun,
         observer: &dyn QueueObserver,
     ) -> Result<RunRecord, RunError> {
-        let _entered = self.0.shared.as_ref().map(|shared| shared.enter());
+        let _entered = self.0.resources.shared.as_ref().map(|shared| shared.enter());
         execute(self.0, run, &mut OfOneRun { observer, run: number })
     }
 }

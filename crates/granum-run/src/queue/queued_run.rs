@@ -3,32 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use granum_io::Case;
-use granum_io::run::TEST;
-use serde::{Deserialize, Serialize};
+use granum_io::run::RunKind;
 
 use super::{samples, work};
 use crate::laboratory::source::Source;
-
-/// What a run does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RunKind {
-    /// It prepares a sample.
-    Prepare,
-    /// It tests a sample. Lists of earlier versions call it after the section `[shear]`.
-    #[serde(alias = "shear")]
-    Test,
-}
-
-impl RunKind {
-    /// The name of the kind in the record of a run.
-    pub fn name(self) -> &'static str {
-        match self {
-            RunKind::Prepare => "prepare",
-            RunKind::Test => TEST,
-        }
-    }
-}
 
 /// A run that is planned: what it does, with which case and sample, and in which folder.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +53,7 @@ impl QueuedRun {
         source: Source,
         folder: impl Into<PathBuf>,
     ) -> QueuedRun {
-        QueuedRun { kind: RunKind::Prepare, ..QueuedRun::test(name, case, source, folder) }
+        QueuedRun { kind: RunKind::Sample, ..QueuedRun::test(name, case, source, folder) }
     }
 
     /// The preparation of the sample of this test as a run of its own, in a folder inside `samples` that is named after the digest of

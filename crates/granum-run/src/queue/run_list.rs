@@ -9,7 +9,9 @@ use granum_io::{Case, Error, RunSource, run};
 use serde::{Deserialize, Serialize};
 
 use super::queue_error::QueueError;
-use super::queued_run::{QueuedRun, RunKind};
+use granum_io::run::RunKind;
+
+use super::queued_run::QueuedRun;
 use super::runner::Queue;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;

@@ -17,10 +17,10 @@ use super::queue_observer::QueueObserver;
 use super::queued_run::QueuedRun;
 use super::samples;
 use super::schedule::{Next, Schedule};
-use crate::engine::engine_trait::Laboratory;
+use crate::engine::resources::GRAINS_PER_THREAD;
+use crate::laboratory::definition::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::memory;
-use crate::laboratory::setup::GRAINS_PER_THREAD;
 use crate::laboratory::shared::Shared;
 use crate::laboratory::source::Source;
 
@@ -108,7 +108,7 @@ impl Queue {
                 source => {
                     // What is read depends on the preparation alone.
                     if samples_seen.insert(run.case.preparation_digest()) {
-                        let planned = laboratory.planned(run.kind.name(), &run.case, source, &mut NoObserver);
+                        let planned = laboratory.plan(run.kind, &run.case, source, &mut NoObserver);
                         planned.map(drop).map_err(in_run)?;
                     }
                 }
@@ -139,12 +139,10 @@ impl Queue {
     /// Executes all runs that are not finished, as many at once as the laboratory has threads and the memory can hold, and returns
     /// how each ended. A single run that is left gets all threads. Results depend neither on the order nor on what runs beside.
     pub fn run(&self, laboratory: &Laboratory, observer: &dyn QueueObserver) -> Vec<Outcome> {
-        let sharing = Laboratory {
-            shared: Some(Arc::new(Shared::default())),
-            grains_per_thread: GRAINS_PER_THREAD,
-            ..laboratory.clone()
-        };
-        let at_once = self.at_once(laboratory.hardware.threads);
+        let mut sharing = laboratory.clone();
+        sharing.resources.shared = Some(Arc::new(Shared::default()));
+        sharing.resources.grains_per_thread = GRAINS_PER_THREAD;
+        let at_once = self.at_once(laboratory.resources.hardware.threads);
         self.run_by(&InThisProcess(&sharing), laboratory, at_once, observer)
     }
 

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use granum_io::Case;
 
-use super::queued_run::{QueuedRun, RunKind};
+use granum_io::run::RunKind;
+
+use super::queued_run::QueuedRun;
 use crate::laboratory::source::Source;
 
 /// Number of digits of the preparation digest in the name of a sample.
@@ -67,7 +69,7 @@ mod tests {
         let shared = share(runs.clone(), Path::new("samples"));
         assert_eq!(shared.len(), 4);
         let sample = &shared[0];
-        assert_eq!(sample.kind, RunKind::Prepare);
+        assert_eq!(sample.kind, RunKind::Sample);
         assert_eq!(sample.case.preparation_digest(), runs[0].case.preparation_digest());
         for (k, after) in [(1, Some(&sample.name)), (2, None), (3, Some(&sample.name))] {
             assert_eq!(shared[k].after.as_ref(), after);

@@ -4,8 +4,9 @@ use granum_dem::observer::Progress;
 use granum_dem::preparation::Phase;
 
 use super::outcome::Outcome;
-use super::queued_run::{QueuedRun, RunKind};
+use super::queued_run::QueuedRun;
 use super::runner::Queue;
+use granum_io::run::RunKind;
 
 /// Share of the preparation in the work of a run that prepares its sample itself.
 const PREPARATION_SHARE: f64 = TEST_BEGINS_AT;
@@ -26,7 +27,7 @@ impl Shares {
         let runs = queue.runs();
         Shares {
             work: runs.iter().map(QueuedRun::expected_work).collect(),
-            is_sample: runs.iter().map(|run| run.kind == RunKind::Prepare).collect(),
+            is_sample: runs.iter().map(|run| run.kind == RunKind::Sample).collect(),
             done: vec![0.0; runs.len()],
         }
     }

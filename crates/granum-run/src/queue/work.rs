@@ -2,7 +2,9 @@
 
 use granum_dem::loading::{Measure, Speed, Stage, Until};
 
-use super::queued_run::{QueuedRun, RunKind};
+use granum_io::run::RunKind;
+
+use super::queued_run::QueuedRun;
 use crate::laboratory::source::Source;
 
 /// Strain of a compaction.
@@ -22,7 +24,7 @@ pub(super) fn expected(run: &QueuedRun) -> f64 {
     let stages = case.sample_stages();
     let preparation = preparation + stages.iter().map(of_stage).sum::<f64>();
     let test = match run.kind {
-        RunKind::Prepare => 0.0,
+        RunKind::Sample => 0.0,
         RunKind::Test => case.test_stages().iter().map(of_stage).sum(),
     };
     case.grains.count as f64 * (preparation + test)

@@ -1,5 +1,7 @@
 //! A run of a table.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use granum_io::shell::ShowPath;
@@ -58,7 +60,7 @@ impl RunEntry {
     pub fn with_strength(mut self) -> Result<RunEntry> {
         let run = Run::at(&self.folder)?;
         let told = self.record.measures.keys().any(|name| STRENGTH.contains(&name.as_str()));
-        if !told && run.has_series() && self.record.kind != "prepare" {
+        if !told && run.has_series() && self.record.kind != RunKind::Sample {
             let found = strength::of_run(&self.case, &self.record, &read_record(&run)?);
             self.record.measures.extend(found);
         }

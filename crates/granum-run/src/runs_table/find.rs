@@ -1,5 +1,7 @@
 //! The runs in folders.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use granum_io::{Error, Result, Run};
@@ -27,7 +29,7 @@ pub fn find_runs(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
             return Err(Error::content(folder, "contains no run"));
         }
         let is_test = |run: &PathBuf| {
-            Run::at(run).and_then(|run| run.record()).map_or(true, |record| record.kind != "prepare")
+            Run::at(run).and_then(|run| run.record()).map_or(true, |record| record.kind != RunKind::Sample)
         };
         if inside.len() > 1 && inside.iter().any(is_test) {
             inside.retain(is_test);

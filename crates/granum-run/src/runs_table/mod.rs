@@ -9,7 +9,7 @@
 //! let entry = |name: &str, friction: &str| {
 //!     let mut case = Case::default();
 //!     case.set("grains.material.friction", friction)?;
-//!     let record = RunRecord::new("test", "0.1.0", &case, Machine::default());
+//!     let record = RunRecord::new(granum_io::RunKind::Test, "0.1.0", &case, Machine::default());
 //!     Ok::<_, granum_io::Error>(RunEntry::new(name, name, case, record))
 //! };
 //! let table = RunsTable::of(&[entry("a", "0.2")?, entry("b", "0.4")?]);

@@ -1,3 +1,4 @@
+use granum_io::RunKind;
 use granum_io::run::{Machine, QualityFlag};
 use granum_io::{Case, RunRecord};
 
@@ -5,7 +6,7 @@ use super::*;
 
 fn entry(name: &str, case: &str, measures: &[(&str, f64)]) -> RunEntry {
     let case = Case::parse(case, "case.toml").unwrap();
-    let mut record = RunRecord::new("test", "0.1.0", &case, Machine::default());
+    let mut record = RunRecord::new(RunKind::Test, "0.1.0", &case, Machine::default());
     record.measures = measures.iter().map(|(name, value)| (name.to_string(), *value)).collect();
     record.quality = vec![QualityFlag::at_most("servo_error_rms", measures.len() as f64, 1.5, "slower")];
     RunEntry::new(name, name, case, record)
@@ -94,14 +95,14 @@ fn stages_that_are_repeated_are_numbered() {
 #[test]
 fn runs_are_found_in_the_folders_that_contain_them() {
     let base = tempfile::tempdir().unwrap();
-    let make = |path: &str, kind: &str| {
+    let make = |path: &str, kind: RunKind| {
         let folder = granum_io::RunFolder::create(base.path().join(path), false).unwrap();
         folder.write_record(&RunRecord::new(kind, "0.1.0", &Case::default(), Machine::default())).unwrap();
     };
-    make("study/b", "test");
-    make("study/a", "test");
-    make("study/samples/s", "prepare");
-    make("alone/samples/s", "prepare");
+    make("study/b", RunKind::Test);
+    make("study/a", RunKind::Test);
+    make("study/samples/s", RunKind::Sample);
+    make("alone/samples/s", RunKind::Sample);
     let found = |folders: &[&str]| {
         let folders: Vec<_> = folders.iter().map(|folder| base.path().join(folder)).collect();
         find_runs(&folders).map(|found| {

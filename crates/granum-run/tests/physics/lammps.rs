@@ -1,5 +1,7 @@
 //! The start of the tests that `data/validation` contains in full.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use granum_dem::config::{Grains, Preparation, Recording};
@@ -106,7 +108,8 @@ fn the_start_of_undrained_paths_is_that_of_lammps() {
         }
         case.preparation.unbalanced_force = 5e-3;
         let source = Source::Packing(data("packing-5000.csv"));
-        let test = Laboratory::here().test_of(&case, &source, &mut NoObserver).unwrap();
+        let planned = Laboratory::here().plan(RunKind::Test, &case, &source, &mut NoObserver).unwrap();
+        let test = planned.in_memory(&mut NoObserver).unwrap();
         let copies = [1, 2]
             .map(|copy| read_table(data(&format!("validation/paths/{name}-lammps-{copy}.csv"))).unwrap());
         for (column, relative) in

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use self::schedule::Schedule;
 pub(crate) use self::sums::StateSums;
+use crate::recorded_state::RecordedState;
 use crate::registry::Known;
 use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensors, Values};
 
@@ -193,6 +194,23 @@ impl Recorder {
     /// The record so far, without a number of the stage: one row for each state with at least one observation.
     pub fn record(&self) -> Record {
         Recorder::record_of_stages([self], RecordedColumns::FirstPublished)
+    }
+
+    /// Number of its states so far that no further observation will change.
+    pub fn complete_states(&self) -> usize {
+        let under_way = |last: &StateSums| last.state >= self.saved.schedule.next_state();
+        self.saved.states.len() - usize::from(self.saved.states.last().is_some_and(under_way))
+    }
+
+    /// Number of its states so far, with the one under way.
+    pub fn states(&self) -> usize {
+        self.saved.states.len()
+    }
+
+    /// A state by its place among those so far, of a stage with this number in a test with these columns.
+    pub fn state(&self, index: usize, stage: usize, columns: RecordedColumns) -> RecordedState {
+        let rows = self.saved.states.get(index).into_iter().map(|sums| (stage, sums));
+        RecordedState::of(Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, columns))
     }
 
     /// True if its state can follow from the given fresh recorder: a recorder from a file may be damaged or belong to another test.

@@ -1,5 +1,7 @@
 //! `granum compare`: runs over the curves of laboratory tests, or over each other.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -135,7 +137,7 @@ impl Compare {
         }
         let folders = run_folders(&self.files)?;
         let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
-        if let Some(sample) = entries.iter().find(|entry| entry.record.kind == "prepare") {
+        if let Some(sample) = entries.iter().find(|entry| entry.record.kind == RunKind::Sample) {
             return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.shown())));
         }
         let labels = legend(&entries);

@@ -77,8 +77,8 @@ impl HardwareFlags {
     ) -> Result<Laboratory, Failure> {
         let mut laboratory =
             Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
-        laboratory.checkpoint_every = checkpoints.every()?;
-        let used = laboratory.hardware.threads;
+        laboratory.resources.checkpoint_every = checkpoints.every()?;
+        let used = laboratory.resources.hardware.threads;
         if let Some(asked) = self.threads.filter(|asked| *asked > used) {
             context.warn(&format!(
                 "--threads {asked}: this machine has {used} {}, and more threads would only wait for each other; \
@@ -89,7 +89,7 @@ impl HardwareFlags {
         }
         if self.threads.is_some() {
             // A requested number of threads is used even if fewer would be faster.
-            laboratory.grains_per_thread = 1;
+            laboratory.resources.grains_per_thread = 1;
         }
         Ok(laboratory)
     }
@@ -117,6 +117,9 @@ impl<'a> Show<'a> {
             LaboratoryError::Preparation(PreparationError::Stopped { phase }) if self.context.stopped() => {
                 let left = format!("nothing was written (it was in the {})", phase.name());
                 Interrupted { left }.into()
+            }
+            LaboratoryError::Stopped { phase } if self.context.stopped() => {
+                Interrupted { left: format!("nothing was written (it was in the {phase})") }.into()
             }
             error => error.into(),
         }

@@ -48,9 +48,9 @@ impl Prepare {
         let out = |usual: &str| self.out.clone().unwrap_or_else(|| usual.into());
         match &cases[..] {
             [one] if one.name.is_empty() => {
-                single_run::run(context, &laboratory, RunKind::Prepare, &one.case, &source, &out("sample"))
+                single_run::run(context, &laboratory, RunKind::Sample, &one.case, &source, &out("sample"))
             }
-            _ => several_runs::run(context, &laboratory, RunKind::Prepare, cases, &source, &out("samples")),
+            _ => several_runs::run(context, &laboratory, RunKind::Sample, cases, &source, &out("samples")),
         }
     }
 }

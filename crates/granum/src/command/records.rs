@@ -1,5 +1,7 @@
 //! Reads run folders for the commands that train or evaluate networks.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 
 use granum_io::case::Difference;
@@ -39,7 +41,7 @@ impl Recorded {
 
 /// Refuses a run whose test has not begun, since there are no data to draw, learn from or compare yet.
 pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
-    if about.kind == "prepare" || run.has_series() {
+    if about.kind == RunKind::Sample || run.has_series() {
         return Ok(());
     }
     let (name, quoted) = (run.path().shown(), quoted_path(run.path()));
@@ -67,7 +69,7 @@ pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec
 fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded, Failure> {
     let run = open_run(context, folder)?;
     let (case, about) = (run.case()?, run.record()?);
-    if about.kind == "prepare" {
+    if about.kind == RunKind::Sample {
         return Err(Failure::new(format!(
             "{}: this is a sample, not a test; test it first: granum run CASE --sample {}",
             folder.shown(),

@@ -1,5 +1,7 @@
 //! `granum report`: writes the report of a run, of several runs, of a whole reproduction, or of the data of another program.
 
+use granum_io::RunKind;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -194,7 +196,7 @@ fn over_each_other(
     for folder in &found {
         let run = open_run(context, folder)?;
         let about = run.record()?;
-        if about.kind == "prepare" {
+        if about.kind == RunKind::Sample {
             let message =
                 "is a sample; tests are drawn over each other, and a sample has a report of its own";
             return Err(Failure::new(format!("{}: {message}", folder.shown())));
@@ -247,7 +249,7 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
     }
     let run = open_run(context, folder)?;
     let about = run.record()?;
-    if about.kind == "prepare" {
+    if about.kind == RunKind::Sample {
         if about.status != RunStatus::Finished {
             return Err(Failure::new(format!(
                 "{}: the sample is not finished; continue it: `granum resume {}`",

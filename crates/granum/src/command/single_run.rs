@@ -23,7 +23,7 @@ pub fn run(
     out: &Path,
 ) -> Result<(), Failure> {
     let wanted = match kind {
-        RunKind::Prepare => FolderKind::Sample,
+        RunKind::Sample => FolderKind::Sample,
         RunKind::Test => FolderKind::Test,
     };
     check_free(out, wanted, context.force)?;
@@ -32,9 +32,9 @@ pub fn run(
     let mut show = Show::new(context);
     let planned = {
         let _alone = context.nothing_written(None);
-        laboratory.planned(kind.name(), case, source, &mut show).map_err(|error| show.failure(error))?
+        laboratory.plan(kind, case, source, &mut show).map_err(|error| show.failure(error))?
     };
     let folder = RunFolder::create(out, context.force)?;
-    let record = planned.run(&folder, &mut show)?;
+    let record = planned.in_folder(&folder, &mut show)?;
     run_report::print(context, out, &record)
 }

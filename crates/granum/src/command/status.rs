@@ -1,11 +1,14 @@
 //! `granum status`: the progress of a run.
 
+use granum_io::RunKind;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_antony2006::training_checkpoints::TrainingManifest;
+use granum_core::Table;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, Run, RunStatus};
 use granum_learn::study::StudyPlan;
@@ -120,7 +123,7 @@ impl Status {
 /// The status of a run folder.
 struct FolderStatus {
     folder: PathBuf,
-    kind: String,
+    kind: RunKind,
     status: RunStatus,
     /// The current or last phase, e.g. `compaction, trial 2`.
     phase: String,
@@ -132,6 +135,8 @@ struct FolderStatus {
     /// deviator strain.
     strain: Option<f64>,
     end: Option<f64>,
+    /// Number of the states recorded so far; `None` for a sample.
+    states: Option<usize>,
     checkpoint: Option<Duration>,
     failed_checks: Vec<String>,
     /// Files that are missing or are not those that the run wrote.
@@ -145,12 +150,14 @@ impl FolderStatus {
         let (case, record) = (run.case()?, run.record()?);
         let at_work = OutputFolder::is_in_use(folder);
         let faults = whole::faults_of_run(&run)?;
-        let strain = run.series().ok().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
+        let series = if record.kind == RunKind::Test { run.series().ok() } else { None };
+        let strain = series.as_ref().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
+        let states = (record.kind == RunKind::Test).then(|| series.as_ref().map_or(0, Table::rows));
         let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT]
             .iter()
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
-        let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != "prepare");
+        let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != RunKind::Sample);
         let contents = Contents::Run(Some(Box::new(record.clone())));
         let next = contents.next(folder);
         Ok(FolderStatus {
@@ -161,6 +168,7 @@ impl FolderStatus {
             seconds: record.wall_seconds.values().sum(),
             strain: strain.filter(|_| end.is_some()),
             end,
+            states,
             checkpoint,
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,
@@ -191,6 +199,7 @@ impl FolderStatus {
             "wall_seconds": self.seconds,
             "deviator_strain": self.strain,
             "deviator_strain_end": self.end,
+            "states": self.states,
             "checkpoint_age_seconds": self.checkpoint.map(|age| age.as_secs_f64()),
             "failed_checks": self.failed_checks,
             "faults": self.faults,
@@ -200,13 +209,15 @@ impl FolderStatus {
     }
 
     fn text(&self) -> String {
-        let what = if self.kind == "prepare" { "preparation" } else { "test" };
+        let what = if self.kind == RunKind::Sample { "preparation" } else { "test" };
         let mut text = format!("{}: {what} {}", self.folder.shown(), self.word());
         if !self.phase.is_empty() {
             text += &format!(" in {}", self.phase);
         }
         if let (Some(strain), Some(end)) = (self.strain, self.end) {
             text += &format!(", recorded to deviator strain {strain:.4} of {end}");
+        } else if let Some(states) = self.states.filter(|states| *states > 0) {
+            text += &format!(", {states} states recorded");
         }
         if self.seconds > 0.0 {
             text += &format!(", {} of work", readable(Duration::from_secs_f64(self.seconds)));

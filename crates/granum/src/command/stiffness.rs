@@ -1,5 +1,7 @@
 //! `granum stiffness`: the small-strain stiffness of a state, or of chosen states of a test.
 
+use granum_io::RunKind;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -100,7 +102,9 @@ impl MeasureStiffness {
         let mut show = Show::new(context);
         let mut probes = Probes::new(self.stage, at, probing);
         let mut until = Until { probes: &mut probes };
-        let test = laboratory.test_of(&case, &source, &mut Observers(vec![&mut show, &mut until]));
+        let mut observers = Observers(vec![&mut show, &mut until]);
+        let planned = laboratory.plan(RunKind::Test, &case, &source, &mut observers);
+        let test = planned.and_then(|planned| planned.in_memory(&mut observers));
         // Warnings would begin behind the bar.
         drop(show);
         let left = probes.due().to_vec();

@@ -1,5 +1,7 @@
 //! `granum table`: runs side by side, a row for each.
 
+use granum_io::RunKind;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -78,7 +80,7 @@ fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<Run
     context.check_stopped(|| "nothing was written".into())?;
     let run = RunEntry::read(folder)?.with_strength()?;
     // A series that is missing but was written must not pass for a test that has not begun.
-    let has_results = run.record.kind == "prepare" || Run::at(folder)?.has_series();
+    let has_results = run.record.kind == RunKind::Sample || Run::at(folder)?.has_series();
     Ok(if digest && has_results { run.with_digest()? } else { run })
 }
 

@@ -55,6 +55,12 @@ fn check_readable(folder: &Path) {
             ".granum-lock" => {}
             // This file was being written at the moment of the kill; the next process removes or replaces it.
             _ if name.ends_with(".granum-unfinished") || name.ends_with(".part") => {}
+            "states.jsonl" => {
+                let text = text();
+                // The last line may be cut short.
+                let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
+                whole.lines().for_each(|line| drop(crate::common::json(line)));
+            }
             "case.toml" => drop(Case::read(&path).unwrap()),
             "checkpoint" | "checkpoint.previous" => {
                 drop(Simulation::restore(&std::fs::read(&path).unwrap()).unwrap());

@@ -4,6 +4,7 @@ mod campaigns;
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;
+mod followed;
 mod kills;
 mod same_bits;
 mod streams;

@@ -5,11 +5,11 @@ use granum_dem::observer::Observer;
 use granum_dem::preparation::{Outcome, Phase, Preparing};
 use granum_io::Case;
 
+use super::executor::Executor;
 use super::quality;
 use super::run_state::{RunPart, RunState};
 use super::sample::measure_sample;
 use super::segment::Segment;
-use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 
@@ -20,7 +20,7 @@ pub(super) fn wanted(case: &Case) -> Option<Preparation> {
     Some(case.preparation.clone().with(|preparation| preparation.mean_stress = mean_stress))
 }
 
-impl Laboratory {
+impl Executor {
     /// Begins the consolidation of a sample.
     pub(super) fn begin_consolidation(
         &self,

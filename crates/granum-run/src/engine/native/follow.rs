@@ -1,20 +1,24 @@
 //! The observers with which the laboratory follows its runs: one passes on the progress and stops for checkpoints, one
-//! records the measurements, and one writes snapshots.
+//! records the measurements and tells each state, and one writes snapshots.
+
+use std::cell::RefCell;
 
 use granum_core::assembly::Assembly;
+use granum_core::observer::Event;
 use granum_core::quantity::format_number;
+use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Measure, StageProgress};
 use granum_dem::observer::{Flow, Observer, Progress, Work};
 use granum_dem::simulation::Simulation;
-use granum_sensors::Recorder;
+use granum_sensors::{RecordedState, Recorder};
 
 use super::pace::Interval;
-use super::store::Store;
+use crate::engine::sink::Sink;
 use crate::laboratory::status::Speedometer;
 
 /// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
-pub(super) struct Follow<'a> {
-    pub(super) observer: &'a mut dyn Observer,
+pub(super) struct Follow<'a, 's> {
+    pub(super) observer: &'a RefCell<&'s mut dyn Observer>,
     pub(super) speedometer: &'a mut Speedometer,
     pub(super) checkpoint: Interval,
     /// Name of the current stage of a test.
@@ -27,7 +31,7 @@ pub(super) struct Follow<'a> {
     pub(super) stopped: bool,
 }
 
-impl<'a> Follow<'a> {
+impl<'a> Follow<'a, '_> {
     /// The progress in the whole test, with its speed.
     fn announced<'p>(&mut self, progress: &Progress<'p>) -> Progress<'p>
     where
@@ -43,69 +47,118 @@ impl<'a> Follow<'a> {
     }
 }
 
-impl Observer for Follow<'_> {
+impl Observer for Follow<'_, '_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         let announced = self.announced(progress);
-        self.stopped = self.observer.progress(&announced) == Flow::Stop;
+        self.stopped = self.observer.borrow_mut().progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
     fn work(&mut self, work: &Work) -> Flow {
         let flow = match work {
             Work::Steps(progress) => {
                 let announced = self.announced(progress);
-                self.observer.work(&Work::Steps(&announced))
+                self.observer.borrow_mut().work(&Work::Steps(&announced))
             }
-            other => self.observer.work(other),
+            other => self.observer.borrow_mut().work(other),
         };
         self.stopped = flow == Flow::Stop;
         flow
     }
     fn work_every(&self) -> u64 {
-        self.observer.work_every()
+        self.observer.borrow().work_every()
     }
     fn next_observation(&self) -> f64 {
-        self.observer.next_observation()
+        self.observer.borrow().next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
-        self.observer.observe(simulation);
+        self.observer.borrow_mut().observe(simulation);
     }
 }
 
-/// Calls the recorder of a stage.
-pub(super) struct Record<'a> {
+/// Calls the recorder of a stage, and tells the states that it has recorded.
+pub(super) struct Record<'a, 's> {
     recorder: &'a mut Recorder,
+    /// Number of the stage, from 1.
+    stage: usize,
+    columns: RecordedColumns,
+    outlet: &'a Outlet<'s>,
+    /// Number of the states that have been told.
+    told: usize,
     /// The assembly of the last observation, whose memory the next one uses.
     assembly: Assembly,
+    /// The error of a state that could not be written; the test then stops.
+    pub(super) failed: Option<granum_io::Error>,
 }
 
-impl<'a> Record<'a> {
-    pub(super) fn new(recorder: &'a mut Recorder) -> Record<'a> {
-        Record { recorder, assembly: Assembly::default() }
+impl<'a, 's> Record<'a, 's> {
+    pub(super) fn new(
+        recorder: &'a mut Recorder,
+        stage: usize,
+        columns: RecordedColumns,
+        outlet: &'a Outlet<'s>,
+    ) -> Record<'a, 's> {
+        let told = recorder.complete_states();
+        Record { recorder, stage, columns, outlet, told, assembly: Assembly::default(), failed: None }
+    }
+
+    /// Tells the states up to a number of them.
+    fn tell(&mut self, count: usize) {
+        for index in self.told..count {
+            if let Err(error) = self.outlet.tell(&self.recorder.state(index, self.stage, self.columns)) {
+                self.failed.get_or_insert(error);
+            }
+        }
+        self.told = self.told.max(count);
+    }
+
+    /// Ends the recording of a stage: the state under way is complete.
+    pub(super) fn end(&mut self) {
+        self.recorder.end();
+        self.tell(self.recorder.states());
     }
 }
 
-impl Observer for Record<'_> {
+impl Observer for Record<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.recorder.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
         simulation.assembly_into(&mut self.assembly);
         self.recorder.observe(&self.assembly);
+        self.tell(self.recorder.complete_states());
+    }
+    fn progress(&mut self, _: &Progress) -> Flow {
+        if self.failed.is_some() { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// Where the recorder and the snapshots of a test go: the sink of the run, and its observer.
+pub(super) struct Outlet<'s> {
+    pub(super) sink: RefCell<&'s mut dyn Sink>,
+    pub(super) observer: RefCell<&'s mut dyn Observer>,
+}
+
+impl Outlet<'_> {
+    /// Tells a state that was recorded.
+    fn tell(&self, state: &RecordedState) -> granum_io::Result<()> {
+        self.sink.borrow_mut().add_state(state)?;
+        self.observer.borrow_mut().event(&Event::StateRecorded { values: state.values.clone() });
+        Ok(())
     }
 }
 
 /// Writes the snapshots that a case requests.
-pub(super) struct Snapshots<'a> {
+pub(super) struct Snapshots<'a, 's> {
     /// Values of the measure at which snapshots are still due.
     pub(super) due: &'a mut Vec<f64>,
     pub(super) measure: Measure,
     pub(super) stage_progress: &'a StageProgress,
-    pub(super) store: Store<'a>,
+    pub(super) outlet: &'a Outlet<'s>,
     /// The error of a snapshot that could not be written; the test then stops.
     pub(super) failed: Option<granum_io::Error>,
 }
 
-impl Observer for Snapshots<'_> {
+impl Observer for Snapshots<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.due.first().copied().unwrap_or(f64::INFINITY)
     }
@@ -114,7 +167,7 @@ impl Observer for Snapshots<'_> {
             self.measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
         while self.due.first().is_some_and(|due| *due <= here) {
             let name = snapshot_name(self.due.remove(0));
-            if let Err(error) = self.store.snapshot(&name, &simulation.assembly()) {
+            if let Err(error) = self.outlet.sink.borrow_mut().save_snapshot(&name, &simulation.assembly()) {
                 self.failed.get_or_insert(error);
             }
         }

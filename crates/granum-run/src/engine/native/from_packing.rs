@@ -8,8 +8,8 @@ use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Formats, Packing};
 
+use super::executor::Executor;
 use super::packing_simulation::simulation;
-use crate::engine::engine_trait::Laboratory;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 
@@ -52,7 +52,7 @@ pub(super) fn begin(
 ) -> Result<(Preparing, Option<String>), LaboratoryError> {
     let next = NextTrial::first(specification);
     let loose = simulation(packing, next.properties(specification))?;
-    if is_loose(&loose, specification.preparation) {
+    if is_loose(&loose, &specification.preparation) {
         return Ok((Preparing::compacting(loose, specification, next), None));
     }
     let state = loose.state();
@@ -108,14 +108,14 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
     remarks
 }
 
-impl Laboratory {
+impl Executor {
     /// Reads the packing if the source is a packing file.
     ///
     /// # Errors
     /// As for [`Formats::read_packing`].
     pub(super) fn packing(&self, source: &Source) -> Result<Option<Packing>, LaboratoryError> {
         match source {
-            Source::Packing(path) => Ok(Some(self.registry.formats.read_packing(path)?)),
+            Source::Packing(path) => Ok(Some(self.formats.read_packing(path)?)),
             Source::Case | Source::Folder(_) => Ok(None),
         }
     }

@@ -12,6 +12,7 @@
 
 mod consolidation;
 mod energy_balance;
+mod executor;
 mod follow;
 mod from_packing;
 mod measures;
@@ -20,12 +21,12 @@ mod pace;
 mod packing_simulation;
 mod preparation_curve;
 mod quality;
-pub(crate) mod run;
-pub(crate) mod run_state;
+mod run;
+mod run_state;
 mod sample;
 mod saved_state;
 mod segment;
-pub(crate) mod store;
+mod snapshot_names;
 mod test;
 mod test_state;
 
@@ -33,4 +34,5 @@ pub use native_engine::Native;
 pub use packing_simulation::{cell, simulation, spheres};
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;
-pub use store::{END, SAMPLE};
+pub(crate) use sample::last_state;
+pub use snapshot_names::{END, SAMPLE};

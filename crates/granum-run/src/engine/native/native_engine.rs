@@ -5,7 +5,9 @@ use granum_dem::observer::Observer;
 use granum_io::run::{RunFolder, RunRecord};
 
 use super::run;
-use crate::engine::engine_trait::{Engine, Laboratory, PlannedRun, Task};
+use crate::engine::engine_run::EngineRun;
+use crate::engine::engine_trait::Engine;
+use crate::engine::task::Task;
 use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The engine of granum.
@@ -21,21 +23,17 @@ impl Engine for Native {
         "granum's own engine: the same bits on any number of threads, with checkpoints"
     }
 
-    fn begin<'a>(
-        &'a self,
-        task: Task<'a>,
-        observer: &mut dyn Observer,
-    ) -> Result<PlannedRun<'a>, LaboratoryError> {
-        let begun = run::begin(&task, self, observer)?;
-        Ok(PlannedRun::new(move |folder, observer| run::run(&task, begun, folder, observer)))
+    fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+        run::plan(task, observer)
     }
 
     fn resume(
         &self,
-        laboratory: &Laboratory,
+        task: Task,
+        record: RunRecord,
         folder: &RunFolder,
         observer: &mut dyn Observer,
-    ) -> Result<RunRecord, LaboratoryError> {
-        run::resume(laboratory, folder, observer)
+    ) -> Result<Option<EngineRun>, LaboratoryError> {
+        run::resume(task, record, folder, observer)
     }
 }

@@ -29,7 +29,7 @@ type Row = [f64; PREPARATION_COLUMNS.len()];
 
 /// Rows of a preparation, evenly spaced over its observations, independently of interruptions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PreparationCurve {
+pub(super) struct PreparationCurve {
     rows: Vec<Row>,
     /// Observations so far.
     seen: u64,

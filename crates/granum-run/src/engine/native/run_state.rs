@@ -10,6 +10,7 @@ use granum_dem::observer::Observer;
 use granum_dem::preparation::{Phase, PreparationState};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
+use granum_io::case::Vocabulary;
 use granum_io::run::{
     CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord, TEST,
 };
@@ -19,22 +20,22 @@ use serde::{Deserialize, Serialize};
 
 use super::preparation_curve::PreparationCurve;
 use super::test_state::{SavedTest, Test};
+use crate::engine::sink::Sink;
 use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::registry::Registry;
 
 /// The state of a run.
-pub(crate) struct RunState {
-    pub(crate) simulation: Simulation,
-    pub(crate) part: RunPart,
-    pub(crate) results: RunResults,
+pub(super) struct RunState {
+    pub(super) simulation: Simulation,
+    pub(super) part: RunPart,
+    pub(super) results: RunResults,
     /// True if it comes from an older checkpoint than the last one written.
-    pub(crate) older: bool,
+    pub(super) older: bool,
 }
 
 /// The current part of a run, with the state that it needs in addition to that of the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum RunPart<T = Test> {
+pub(super) enum RunPart<T = Test> {
     /// The sample is being prepared.
     Preparation(PreparationState),
     /// The sample is complete.
@@ -67,29 +68,29 @@ impl RunPart<SavedTest> {
 
 /// Results of a run so far that belong in its record.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct RunResults {
-    pub(crate) grains: usize,
-    pub(crate) steps: BTreeMap<String, u64>,
+pub(super) struct RunResults {
+    pub(super) grains: usize,
+    pub(super) steps: BTreeMap<String, u64>,
     #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
-    pub(crate) measures: BTreeMap<String, f64>,
-    pub(crate) quality: Vec<QualityFlag>,
+    pub(super) measures: BTreeMap<String, f64>,
+    pub(super) quality: Vec<QualityFlag>,
     /// The history of the preparation.
     #[serde(default)]
-    pub(crate) curve: PreparationCurve,
+    pub(super) curve: PreparationCurve,
     /// Digest of the case of the run, by which the checkpoint of another run is recognised; checkpoints of earlier versions have
     /// none.
     #[serde(default)]
-    pub(crate) case_digest: String,
+    pub(super) case_digest: String,
 }
 
 impl RunState {
-    pub(crate) fn new(simulation: Simulation, part: RunPart) -> RunState {
+    pub(super) fn new(simulation: Simulation, part: RunPart) -> RunState {
         let results = RunResults { grains: simulation.state().grains(), ..RunResults::default() };
         RunState { simulation, part, results, older: false }
     }
 
     /// The name under which the wall time of the part is recorded; `None` for a complete sample, which takes no time.
-    pub(crate) fn phase(&self) -> Option<&'static str> {
+    pub(super) fn phase(&self) -> Option<&'static str> {
         match self.part {
             RunPart::Preparation(_) => Some("prepare"),
             RunPart::Sample | RunPart::Consolidated => None,
@@ -99,15 +100,15 @@ impl RunState {
     }
 
     /// Writes the checkpoint.
-    pub(crate) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
-        let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
-        let text = serde_json::to_string(&(&self.part, &self.results)).map_err(|e| bad(e.to_string()))?;
-        folder.write_checkpoint(|out| self.simulation.write_checkpoint(&text, out))?;
-        Ok(())
+    pub(super) fn write(&self, sink: &mut dyn Sink) -> Result<(), LaboratoryError> {
+        Ok(sink.save_checkpoint(&mut |out| {
+            let text = serde_json::to_string(&(&self.part, &self.results)).map_err(std::io::Error::other)?;
+            self.simulation.write_checkpoint(&text, out)
+        })?)
     }
 
     /// Copies the results so far into the record.
-    pub(crate) fn write_into(&self, record: &mut RunRecord) {
+    pub(super) fn write_into(&self, record: &mut RunRecord) {
         let results = &self.results;
         record.grains = results.grains;
         record.steps = results.steps.clone();
@@ -135,7 +136,7 @@ impl RunState {
     }
 
     /// True if a snapshot will be written, again or for the first time, when the run goes on from this state.
-    pub(crate) fn will_write(&self, snapshot: &str) -> bool {
+    pub(super) fn will_write(&self, snapshot: &str) -> bool {
         match &self.part {
             RunPart::Test(test) => test.will_write(snapshot),
             _ => true,
@@ -144,11 +145,11 @@ impl RunState {
 
     /// Reads a checkpoint, which must be one of the run with this record; `None` if there is no such file. If a case is given,
     /// the checkpoint must also be possible in a run of it.
-    pub(crate) fn read(
+    pub(super) fn read(
         path: &Path,
         record: &RunRecord,
         case: Option<&Case>,
-        registry: &Registry,
+        vocabulary: &Vocabulary,
     ) -> Result<Option<RunState>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
         let bytes = match granum_core::input::read(path, u64::MAX) {
@@ -156,9 +157,9 @@ impl RunState {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
         };
-        let laws = registry.vocabulary.laws();
+        let laws = vocabulary.laws();
         let (simulation, text) = Simulation::restore_among(&bytes, laws).map_err(|e| bad(e.to_string()))?;
-        let (part, results) = beside(&text, case, registry.vocabulary.sensors()).map_err(bad)?;
+        let (part, results) = beside(&text, case, vocabulary.sensors()).map_err(bad)?;
         if !results.case_digest.is_empty() && results.case_digest != record.case_digest {
             return Err(bad("it belongs to a run of another case".into()));
         }
@@ -194,20 +195,20 @@ pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
 
 /// The last usable checkpoint of a folder; `None` if none was ever written. A checkpoint that cannot be used is renamed, and
 /// the observer is warned.
-pub(crate) fn last_good(
+pub(super) fn last_good(
     folder: &RunFolder,
     record: &RunRecord,
     case: &Case,
-    registry: &Registry,
+    vocabulary: &Vocabulary,
     observer: &mut dyn Observer,
 ) -> Result<Option<RunState>, LaboratoryError> {
-    let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), registry) {
+    let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), vocabulary) {
         Ok(Some(run_state)) => return Ok(Some(run_state)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (RunState::read(&previous, record, Some(case), registry), &current) {
+    let older = match (RunState::read(&previous, record, Some(case), vocabulary), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {

@@ -1,29 +1,30 @@
 //! Samples: prepared from a loose random state, read from a folder, or made from the packing of another program.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::{Flow, Observer, Observers, Progress};
 use granum_dem::preparation::{Outcome, Phase, Preparing, Sample, SampleSpecification, Trial};
 use granum_dem::simulation::Simulation;
-use granum_io::case::{decides_sample, differences};
+use granum_io::case::{Vocabulary, decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
 
+use super::executor::Executor;
 use super::follow::Follow;
 use super::pace::Interval;
 use super::preparation_curve::PreparationCurve;
 use super::run_state::{RunPart, RunResults, RunState};
 use super::segment::Segment;
 use super::{from_packing, quality};
-use crate::engine::engine_trait::Laboratory;
+use crate::engine::resources::Resources;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 use crate::laboratory::status::Speedometer;
-use crate::registry::Registry;
 
-impl Laboratory {
+impl Executor {
     /// The initial state of a run. A packing that has already been read can be passed in.
     pub(super) fn start(
         &self,
@@ -35,7 +36,7 @@ impl Laboratory {
     ) -> Result<RunState, LaboratoryError> {
         let specification = self.specification(case, &case.preparation, case.grains.count);
         let preparing = match source {
-            Source::Folder(path) => return take_sample(case, path, &self.registry, record),
+            Source::Folder(path) => return take_sample(case, path, &self.vocabulary, record),
             Source::Case => {
                 if let Some(remark) = remark_on_sizes(case) {
                     note(record, remark);
@@ -43,7 +44,7 @@ impl Laboratory {
                 Preparing::followed(&specification, observer)?
             }
             Source::Packing(path) => {
-                let packing = packing.map_or_else(|| self.registry.formats.read_packing(path), Ok)?;
+                let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
@@ -55,40 +56,20 @@ impl Laboratory {
         Ok(RunState::new(preparing.simulation, RunPart::Preparation(preparing.progress)))
     }
 
-    /// The simulation at the last checkpoint of a folder: of a finished preparation or test its end.
-    ///
-    /// # Errors
-    /// [`LaboratoryError::Checkpoint`] if there is none or it cannot be used.
-    pub fn last_state(&self, folder: &Path) -> Result<Simulation, LaboratoryError> {
-        let path = folder.join(CHECKPOINT);
-        let run = Run::at(folder)?;
-        run.check_tables()?;
-        match RunState::read(&path, &run.record()?, None, &self.registry)? {
-            Some(RunState { mut simulation, .. }) => {
-                simulation.set_hardware(self.hardware_for(simulation.state().grains()));
-                Ok(simulation)
-            }
-            None => {
-                let what = "there is none; give the folder of a sample or of a run that granum made".into();
-                Err(LaboratoryError::Checkpoint { path, what })
-            }
-        }
-    }
-
-    pub(super) fn specification<'a>(
+    pub(super) fn specification(
         &self,
-        case: &'a Case,
-        preparation: &'a Preparation,
+        case: &Case,
+        preparation: &Preparation,
         grains: usize,
-    ) -> SampleSpecification<'a> {
+    ) -> SampleSpecification {
         SampleSpecification {
-            grains: &case.grains,
-            contact: &case.contact,
-            preparation,
+            grains: case.grains.clone(),
+            contact: case.contact,
+            preparation: preparation.clone(),
             stages: case.sample_stages(),
             time_step_factor: case.numerics.time_step_factor,
             largest_overlap: case.numerics.overlap_limit(),
-            hardware: self.hardware_for(grains),
+            hardware: self.resources.hardware_for(grains),
         }
     }
 
@@ -114,7 +95,7 @@ impl Laboratory {
         let (simulation, part) = match outcome {
             Outcome::Stopped(at) => (at.simulation, RunPart::Preparation(at.progress)),
             Outcome::Again(next) => {
-                let preparing = from_packing::again(&self.registry.formats, source, &specification, next)?;
+                let preparing = from_packing::again(&self.formats, source, &specification, next)?;
                 (preparing.simulation, RunPart::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {
@@ -141,10 +122,11 @@ impl Laboratory {
             curve.observe(progress);
             Flow::Continue
         };
+        let observer = RefCell::new(observer);
         let mut follow = Follow {
-            observer,
+            observer: &observer,
             speedometer,
-            checkpoint: Interval::new(self.checkpoint_every),
+            checkpoint: Interval::new(self.resources.checkpoint_every),
             stage: None,
             axis: None,
             place: [0, 1],
@@ -154,6 +136,30 @@ impl Laboratory {
         // A stop that is requested while the sample becomes complete takes effect in the next segment.
         let stopped = follow.stopped && matches!(outcome, Outcome::Stopped(_));
         Ok((outcome, stopped))
+    }
+}
+
+/// The simulation at the last checkpoint of a folder: of a finished preparation or test its end.
+///
+/// # Errors
+/// [`LaboratoryError::Checkpoint`] if there is none or it cannot be used.
+pub(crate) fn last_state(
+    folder: &Path,
+    vocabulary: &Vocabulary,
+    resources: &Resources,
+) -> Result<Simulation, LaboratoryError> {
+    let path = folder.join(CHECKPOINT);
+    let run = Run::at(folder)?;
+    run.check_tables()?;
+    match RunState::read(&path, &run.record()?, None, vocabulary)? {
+        Some(RunState { mut simulation, .. }) => {
+            simulation.set_hardware(resources.hardware_for(simulation.state().grains()));
+            Ok(simulation)
+        }
+        None => {
+            let what = "there is none; give the folder of a sample or of a run that granum made".into();
+            Err(LaboratoryError::Checkpoint { path, what })
+        }
     }
 }
 
@@ -169,10 +175,10 @@ pub(super) fn note(record: &mut RunRecord, text: String) {
 fn take_sample(
     case: &Case,
     path: &Path,
-    registry: &Registry,
+    vocabulary: &Vocabulary,
     record: &mut RunRecord,
 ) -> Result<RunState, LaboratoryError> {
-    let folder = registry.run_at(path)?;
+    let folder = Run::at(path)?.with_vocabulary(vocabulary);
     let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
@@ -185,7 +191,7 @@ fn take_sample(
         )));
     }
     folder.check_tables()?;
-    let run_state = match RunState::read(&checkpoint, &other, None, registry) {
+    let run_state = match RunState::read(&checkpoint, &other, None, vocabulary) {
         Ok(Some(run_state)) => run_state,
         Ok(None) => return Err(bad(format!("it does not exist; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {

@@ -1,33 +1,37 @@
 //! The test of a sample: its stages one after another.
 
+use std::cell::RefCell;
+
+use granum_core::observer::Event;
 use granum_dem::loading::{self, Ending, StageEnd};
 use granum_dem::observer::{Observer, Observers};
 use granum_io::Case;
 
-use super::follow::{self, Follow, Snapshots, stage_snapshot};
+use super::executor::Executor;
+use super::follow::{self, Follow, Outlet, Snapshots, stage_snapshot};
 use super::pace::Interval;
 use super::run_state::{RunPart, RunState};
 use super::segment::Segment;
-use super::store::Store;
 use super::test_state::{MOST_STAGES_NOTED, Test};
-use crate::engine::engine_trait::Laboratory;
+use crate::engine::sink::Sink;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 use crate::strength::symmetry;
 
-impl Laboratory {
+impl Executor {
     /// Prepares a sample for the test that the case defines.
     pub(super) fn begin_test(
         &self,
         case: &Case,
         run_state: &mut RunState,
+        sink: &mut dyn Sink,
     ) -> Result<Segment, LaboratoryError> {
+        sink.begin_states(&[])?;
         let simulation = &mut run_state.simulation;
         let density_scaling = case.test_definition().initial_density_scaling;
         simulation.set_properties(case.properties().with_densities(density_scaling))?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        run_state.part =
-            RunPart::Test(Box::new(Test::begin(case, self.registry.vocabulary.sensors(), simulation)?));
+        run_state.part = RunPart::Test(Box::new(Test::begin(case, self.vocabulary.sensors(), simulation)?));
         Ok(Segment::GoOn)
     }
 
@@ -36,7 +40,7 @@ impl Laboratory {
         &self,
         case: &Case,
         run_state: &mut RunState,
-        store: Store,
+        sink: &mut dyn Sink,
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
     ) -> Result<Segment, LaboratoryError> {
@@ -50,49 +54,58 @@ impl Laboratory {
         let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
             return Ok(Segment::Complete);
         };
-        simulation.set_hardware(self.hardware_for(simulation.state().grains()));
+        simulation.set_hardware(self.resources.hardware_for(simulation.state().grains()));
         observer.stage(at + 1);
+        let outlet = Outlet { sink: RefCell::new(sink), observer: RefCell::new(observer) };
         let before = test.stage_progress.clone();
         let mut follow = Follow {
-            observer,
+            observer: &outlet.observer,
             speedometer,
-            checkpoint: Interval::new(self.checkpoint_every),
+            checkpoint: Interval::new(self.resources.checkpoint_every),
             stage: Some(&stage.name),
             axis: symmetry::axis(std::slice::from_ref(stage)),
             place: [at, test.stages.len()],
             stopped: false,
         };
-        let mut record = follow::Record::new(recorder);
+        let mut record = follow::Record::new(recorder, at + 1, test.columns, &outlet);
         let mut snapshots = Snapshots {
             due: &mut test.snapshots,
             measure: stage.record.measure,
             stage_progress: &before,
-            store,
+            outlet: &outlet,
             failed: None,
         };
         let mut observers = Observers(vec![&mut record, &mut snapshots, &mut follow]);
         let ending = loading::follow(stage, &mut test.stage_progress, simulation, &mut observers)?;
-        if let Some(error) = snapshots.failed {
+        let stopped = follow.stopped;
+        if matches!(ending, Ending::Complete(_)) {
+            record.end();
+        }
+        if let Some(error) = record.failed.or(snapshots.failed) {
             return Err(error.into());
         }
-        let stopped = follow.stopped;
         let reason = match ending {
             Ending::Complete(reason) => reason,
             Ending::Stopped if stopped => return Ok(Segment::Stop),
             Ending::Stopped => return Ok(Segment::GoOn),
         };
-        if let Some(recorder) = test.recorders.last_mut() {
-            recorder.end();
-        }
-        test.ends.push(StageEnd::of(stage, &test.stage_progress, reason, simulation));
+        let end = StageEnd::of(stage, &test.stage_progress, reason, simulation);
+        let (number, name) = (at + 1, end.name.clone());
+        let (steps, reason_text) = (end.steps, reason.to_string());
+        let ended = Event::StageEnded { number, name, steps, reason: reason_text };
+        outlet.observer.borrow_mut().event(&ended);
+        test.ends.push(end);
         // After a stage that met none of its end conditions, the following stages would not start from the intended state.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }
         if test.stages.len() <= MOST_STAGES_NOTED {
-            store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+            outlet
+                .sink
+                .borrow_mut()
+                .save_snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
         }
-        test.begin_stage(case, self.registry.vocabulary.sensors(), simulation)?;
+        test.begin_stage(case, self.vocabulary.sensors(), simulation)?;
         Ok(Segment::GoOn)
     }
 }

@@ -5,18 +5,18 @@ use granum_dem::loading::{Stage, StageEnd, StageProgress, Start, begin};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::case::TestDefinition;
-use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
+use granum_sensors::{Record, RecordedState, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::energy_balance::Stored;
 use super::follow::{snapshot_name, stage_snapshot};
 use super::saved_state::SavedState;
-use super::store::END;
+use super::snapshot_names::END;
 use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The state of a test in addition to that of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Test<R = Recorder> {
+pub(super) struct Test<R = Recorder> {
     /// The loading of each stage.
     pub(super) stages: Vec<Stage>,
     /// Data of the current stage that its end conditions need.
@@ -192,8 +192,18 @@ impl Test {
     }
 
     /// The measurements so far.
-    pub(crate) fn record(&self) -> Record {
+    pub(super) fn record(&self) -> Record {
         Recorder::record_of_stages(&self.recorders, self.columns)
+    }
+
+    /// The states that have been recorded so far, without the one under way.
+    pub(super) fn recorded_states(&self) -> Vec<RecordedState> {
+        let mut states = Vec::new();
+        for (k, recorder) in self.recorders.iter().enumerate() {
+            let count = if k < self.ends.len() { recorder.states() } else { recorder.complete_states() };
+            states.extend((0..count).map(|index| recorder.state(index, k + 1, self.columns)));
+        }
+        states
     }
 
     /// Number of samples that could not be taken, summed over all stages.

@@ -26,7 +26,7 @@ pub fn laboratory(
     let hardware = Hardware { threads, isa: Isa::detect() };
     let mut laboratory =
         Laboratory::new(hardware, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
-    laboratory.checkpoint_every = checkpoints.every()?;
+    laboratory.resources.checkpoint_every = checkpoints.every()?;
     Ok(laboratory)
 }
 

@@ -55,7 +55,7 @@ pub fn of(
     let executor = flags.carry_out.executor(context, folder.path())?;
     let workers = match flags.carry_out.workers()? {
         Some(count) => count,
-        None => Queue::new(campaign.all_queued()?)?.at_once(laboratory.hardware.threads),
+        None => Queue::new(campaign.all_queued()?)?.at_once(laboratory.resources.hardware.threads),
     };
     if !context.json {
         let count = flags.pilots.min(planned.runs.len());

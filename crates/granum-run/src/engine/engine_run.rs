@@ -1,0 +1,42 @@
+//! A run of an engine whose inputs have been checked.
+
+use granum_dem::observer::Observer;
+use granum_io::run::RunRecord;
+
+use super::sink::Sink;
+use crate::laboratory::laboratory_error::LaboratoryError;
+
+/// The work of an [`EngineRun`].
+type Work = dyn FnOnce(&mut dyn Sink, &mut dyn Observer) -> Result<(), LaboratoryError> + Send;
+
+/// A run of an engine whose inputs have been checked. Nothing has been written yet.
+pub struct EngineRun {
+    /// The record with which the run begins.
+    pub record: RunRecord,
+    work: Box<Work>,
+}
+
+impl EngineRun {
+    /// A run that begins with a record. `work` computes the results and puts them into the sink, until its end or until the observer
+    /// stops it: then it sets the status of the sink's record to [`RunStatus::Interrupted`](granum_io::RunStatus::Interrupted).
+    pub fn new(
+        record: RunRecord,
+        work: impl FnOnce(&mut dyn Sink, &mut dyn Observer) -> Result<(), LaboratoryError> + Send + 'static,
+    ) -> EngineRun {
+        EngineRun { record, work: Box::new(work) }
+    }
+
+    /// Executes the run until its end, or until the observer stops it. The record of the sink must be that of the run.
+    ///
+    /// # Errors
+    /// If the run fails, or the sink cannot take what it finds.
+    pub fn run(self, sink: &mut dyn Sink, observer: &mut dyn Observer) -> Result<(), LaboratoryError> {
+        (self.work)(sink, observer)
+    }
+}
+
+impl std::fmt::Debug for EngineRun {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EngineRun").field("record", &self.record).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,63 @@
+//! The registry of the engines of a program.
+
+use std::sync::Arc;
+
+use granum_core::names::suggestion;
+
+use super::engine_error::EngineError;
+use super::engine_trait::Engine;
+use super::native::Native;
+
+/// The registry of the engines of a program.
+///
+/// ```
+/// let engines = granum_run::Engines::standard();
+/// assert_eq!(engines.names().collect::<Vec<_>>(), ["granum"]);
+/// let error = engines.named("gramun").err().map(|error| error.to_string());
+/// assert_eq!(error.as_deref(), Some("there is no engine \"gramun\"; did you mean granum?"));
+/// ```
+#[derive(Clone)]
+pub struct Engines(Vec<Arc<dyn Engine>>);
+
+impl Engines {
+    /// The engines that come with granum.
+    pub fn standard() -> Engines {
+        Engines(vec![Arc::new(Native)])
+    }
+
+    /// Adds an engine.
+    ///
+    /// # Errors
+    /// [`EngineError::NameTaken`] if there is already an engine of the same name.
+    pub fn with(mut self, engine: impl Engine + 'static) -> Result<Engines, EngineError> {
+        let name = engine.name();
+        if self.names().any(|known| known == name) {
+            return Err(EngineError::NameTaken { name });
+        }
+        self.0.push(Arc::new(engine));
+        Ok(self)
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> + Clone {
+        self.0.iter().map(|engine| engine.name())
+    }
+
+    /// The engine of the given name.
+    ///
+    /// # Errors
+    /// [`EngineError::Unknown`] with the most similar name.
+    pub fn named(&self, name: &str) -> Result<&dyn Engine, EngineError> {
+        let found = self.0.iter().find(|engine| engine.name() == name);
+        found.map(|engine| &**engine).ok_or_else(|| EngineError::Unknown {
+            name: name.to_string(),
+            suggestion: suggestion(name, self.names()),
+        })
+    }
+}
+
+impl std::fmt::Debug for Engines {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.names()).finish()
+    }
+}
