@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use granum_core::input::read_text;
 use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
-use granum_io::{Case, Error, Reading, Result};
+use granum_io::{Case, Error, Reading, Result, Run, RunStatus};
 use granum_run::laboratory::Source;
 use granum_run::queue::QueuedRun;
 use serde::{Deserialize, Serialize};
 
+use crate::journal::{Event, JOURNAL, LineWriter, last_events};
 use crate::plan::{Condition, Plan, PlannedRuns, RunValue, apply_settings};
 
 /// The file of a campaign in its folder.
@@ -256,6 +257,30 @@ impl Campaign {
         let mut campaign = Campaign { folder: folder.to_path_buf(), ..self.clone() };
         campaign.file.runs.iter_mut().for_each(|run| run.shares_sample = false);
         campaign
+    }
+
+    /// Adds to the journal what the folders of the runs tell and the journal does not: what other processes did than a coordinator here.
+    /// Returns how many runs were added.
+    ///
+    /// # Errors
+    /// If the record of a run cannot be read, or the journal cannot be written.
+    pub fn collect(&self) -> Result<usize> {
+        let known = last_events(&self.folder);
+        let path = self.folder.join(JOURNAL);
+        let mut journal = LineWriter::open(&path)?;
+        let mut added = 0;
+        for run in self.runs() {
+            let folder = self.folder_of(&run.name);
+            if known.get(&run.name).is_some_and(Event::is_final) || !folder.join("run.json").is_file() {
+                continue;
+            }
+            let record = Run::at(&folder)?.record()?;
+            if record.status == RunStatus::Finished && record.case_digest == run.case_digest {
+                journal.note(&run.name, Event::finished(&record)).map_err(Error::file("write", &path))?;
+                added += 1;
+            }
+        }
+        Ok(added)
     }
 
     /// The run of a name as it is executed: its case, its sample and its folder. The name of a shared sample, which begins with

@@ -90,6 +90,7 @@ impl ChildProcesses {
             RunError::Process(format!("{what} {}: {error}", self.program.display()))
         };
         let begun = Instant::now();
+        self.note(number, |followed| *followed = Followed::default());
         let mut child = self.start(run).map_err(|error| cannot("cannot start", error))?;
         let errors = child.stderr.take().map(|stderr| thread::spawn(move || last_of(stderr)));
         let lines = child.stdout.take().map(lines_of);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use granum_dem::observer::{Flow, Progress};
 use granum_dem::preparation::Phase;
-use granum_io::{OutputFolder, Reading, Result};
+use granum_io::{OutputFolder, Reading, Result, Run, RunStatus};
 use granum_run::Laboratory;
 use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, Shares};
 
@@ -41,9 +41,31 @@ pub fn execute_run(
         granum_io::Error::content(folder, message)
     })?;
     let run = campaign.queued(name)?;
-    let end = execute(&run, laboratory, flow, tell);
+    let end = match sample_of(&campaign, &run)? {
+        // Another process may be at work on it, which is then waited for.
+        Some(sample) => match execute(&sample, laboratory, flow, tell) {
+            End::Finished => execute(&run, laboratory, flow, tell),
+            other => other,
+        },
+        None => execute(&run, laboratory, flow, tell),
+    };
     tell(&Message::Ended { end: end.clone(), memory: peak_memory() });
     Ok(end)
+}
+
+/// The preparation of the sample that a run shares with others, unless it is finished or the run needs it no more.
+fn sample_of(campaign: &Campaign, run: &QueuedRun) -> Result<Option<QueuedRun>> {
+    let is_finished = |folder: &Path| {
+        let record = Run::at(folder).and_then(|run| run.record());
+        record.is_ok_and(|record| record.status == RunStatus::Finished)
+    };
+    match &run.after {
+        Some(name) if !is_finished(&run.folder) => {
+            let sample = campaign.queued(name)?;
+            Ok(Some(sample).filter(|sample| !is_finished(&sample.folder)))
+        }
+        _ => Ok(None),
+    }
 }
 
 /// Largest memory of this process so far, bytes; `None` where the system does not tell it in a file.
@@ -67,7 +89,7 @@ pub(crate) fn execute(
         }
         thread::sleep(LOOK_EVERY);
     }
-    // Its sample is finished: the coordinator sees to it, and a run whose sample is missing fails.
+    // Its sample is finished before.
     let alone = QueuedRun { after: None, ..run.clone() };
     let queue = match Queue::new(vec![alone]) {
         Ok(queue) => queue,

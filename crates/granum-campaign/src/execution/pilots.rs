@@ -82,21 +82,19 @@ pub fn pilots(
     elsewhere.write()?;
     let chosen = chosen(campaign, &all, options.count);
     let runs = chosen.iter().map(|name| elsewhere.queued(name)).collect::<granum_io::Result<Vec<_>>>()?;
-    // Each pilot prepares its sample itself.
-    let queue = Queue::new(runs.into_iter().map(|run| QueuedRun { after: None, ..run }).collect())?;
-    let watch = Watch {
-        longest: options.longest,
-        begun: Instant::now(),
-        at_once: options.workers,
-        count: queue.runs().len(),
-        flow,
-    };
-    let outcomes = queue.run_by(executor, laboratory, options.workers, &watch);
     let (mut found, mut failed) = (Vec::new(), Vec::new());
-    for (number, (run, outcome)) in queue.runs().iter().zip(&outcomes).enumerate() {
-        match outcome.failure() {
-            Some(why) => failed.push((run.name.clone(), why)),
-            None => found.extend(pilot(number, run, outcome, executor)),
+    // So many at once as in the campaign, each with its full time.
+    for together in runs.chunks(options.workers.max(1)) {
+        // Each pilot prepares its sample itself.
+        let alone = together.iter().map(|run| QueuedRun { after: None, ..run.clone() });
+        let queue = Queue::new(alone.collect())?;
+        let watch = Watch { longest: options.longest, begun: Instant::now(), flow };
+        let outcomes = queue.run_by(executor, laboratory, together.len(), &watch);
+        for (number, (run, outcome)) in queue.runs().iter().zip(&outcomes).enumerate() {
+            match outcome.failure() {
+                Some(why) => failed.push((run.name.clone(), why)),
+                None => found.extend(pilot(number, run, outcome, executor)),
+            }
         }
     }
     if found.is_empty() && failed.is_empty() {
@@ -172,16 +170,12 @@ fn size_of(folder: &Path) -> u64 {
 struct Watch<'a> {
     longest: Duration,
     begun: Instant,
-    at_once: usize,
-    count: usize,
     flow: &'a (dyn Fn() -> Flow + Sync),
 }
 
 impl QueueObserver for Watch<'_> {
     fn flow(&self) -> Flow {
-        // Those that wait for others have their time after them.
-        let rounds = self.count.div_ceil(self.at_once.max(1)) as u32;
-        if self.begun.elapsed() >= self.longest * rounds { Flow::Stop } else { (self.flow)() }
+        if self.begun.elapsed() >= self.longest { Flow::Stop } else { (self.flow)() }
     }
 }
 

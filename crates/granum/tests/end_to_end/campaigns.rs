@@ -244,6 +244,39 @@ fn a_campaign_stops_after_a_time_and_goes_on() {
     assert!(told.contains("90 s, 30 min, 8 h or 2 d"), "{told}");
 }
 
+/// Each run can be executed by a command of its own, in any order; what they did is collected.
+#[test]
+fn the_runs_are_listed_as_commands_and_collected() {
+    let base = folder_with_plan();
+    let here = base.path();
+    let listed = done(here, &["campaign", "plan.toml", "--out", "study", "--list-jobs"]);
+    let jobs: Vec<Vec<&str>> = listed.lines().map(|line| line.split(' ').skip(1).collect()).collect();
+    assert_eq!(jobs.len(), 4, "{listed}");
+    // The last first, two of one sample at once, and one twice.
+    std::thread::scope(|scope| {
+        for job in [&jobs[3], &jobs[2], &jobs[2]] {
+            scope.spawn(move || done(here, job));
+        }
+    });
+    let left = done(here, &["campaign", "plan.toml", "--out", "study", "--list-jobs"]);
+    assert_eq!(left.lines().collect::<Vec<_>>(), listed.lines().take(2).collect::<Vec<_>>());
+    let output = run(here, &["campaign", "plan.toml", "--out", "study", "--collect"]);
+    let (told, noted) = (stdout(&output), stderr(&output));
+    assert!(
+        told.contains("2 flagged; 2 not begun") && noted.contains("2 more runs are finished"),
+        "{told} {noted}"
+    );
+    let told = done_json(here, &["campaign", "plan.toml", "--out", "study"]);
+    assert_eq!(told["finished"], 4);
+    done(here, &["campaign", "plan.toml", "--out", "other"]);
+    for name in names(&done_json(here, &["campaign", "status", "study"])) {
+        assert_eq!(
+            digest(here, &format!("study/tests/{name}")),
+            digest(here, &format!("other/tests/{name}"))
+        );
+    }
+}
+
 /// The plans of the gallery are read with their base cases.
 #[test]
 fn ready_plans_are_written_with_their_cases() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum::contents::{FolderKind, check_free};
 use granum_campaign::execution::{Coordinator, Summary};
 use granum_campaign::plan::{Plan, PlannedRuns};
-use granum_campaign::{Campaign, PlanDifference, RUNS};
+use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
 use granum_io::OutputFolder;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_run::queue::QueueError;
@@ -36,16 +36,44 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     }
     let out =
         flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
-    start(context, &flags.carry_out, &plan, &planned, &out)
+    let (campaign, folder) = prepared(context, &flags.carry_out, &plan, &planned, &out)?;
+    if flags.list_jobs {
+        return list_jobs(context, &campaign);
+    }
+    if flags.collect {
+        let added = campaign.collect()?;
+        context.note(&format!("{added} more runs are finished"));
+        // So that the state is that of a campaign on which none is at work.
+        drop(folder);
+        return status::print(context, &campaign);
+    }
+    carry_out(context, &flags.carry_out, &campaign, &folder)
 }
 
-fn start(
+/// A command for each run that is not finished.
+fn list_jobs(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
+    let status = CampaignStatus::of(campaign)?;
+    let left = campaign.runs().iter().zip(&status.states);
+    let left = left.filter(|(_, state)| !matches!(state, RunState::Finished { .. }));
+    let folder = std::path::absolute(campaign.folder()).unwrap_or_else(|_| campaign.folder().to_path_buf());
+    let folder = quoted_path(&folder);
+    let commands: Vec<String> =
+        left.map(|(run, _)| format!("granum campaign run {folder} {}", run.name)).collect();
+    if commands.is_empty() && !context.json {
+        context.note("all runs are finished");
+        return Ok(());
+    }
+    output::say(context, &json!({ "jobs": commands }), || commands.join("\n"))
+}
+
+/// The campaign of a plan in its folder, which this process alone uses, before any run begins.
+fn prepared(
     context: &Context,
     flags: &CarryOutFlags,
     plan: &Plan,
     planned: &PlannedRuns,
     out: &Path,
-) -> Result<(), Failure> {
+) -> Result<(Campaign, OutputFolder), Failure> {
     check_free(out, FolderKind::Campaign, true)?;
     let earlier = Campaign::read(out)?;
     let mut campaign = Campaign::new(out, plan, planned, env!("CARGO_PKG_VERSION"));
@@ -66,7 +94,7 @@ fn start(
         remove_run(&campaign, name)?;
     }
     campaign.write()?;
-    carry_out(context, flags, &campaign, &folder)
+    Ok((campaign, folder))
 }
 
 /// Continues the campaign of a folder without its plan.

@@ -58,6 +58,12 @@ pub struct PlanFlags {
     /// Longest time of a pilot run; one that is not finished by then is judged by the part that it has done.
     #[arg(long, value_name = "TIME", default_value = "20 s", value_parser = duration, requires = "dry_run")]
     pilot_time: Duration,
+    /// Print a command for each run, to be executed anywhere in any order, and run nothing here.
+    #[arg(long, conflicts_with_all = ["dry_run", "collect"])]
+    list_jobs: bool,
+    /// Take up what such commands have done, and run nothing here.
+    #[arg(long, conflicts_with = "dry_run")]
+    collect: bool,
     #[command(flatten)]
     carry_out: CarryOutFlags,
 }
