@@ -29,7 +29,6 @@ KNOWN = [
         "granum-io/src/case/suggestion",
     },
     {"granum-io/src/run", "granum-io/src/run/check", "granum-io/src/run/content"},
-    {"granum-run/src/queue/queue_observer", "granum-run/src/queue/runner"},
 ]
 problems = []
 

@@ -8,6 +8,9 @@ use granum_io::{Case, InputError};
 
 use super::expression::{Condition, Expression};
 
+/// The key that stands for the named path of the test.
+pub(super) const PATH: &str = "path";
+
 /// A plan as it is written: the base case, the variables and the design. [`Plan::read`] reads it, [`Plan::runs`] makes its runs.
 ///
 /// ```
@@ -215,5 +218,17 @@ impl Variable {
     /// True if it is spread on a logarithmic scale.
     pub fn is_logarithmic(&self) -> bool {
         matches!(self.kind, VariableKind::Range { logarithmic: true, .. })
+    }
+}
+
+impl RowPlace {
+    /// A mistake in the row.
+    pub(super) fn error(&self, source: &PlanSource, message: String) -> InputError {
+        match self {
+            RowPlace::Plan(span) => source.error(span, message),
+            RowPlace::Csv { file, line, text } => {
+                InputError::in_line(file, *line, text, 0..text.len(), message)
+            }
+        }
     }
 }

@@ -29,10 +29,14 @@
 //! to = 0.5
 //! ```
 
+mod check_plan;
 mod definition;
 mod design;
 mod expression;
 mod read;
+mod read_design;
+mod read_variables;
+mod reader;
 mod runs;
 mod units;
 

@@ -9,9 +9,8 @@ use granum_io::{Case, Error, InputError, Result};
 use granum_simd::power;
 use serde::{Deserialize, Serialize};
 
-use super::definition::{Choice, DesignKind, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
+use super::definition::{Choice, DesignKind, PATH, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
 use super::design::{Axis, Coordinate, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
-use super::read::PATH;
 use super::units;
 
 /// Number of digits of the case digest in the name of a run.
@@ -98,29 +97,6 @@ pub fn apply_settings(base: &Case, settings: &[(String, String)]) -> Result<Case
     }
     case.check()?;
     Ok(case)
-}
-
-/// The first variable whose expression depends on itself, directly or through others.
-pub(super) fn in_a_circle(variables: &[Variable]) -> Option<&Variable> {
-    let by_name: BTreeMap<&str, &Variable> =
-        variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
-    let reaches = |start: &Variable| {
-        let (mut open, mut seen) = (vec![start], BTreeSet::new());
-        while let Some(variable) = open.pop() {
-            let VariableKind::Expression(expression) = &variable.kind else { continue };
-            for name in expression.value.names() {
-                let Some(next) = by_name.get(name) else { continue };
-                if next.name == start.name {
-                    return true;
-                }
-                if seen.insert(name) {
-                    open.push(next);
-                }
-            }
-        }
-        false
-    };
-    variables.iter().find(|variable| reaches(variable))
 }
 
 /// A mistake of a run, with the place in the plan, or in the file of rows, that it concerns.

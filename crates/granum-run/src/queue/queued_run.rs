@@ -1,11 +1,10 @@
 //! A run that is planned.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use granum_io::Case;
 use granum_io::run::RunKind;
 
-use super::{samples, work};
 use crate::laboratory::source::Source;
 
 /// A run that is planned: what it does, with which case and sample, and in which folder.
@@ -54,16 +53,5 @@ impl QueuedRun {
         folder: impl Into<PathBuf>,
     ) -> QueuedRun {
         QueuedRun { kind: RunKind::Sample, ..QueuedRun::test(name, case, source, folder) }
-    }
-
-    /// The preparation of the sample of this test as a run of its own, in a folder inside `samples` that is named after the digest of
-    /// the preparation: the same for all tests that can share it, whatever they test.
-    pub fn its_sample(&self, samples: &Path) -> QueuedRun {
-        samples::of_test(self, samples)
-    }
-
-    /// An estimate of the work of the run in arbitrary units, by which runs are ordered and their progress is weighed.
-    pub fn expected_work(&self) -> f64 {
-        work::expected(self)
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
         alike.into_iter().filter(|(_, tests)| tests.len() > 1).collect();
     groups.sort_by_key(|(_, tests)| tests[0]);
     for (_, tests) in groups {
-        let sample = of_test(&runs[tests[0]], folder);
+        let sample = runs[tests[0]].its_sample(folder);
         for test in tests {
             runs[test].source = Source::Folder(sample.folder.clone());
             runs[test].after = Some(sample.name.clone());
@@ -39,11 +39,14 @@ pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
     samples
 }
 
-/// The preparation of the sample of a test, in a folder inside `folder`.
-pub(super) fn of_test(test: &QueuedRun, folder: &Path) -> QueuedRun {
-    let digest = test.case.preparation_digest();
-    let name = &digest[..DIGITS.min(digest.len())];
-    QueuedRun::sample(format!("sample {name}"), of_sample(&test.case), Source::Case, folder.join(name))
+impl QueuedRun {
+    /// The preparation of the sample of this test as a run of its own, in a folder inside `samples` that is named after the digest of
+    /// the preparation: the same for all tests that can share it, whatever they test.
+    pub fn its_sample(&self, samples: &Path) -> QueuedRun {
+        let digest = self.case.preparation_digest();
+        let name = &digest[..DIGITS.min(digest.len())];
+        QueuedRun::sample(format!("sample {name}"), of_sample(&self.case), Source::Case, samples.join(name))
+    }
 }
 
 /// The case of a sample without the test, so that it is the same whichever tests the sample serves.

@@ -14,8 +14,15 @@ const STRAIN_OF_STAGE: f64 = 0.02;
 /// Inertial number of a stage that is driven at a strain rate.
 const USUAL_INERTIAL_NUMBER: f64 = 1e-3;
 
+impl QueuedRun {
+    /// An estimate of the work of the run in arbitrary units, by which runs are ordered and their progress is weighed.
+    pub fn expected_work(&self) -> f64 {
+        expected(self)
+    }
+}
+
 /// Grains times strain over inertial number, which the number of steps is in proportion to at a given stress and stiffness.
-pub(super) fn expected(run: &QueuedRun) -> f64 {
+fn expected(run: &QueuedRun) -> f64 {
     let case = &run.case;
     let preparation = match &run.source {
         Source::Case => STRAIN_OF_COMPACTION / case.preparation.inertial_number,

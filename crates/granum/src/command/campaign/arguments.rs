@@ -8,7 +8,7 @@ use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
 use granum_run::Laboratory;
 
-use super::CarryOutFlags;
+use super::flags::CarryOutFlags;
 use crate::command::checkpoints::CheckpointFlags;
 use crate::command::hardware::processors;
 use crate::context::Context;

@@ -11,7 +11,7 @@ use granum_io::Error;
 use granum_run::queue::{Queue, QueueError};
 use serde_json::{Value, json};
 
-use super::PlanFlags;
+use super::flags::PlanFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::messages;

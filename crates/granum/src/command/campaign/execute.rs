@@ -11,8 +11,9 @@ use granum_io::shell::{ShowPath, quoted_path};
 use granum_run::queue::QueueError;
 use serde_json::json;
 
+use super::flags::{CarryOutFlags, PlanFlags};
 use super::show::ShowCampaign;
-use super::{CarryOutFlags, PlanFlags, estimate, plan_text, status};
+use super::{estimate, plan_text, status};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
