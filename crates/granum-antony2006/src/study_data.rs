@@ -465,7 +465,12 @@ mod tests {
         let text = message(&|record| drop(record.series.remove("deviator_fabric")));
         assert_eq!(text, "record `other`: there is no column deviator_fabric; did you mean deviator_strain?");
         let text = message(&|record| record.histograms[0].states[4].bin_width = 0.2);
-        assert!(text.starts_with("record `other`: state 4: its histogram does not have the bins"), "{text}");
+        assert!(
+            text.starts_with(
+                "record `other`: histogram forces: state 4: its histogram does not have the bins"
+            ),
+            "{text}"
+        );
         let text = message(&|record| {
             change(record, "deviator_strain", |values| values[9] = values[3]);
         });
