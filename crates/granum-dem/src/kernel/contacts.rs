@@ -172,7 +172,7 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
 #[inline(always)]
 fn reduced_channels<L: Lanes, S: StageLaws>(laws: &S, channels: &SetEnergies<L>) -> SetEnergies<f64> {
     let mut reduced = [[0.0; LAW_CHANNELS]; LAWS];
-    if S::MAY_HAVE_CHANNELS && laws.channels() != [0; LAWS] {
+    if S::MAY_HAVE_CHANNELS && laws.has_channels() {
         for (to, from) in reduced.iter_mut().zip(channels) {
             for (to, from) in to.iter_mut().zip(from) {
                 *to = from.reduce_add();
@@ -354,7 +354,7 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
             changed = (marks.attracting | touching & !marks.touched) & !attracting;
         }
     }
-    if S::MAY_HAVE_CHANNELS {
+    if S::MAY_HAVE_CHANNELS && laws.has_channels() {
         for (law, count) in laws.channels().into_iter().enumerate() {
             for k in 0..LAW_CHANNELS {
                 if k < count {

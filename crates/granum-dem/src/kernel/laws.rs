@@ -88,6 +88,11 @@ pub(crate) trait StageLaws {
     fn shares_liquid(&self) -> bool {
         false
     }
+    /// True if a law of the set has energy channels.
+    #[inline(always)]
+    fn has_channels(&self) -> bool {
+        false
+    }
     /// Number of energy channels of the normal law, the tangential law, the moment law and the adhesion law.
     #[inline(always)]
     fn channels(&self) -> [usize; LAWS] {
@@ -254,6 +259,10 @@ where
     #[inline(always)]
     fn shares_liquid(&self) -> bool {
         self.slots.shares_liquid()
+    }
+    #[inline(always)]
+    fn has_channels(&self) -> bool {
+        self.slots.has_channels()
     }
     #[inline(always)]
     fn channels(&self) -> [usize; LAWS] {

@@ -57,6 +57,7 @@ pub struct Slots {
     discards: bool,
     /// Number of energy channels of each law.
     channels: [usize; LAWS],
+    has_channels: bool,
     columns: RefCell<Columns>,
 }
 
@@ -73,6 +74,7 @@ impl Slots {
             shares_liquid: laws.adhesion.law().shares_liquid(),
             discards: laws.tangential.law().discards(),
             channels: laws.channels().map(<[_]>::len),
+            has_channels: laws.channels().iter().any(|channels| !channels.is_empty()),
             columns: RefCell::new([EMPTY; at::ALL]),
         }
     }
@@ -115,7 +117,7 @@ impl Slots {
     /// True if a law of the set has energy channels.
     #[inline(always)]
     pub(crate) fn has_channels(&self) -> bool {
-        self.channels != [0; LAWS]
+        self.has_channels
     }
 
     /// True if the tangential law discards parts of its history that store energy.
@@ -385,11 +387,14 @@ impl<W: Width, const MOMENTS: bool> LawSet<W::Value> for InPlace<'_, '_, W, MOME
     }
 }
 
-/// Reads what the law that was called last put into its channels.
+/// Reads what the law that was called last put into its channels; `law` is its number in the set.
 #[inline(always)]
-fn accounted<W: Width>(channels: usize, columns: &Columns, energies: &mut LawEnergies<W::Value>) {
+fn accounted<W: Width>(slots: &Slots, law: usize, columns: &Columns, energies: &mut LawEnergies<W::Value>) {
+    if !slots.has_channels {
+        return;
+    }
     for (k, energy) in energies.iter_mut().enumerate() {
-        if k < channels {
+        if k < slots.channels[law] {
             *energy = W::read(&columns[at::ENERGIES + k]);
         }
     }
@@ -406,7 +411,7 @@ fn normal<W: Width>(
     W::write(overlap, &mut sheet.columns[at::OVERLAP]);
     W::write_mask(touched, &mut sheet.columns[at::TOUCHED]);
     slots.entries::<W>().normal.call(sheet);
-    accounted::<W>(slots.channels[0], sheet.columns, energies);
+    accounted::<W>(slots, 0, sheet.columns, energies);
     let [made, broken] = read::<W, 2>(sheet.columns, at::LOSSES);
     (read_normal::<W>(sheet.columns), AdhesionLosses { made, broken })
 }
@@ -421,7 +426,7 @@ fn tangential<W: Width>(
 ) -> (Tangential<W::Value>, W::Value, [W::Value; 2]) {
     write::<W, 4>([increment[0], increment[1], turn.cosine, turn.sine], sheet.columns, at::INCREMENT);
     slots.entries::<W>().tangential.call(sheet);
-    accounted::<W>(slots.channels[1], sheet.columns, energies);
+    accounted::<W>(slots, 1, sheet.columns, energies);
     let columns = &*sheet.columns;
     let [u, v, x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
         read::<W, 9>(columns, at::TANGENTIAL);
@@ -452,7 +457,7 @@ fn moment<W: Width>(
     let [x, y] = spin.rolling;
     write::<W, 6>([turn.cosine, turn.sine, x, y, spin.twisting, dt], sheet.columns, at::TURN);
     slots.entries::<W>().moment.call(sheet);
-    accounted::<W>(slots.channels[2], sheet.columns, energies);
+    accounted::<W>(slots, 2, sheet.columns, energies);
     let columns = &*sheet.columns;
     let [a, b, c, dashpot, twisting_dashpot, work, loss, step_stiffness] = read::<W, 8>(columns, at::MOMENT);
     let at_limit = W::read_mask(&columns[at::AT_LIMIT]);
@@ -473,7 +478,7 @@ fn adhesion<W: Width>(
     W::write(overlap, &mut sheet.columns[at::OVERLAP]);
     W::write_mask(touching, &mut sheet.columns[at::TOUCHING]);
     slots.entries::<W>().adhesion.call(sheet);
-    accounted::<W>(slots.channels[3], sheet.columns, energies);
+    accounted::<W>(slots, 3, sheet.columns, energies);
     let [force, stiffness, loss] = read::<W, 3>(sheet.columns, at::ADHESION);
     Attraction { force, stiffness, acting: W::read_mask(&sheet.columns[at::ACTING]), loss }
 }
