@@ -1,5 +1,8 @@
 //! Networks that learn q/p from strain and fabric of two samples and predict it for a third.
 
+use granum::antony2006::evaluation::networks;
+use granum::antony2006::{Evaluation, PaperData, PaperDataOptions, PaperOptions, paper_mapping};
+use granum::learn::surrogate::RunInputs;
 use granum::prelude::*;
 
 fn record(seed: u64) -> Result<Record, Box<dyn std::error::Error>> {
@@ -14,11 +17,12 @@ fn record(seed: u64) -> Result<Record, Box<dyn std::error::Error>> {
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let records = (1..=3).map(record).collect::<Result<Vec<_>, _>>()?;
-    let named = |seed: u64| NamedRecord { name: "run", seed, record: &records[seed as usize - 1] };
-    let dataset = StudyData::new(&[named(1), named(2)], &[named(3)], &StudyDataOptions::default())?;
-    let mappings = vec![granum::antony2006::mapping::paper_mapping("F3")?];
-    let study = Study::train(&dataset, &StudyOptions { mappings, ..StudyOptions::default() }, &Silent)?;
-    for evaluation in study.evaluate(&dataset)? {
+    let names = ["first", "second", "third"];
+    let named = |k: usize| NamedRecord { name: names[k], seed: k as u64 + 1, record: &records[k] };
+    let data = PaperData::from_records(&[named(0), named(1)], &[named(2)], &PaperDataOptions::default())?;
+    let options = PaperOptions { mappings: vec![paper_mapping("F3")?], ..PaperOptions::default() };
+    let study = options.train(&data, &NoStudyObserver)?;
+    for evaluation in Evaluation::of_study(&study, &data)? {
         let [ours, strain_only] =
             [&evaluation.network, &evaluation.strain_only].map(|parts| 100.0 * parts.unseen.relative_rmse);
         println!(
@@ -26,20 +30,17 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             evaluation.mapping.name
         );
     }
-    let surrogate = &study.mapping("F3")?.surrogate;
     // Every fifth state of the unseen sample: the predictions of the networks next to the values of DEM.
-    let states: Vec<_> = dataset.unseen().into_iter().step_by(5).collect();
-    let intervals = surrogate.intervals(states.iter().copied(), 0.9)?;
+    let networks = networks(&study, "F3")?;
+    let unseen = &data.parts.unseen;
+    let predictions = networks.predict(&RunInputs::from_dataset(unseen, networks.columns())?, 0.9)?;
+    let (strains, ratios) = (unseen.column("deviator_strain")?, unseen.column("stress_ratio")?);
     println!("eps_d   DEM    network  90 % interval");
-    for ((state, answer), interval) in
-        states.iter().zip(surrogate.answer(states.iter().copied())?).zip(intervals)
-    {
-        let [low, high] = interval.and_then(|ends| ends.first().copied()).unwrap_or([f64::NAN; 2]);
-        println!(
-            "{:.4}  {:.3}  {:.3}    {low:.3} to {high:.3}",
-            state.strain, state.stress_ratio, answer.values[0]
-        );
-        assert!(answer.values[0].is_finite());
+    for k in (0..unseen.rows()).step_by(5) {
+        let estimate = &predictions[k].values[0];
+        let [low, high] = estimate.interval.as_ref().map_or([f64::NAN; 2], |ends| [ends.lower, ends.upper]);
+        println!("{:.4}  {:.3}  {:.3}    {low:.3} to {high:.3}", strains[k], ratios[k], estimate.mean);
+        assert!(estimate.mean.is_finite());
     }
     Ok(())
 }

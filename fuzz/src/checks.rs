@@ -5,10 +5,10 @@
 
 use std::hint::black_box;
 
-use granum_antony2006::training_checkpoints::TrainingManifest;
 use granum_dem::config::{ContactModel, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table};
+use granum_learn::study::StudyPlan;
 use granum_nets::trainer::{Flow, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
 use granum_run::laboratory;
@@ -55,8 +55,8 @@ fn record(json: &[u8]) {
 }
 
 fn plan(json: &[u8]) {
-    let Ok(plan) = serde_json::from_slice::<TrainingManifest>(json) else { return };
-    black_box((plan.files(), plan.networks(), plan.differences(&plan)));
+    let Ok(plan) = serde_json::from_slice::<StudyPlan>(json) else { return };
+    black_box((plan.surrogates(), plan.files_in(std::path::Path::new("nowhere")), plan.differences(&plan)));
 }
 
 /// A packing file: what is accepted makes a simulation that can be looked at.

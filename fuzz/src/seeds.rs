@@ -4,13 +4,14 @@ use granum_io::RunKind;
 
 use std::sync::Arc;
 
-use granum_antony2006::training_checkpoints::TrainingManifest;
-use granum_antony2006::{StudyOptions, paper_mappings};
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
+use granum_learn::networks::SubModel;
+use granum_learn::study::{StudyDefinition, StudyPlan};
+use granum_learn::{FitSpec, Split};
 use granum_nets::trainer::{Options, by_name};
 use granum_nets::{Data, Model, ModelDefinition};
 use granum_run::NoObserver;
@@ -54,8 +55,11 @@ fn cases() -> Vec<Seed> {
     json.extend(serde_json::to_vec(&record).expect("a record"));
     case.preparation.friction = Some(0.1);
     case.preparation.solid_fraction = None;
-    let options = StudyOptions { mappings: paper_mappings().split_off(5), ..StudyOptions::default() };
-    let plan = TrainingManifest::new(&["run".into()], &[], "0123".into(), &options).expect("a plan");
+    let fit = FitSpec::new(["deviator_strain", "deviator_fabric"], ["stress_ratio"]);
+    let fit = fit.with_coordinate("deviator_strain");
+    let fit = fit.with_sub_models(SubModel::divided([0.0, 0.3], &[0.1, 0.2], &[10, 10]));
+    let definition = StudyDefinition::new([fit], ["sub-models"], Split::default());
+    let plan = StudyPlan::new(&["run".into()], &[], "0123".into(), definition).expect("a plan");
     let mut planned = b"P".to_vec();
     planned.extend(serde_json::to_vec(&plan).expect("a plan"));
     vec![

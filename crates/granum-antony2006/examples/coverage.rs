@@ -9,10 +9,12 @@
 
 use std::error::Error;
 
-use granum_antony2006::State;
-use granum_antony2006::study::{Silent, StudyOptions};
-use granum_antony2006::{Form, MappingNetworks, Study, StudyData, StudyDataOptions};
-use granum_learn::NamedRecord;
+use granum_antony2006::evaluation::networks;
+use granum_antony2006::{PaperData, PaperDataOptions, PaperOptions};
+use granum_learn::networks::{Form, SubModelNetworks};
+use granum_learn::study::NoStudyObserver;
+use granum_learn::surrogate::RunInputs;
+use granum_learn::{Dataset, NamedRecord, Surrogate};
 use granum_sensors::Record;
 
 const LEVEL: f64 = 0.9;
@@ -32,22 +34,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let (training, judging) = (read(&training)?, read(&judging)?);
-    let dataset = StudyData::new(&named(&training), &named(&judging), &StudyDataOptions::default())?;
-    let options = StudyOptions { form, ..StudyOptions::default() };
-    let study = Study::train(&dataset, &options, &Silent)?;
+    let data = PaperData::from_records(&named(&training), &named(&judging), &PaperDataOptions::default())?;
+    let options = PaperOptions { form, ..PaperOptions::default() };
+    let study = options.train(&data, &NoStudyObserver)?;
     println!("{} training runs, {} judging runs", training.len(), judging.len());
-    for trained in &study.mappings {
-        let counts = coverage(&trained.surrogate, &dataset.unseen())?;
+    for fit in &study.fits {
+        let counts = coverage(networks(&study, &fit.name)?, &data.parts.unseen)?;
         let all = counts.iter().fold((0, 0, 0.0), |a, c| (a.0 + c.0, a.1 + c.1, a.2 + c.2));
         let percent = |c: &Count| format!("{:5.1}", 100.0 * c.0 as f64 / c.1 as f64);
         let each: Vec<String> = counts.iter().map(percent).collect();
         let width = all.2 / all.1 as f64;
-        println!(
-            "{} {} | {} | width {width:.4}",
-            trained.surrogate.mapping().name,
-            each.join(" "),
-            percent(&all)
-        );
+        println!("{} {} | {} | width {width:.4}", fit.name, each.join(" "), percent(&all));
     }
     Ok(())
 }
@@ -55,17 +52,22 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// For one sub-model: the number of values within the interval, the number of values, and the sum of the widths.
 type Count = (usize, usize, f64);
 
-fn coverage(surrogate: &MappingNetworks, states: &[&State]) -> Result<Vec<Count>, Box<dyn Error>> {
-    let mapping = surrogate.mapping();
+fn coverage(networks: &SubModelNetworks, states: &Dataset) -> Result<Vec<Count>, Box<dyn Error>> {
+    let mapping = networks.mapping();
+    let columns = Surrogate::columns(networks);
     let mut counts = vec![(0, 0, 0.0); mapping.sub_models.len()];
-    let intervals = surrogate.intervals(states.iter().copied(), LEVEL)?;
-    for (state, intervals) in states.iter().zip(&intervals) {
-        let (sub_model, inside) = mapping.sub_model_at(state.strain);
-        let (true, Some(intervals)) = (inside, intervals) else { continue };
-        for (value, [low, high]) in state.values(mapping.output).iter().zip(intervals) {
-            counts[sub_model].0 += usize::from(low <= value && value <= high);
+    let inputs = RunInputs::from_dataset(states, columns)?;
+    let exact = states.values(&columns.output_names())?;
+    let predictions = networks.predict(&inputs, LEVEL)?;
+    for ((row, exact), prediction) in
+        inputs.rows().zip(exact.chunks_exact(columns.outputs.len())).zip(&predictions)
+    {
+        let (sub_model, inside) = mapping.sub_model_at(mapping.coordinate_of(row));
+        for (value, estimate) in exact.iter().zip(&prediction.values) {
+            let (true, Some(interval)) = (inside, &estimate.interval) else { continue };
+            counts[sub_model].0 += usize::from(interval.lower <= *value && *value <= interval.upper);
             counts[sub_model].1 += 1;
-            counts[sub_model].2 += high - low;
+            counts[sub_model].2 += interval.upper - interval.lower;
         }
     }
     Ok(counts)

@@ -15,9 +15,11 @@
 
 use std::error::Error;
 
-use granum_antony2006::study::{Silent, StudyOptions};
-use granum_antony2006::{Form, Mapping, Study, StudyData, StudyDataOptions, paper_mappings};
+use granum_antony2006::evaluation::score_run;
+use granum_antony2006::{Mapping, PaperData, PaperDataOptions, PaperOptions, paper_mappings};
 use granum_learn::NamedRecord;
+use granum_learn::networks::Form;
+use granum_learn::study::NoStudyObserver;
 use granum_sensors::Record;
 
 /// Number of predictors that are compared, in the order of the table.
@@ -59,12 +61,12 @@ fn judge(runs: &[(String, Record)], wishes: &Wishes, form: Form, count: usize) -
             let some = (0..runs.len()).filter(|&k| trains(k) == wanted);
             some.map(|k| NamedRecord { name: &runs[k].0, seed: 0, record: &runs[k].1 }).collect()
         };
-        let dataset = StudyData::new(&chosen(true), &chosen(false), &StudyDataOptions::default())?;
-        let options = StudyOptions { form, mappings: mappings.clone(), ..StudyOptions::default() };
-        let study = Study::train(&dataset, &options, &Silent)?;
+        let data = PaperData::from_records(&chosen(true), &chosen(false), &PaperDataOptions::default())?;
+        let options = PaperOptions { form, mappings: mappings.clone(), ..PaperOptions::default() };
+        let study = options.train(&data, &NoStudyObserver)?;
         let judging = (0..runs.len()).filter(|&k| !trains(k));
-        for (k, run) in judging.zip(&dataset.unseen_runs) {
-            for (m, score) in study.score_run(run)?.into_iter().enumerate() {
+        for (k, run) in judging.zip(data.parts.unseen.runs()) {
+            for (m, score) in score_run(&study, run)?.into_iter().enumerate() {
                 let baselines = [score.ridge, score.ridge_strain_only, score.mean_curve];
                 let [a, b, c] = baselines.map(|score| score.map_or(f64::NAN, |s| s.relative_rmse));
                 errors[m][group][k] =

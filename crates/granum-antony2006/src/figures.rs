@@ -6,11 +6,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use granum_learn::curve::RunCurves;
+use granum_learn::dataset::RunStates;
+use granum_learn::networks::SubModelNetworks;
+use granum_learn::study::Study;
+use granum_learn::{Result, Surrogate};
+
+use crate::data::PaperData;
+use crate::evaluation::{networks, scatter, strain_only};
 use crate::mapping::{Mapping, Quantity};
-use crate::study::evaluation::scatter;
-use crate::study::trained::{Study, TrainedMapping};
-use crate::study_data::{Run, State, StudyData};
-use granum_learn::Result;
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,108 +83,125 @@ const FINE: usize = 200;
 ///
 /// # Errors
 /// If a state contains a value that is not finite.
-pub fn figures(study: &Study, dataset: &StudyData) -> Result<Vec<Figure>> {
-    let runs = if dataset.unseen_runs.is_empty() { &dataset.training_runs } else { &dataset.unseen_runs };
-    study
-        .mappings
-        .iter()
-        .map(|trained| {
-            let mapping = trained.surrogate.mapping();
-            let panels = if mapping.output == Quantity::ForceDistribution {
-                (0..mapping.sub_models.len())
-                    .map(|k| distribution_panel(trained, dataset, runs, k))
-                    .collect::<Result<_>>()?
-            } else {
-                vec![scalar_panel(trained, dataset, runs)?]
-            };
-            Ok(Figure {
-                mapping: mapping.name.clone(),
-                formula: mapping.formula(),
-                output: mapping.output,
-                panels,
-            })
+pub fn figures(study: &Study, data: &PaperData) -> Result<Vec<Figure>> {
+    let runs = if data.parts.unseen.rows() == 0 { &data.parts.training_runs } else { &data.parts.unseen };
+    let figure = |fit: &granum_learn::study::StudyFit| {
+        let mapping = Mapping::from_fit(&fit.spec)?;
+        let shown = Shown {
+            with_sensors: networks(study, &fit.name)?,
+            strain_only: strain_only(study, &fit.name)?,
+            mapping: &mapping,
+            data,
+            runs: runs.runs(),
+        };
+        let panels = match mapping.output {
+            Quantity::ForceDistribution => {
+                (0..mapping.sub_models.len()).map(|k| distribution_panel(&shown, k)).collect::<Result<_>>()?
+            }
+            _ => vec![scalar_panel(&shown)?],
+        };
+        Ok(Figure {
+            mapping: mapping.name.clone(),
+            formula: mapping.formula(),
+            output: mapping.output,
+            panels,
         })
-        .collect()
+    };
+    study.fits.iter().map(figure).collect()
 }
 
-fn scalar_panel(trained: &TrainedMapping, dataset: &StudyData, runs: &[Run]) -> Result<Panel> {
-    let mapping = trained.surrogate.mapping();
-    let sub_models = &mapping.sub_models;
-    let range = [sub_models[0].strain_range[0], sub_models[sub_models.len() - 1].strain_range[1]];
+/// The networks of a mapping and the runs that a figure shows.
+struct Shown<'a> {
+    with_sensors: &'a SubModelNetworks,
+    strain_only: &'a SubModelNetworks,
+    mapping: &'a Mapping,
+    data: &'a PaperData,
+    runs: &'a [RunStates],
+}
+
+impl Shown<'_> {
+    /// The inputs of networks along a run.
+    fn inputs(&self, networks: &SubModelNetworks, run: &RunStates) -> Result<RunCurves> {
+        RunCurves::new(run, Quantity::DeviatorStrain.column(), &Surrogate::columns(networks).input_names())
+    }
+
+    fn outputs(&self, run: &RunStates) -> Result<RunCurves> {
+        RunCurves::new(run, Quantity::DeviatorStrain.column(), &self.mapping.output.columns(&self.data.bins))
+    }
+}
+
+fn scalar_panel(shown: &Shown) -> Result<Panel> {
+    let sub_models = &shown.mapping.sub_models;
+    let range = [sub_models[0].range[0], sub_models[sub_models.len() - 1].range[1]];
     let mut panel = empty_panel(range, false);
-    for run in runs {
+    for run in shown.runs {
         for k in 0..sub_models.len() {
-            let states = fine_states(mapping, run, k);
-            for (surrogate, lines) in
-                [(&trained.surrogate, &mut panel.lines), (&trained.strain_only, &mut panel.strain_only)]
+            for (networks, lines) in
+                [(shown.with_sensors, &mut panel.lines), (shown.strain_only, &mut panel.strain_only)]
             {
-                let answers = surrogate.answer(&states)?;
+                let states = fine_states(shown.mapping, &shown.inputs(networks, run)?, k);
+                let answers = networks.predict_states(&states.concat())?;
                 lines.push(Curve {
-                    run: run.name.clone(),
+                    run: run.name().to_owned(),
                     sub_model: k + 1,
                     strain: None,
-                    x: states.iter().map(|state| state.strain).collect(),
+                    x: states.iter().map(|state| state[0]).collect(),
                     y: answers.iter().map(|answer| answer.values[0]).collect(),
                     outside: answers.iter().map(|answer| answer.outside).collect(),
                 });
             }
         }
-        let states: Vec<&State> =
-            run.states.iter().filter(|s| s.strain >= range[0] && s.strain <= range[1]).collect();
-        panel.points.push(Curve {
-            run: run.name.clone(),
-            sub_model: 0,
-            strain: None,
-            x: states.iter().map(|state| state.strain).collect(),
-            y: states.iter().map(|state| state.values(mapping.output)[0]).collect(),
-            outside: vec![false; states.len()],
-        });
+        let outputs = shown.outputs(run)?;
+        let strains = outputs.coordinate.iter().zip(&outputs.columns[0]);
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            strains.filter(|(strain, _)| **strain >= range[0] && **strain <= range[1]).unzip();
+        let outside = vec![false; x.len()];
+        panel.points.push(Curve { run: run.name().to_owned(), sub_model: 0, strain: None, x, y, outside });
     }
-    if let Some(scatter) = scatter(dataset, mapping, mapping.output) {
+    if let Some(scatter) = scatter(shown.data, shown.mapping, shown.mapping.output)? {
         let edges = scatter.means.iter().zip(&scatter.deviations);
         let (low, high) = edges.map(|(mean, s)| (mean[0] - s[0], mean[0] + s[0])).unzip();
-        panel.bands.push(Band { strain: None, x: scatter.strains, low, high });
+        panel.bands.push(Band { strain: None, x: scatter.coordinates, low, high });
     }
     Ok(panel)
 }
 
-/// States of a run at small, equal intervals of strain within the range of a sub-model and of the run.
-fn fine_states(mapping: &Mapping, run: &Run, sub_model: usize) -> Vec<State> {
-    let [low, high] = mapping.sub_models[sub_model].strain_range;
-    let (Some(first), Some(last)) = (run.states.first(), run.states.last()) else { return Vec::new() };
-    let (low, high) = (low.max(first.strain), high.min(last.strain));
+/// The inputs at small, equal intervals of strain within the range of a sub-model and of the run.
+fn fine_states(mapping: &Mapping, run: &RunCurves, sub_model: usize) -> Vec<Vec<f64>> {
+    let [low, high] = mapping.sub_models[sub_model].range;
+    let (Some(first), Some(last)) = (run.coordinate.first(), run.coordinate.last()) else {
+        return Vec::new();
+    };
+    let (low, high) = (low.max(*first), high.min(*last));
     (0..=FINE)
         .map(|k| low + (high - low) * k as f64 / FINE as f64)
         .filter(|&strain| mapping.sub_model_at(strain).0 == sub_model && low < high)
-        .filter_map(|strain| run.at(strain))
+        .map(|strain| run.at(strain))
         .collect()
 }
 
-fn distribution_panel(
-    trained: &TrainedMapping,
-    dataset: &StudyData,
-    runs: &[Run],
-    k: usize,
-) -> Result<Panel> {
-    let mapping = trained.surrogate.mapping();
-    let range = mapping.sub_models[k].strain_range;
+fn distribution_panel(shown: &Shown, k: usize) -> Result<Panel> {
+    let range = shown.mapping.sub_models[k].range;
     let mut panel = empty_panel(range, true);
-    let forces = trained.surrogate.forces();
+    let forces = &shown.data.bins.centres;
     let (Some(&first), Some(&last)) = (forces.first(), forces.last()) else { return Ok(panel) };
     let fine: Vec<f64> = (0..=FINE).map(|i| first + (last - first) * i as f64 / FINE as f64).collect();
-    let scatter = scatter(dataset, mapping, mapping.output);
+    let scatter = scatter(shown.data, shown.mapping, shown.mapping.output)?;
     for part in [1.0, 3.0, 5.0] {
         let wanted = range[0] + (range[1] - range[0]) * part / 6.0;
-        for run in runs {
-            let Some(state) = nearest(mapping, run, wanted, k) else { continue };
-            for (surrogate, lines) in
-                [(&trained.surrogate, &mut panel.lines), (&trained.strain_only, &mut panel.strain_only)]
+        for run in shown.runs {
+            let outputs = shown.outputs(run)?;
+            let Some(state) = nearest(shown.mapping, &outputs.coordinate, wanted, k) else { continue };
+            let strain = outputs.coordinate[state];
+            for (networks, lines) in
+                [(shown.with_sensors, &mut panel.lines), (shown.strain_only, &mut panel.strain_only)]
             {
-                for answer in surrogate.answer_at([state], &fine)? {
+                let inputs = shown.inputs(networks, run)?.row(state);
+                for answer in networks.predict_states_at(&inputs, &fine)? {
                     lines.push(Curve {
-                        run: run.name.clone(),
+                        run: run.name().to_owned(),
                         sub_model: k + 1,
-                        strain: Some(state.strain),
+                        strain: Some(strain),
                         x: fine.clone(),
                         y: answer.values,
                         outside: vec![answer.outside; fine.len()],
@@ -188,33 +209,32 @@ fn distribution_panel(
                 }
             }
             panel.points.push(Curve {
-                run: run.name.clone(),
+                run: run.name().to_owned(),
                 sub_model: 0,
-                strain: Some(state.strain),
-                x: forces.to_vec(),
-                y: state.densities.clone(),
+                strain: Some(strain),
+                x: forces.clone(),
+                y: outputs.row(state),
                 outside: vec![false; forces.len()],
             });
         }
         if let Some(scatter) = &scatter
-            && let Some(at) = (0..scatter.strains.len()).min_by(|&a, &b| {
-                (scatter.strains[a] - wanted).abs().total_cmp(&(scatter.strains[b] - wanted).abs())
+            && let Some(at) = (0..scatter.coordinates.len()).min_by(|&a, &b| {
+                (scatter.coordinates[a] - wanted).abs().total_cmp(&(scatter.coordinates[b] - wanted).abs())
             })
         {
             let edges = scatter.means[at].iter().zip(&scatter.deviations[at]);
             let (low, high) = edges.map(|(mean, s)| (mean - s, mean + s)).unzip();
-            panel.bands.push(Band { strain: Some(scatter.strains[at]), x: forces.to_vec(), low, high });
+            panel.bands.push(Band { strain: Some(scatter.coordinates[at]), x: forces.clone(), low, high });
         }
     }
     Ok(panel)
 }
 
-/// The state of a run closest to a strain, within the range of a sub-model.
-fn nearest<'a>(mapping: &Mapping, run: &'a Run, strain: f64, sub_model: usize) -> Option<&'a State> {
-    run.states
-        .iter()
-        .filter(|state| mapping.sub_model_at(state.strain) == (sub_model, true))
-        .min_by(|a, b| (a.strain - strain).abs().total_cmp(&(b.strain - strain).abs()))
+/// The number of the state closest to a strain, within the range of a sub-model.
+fn nearest(mapping: &Mapping, strains: &[f64], wanted: f64, sub_model: usize) -> Option<usize> {
+    (0..strains.len())
+        .filter(|&k| mapping.sub_model_at(strains[k]) == (sub_model, true))
+        .min_by(|&a, &b| (strains[a] - wanted).abs().total_cmp(&(strains[b] - wanted).abs()))
 }
 
 fn empty_panel(strain_range: [f64; 2], against_force: bool) -> Panel {

@@ -1,10 +1,10 @@
 //! Interpretation of the results of the networks in plain sentences.
 
-use crate::sensor_use::Verdict;
+use crate::evaluation::{Evaluation, Parts};
 use crate::size_study::SizeStudy;
-use crate::study::Evaluation;
 use crate::summary::SpeedSummary;
 use granum_core::words::{listed, percentage};
+use granum_learn::input_use::Verdict;
 use granum_learn::student_t::PairedTest;
 
 /// A mean difference with its standard error, in percentage points.
@@ -25,9 +25,7 @@ pub fn read_mapping(evaluation: &Evaluation) -> String {
 fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
     let unseen = evaluation.network.unseen.states > 0;
-    let of = |parts: &crate::study::Parts| {
-        percentage(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
-    };
+    let of = |parts: &Parts| percentage(if unseen { parts.unseen } else { parts.held_out }.relative_rmse);
     format!(
         "{}: on {} the relative RMSE of {} is {} for the networks, {} for strain-only networks, {} for ridge \
          regression on the same sensors, {} for the mean curve of the training runs.",

@@ -8,44 +8,18 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::baseline::{MappingBaselines, Ridge};
-use crate::mapping::Mapping;
-use crate::mapping_networks::states_of;
-use crate::sensor_use::sensor_use;
-use crate::study::observer::StudyObserver;
-use crate::study::options::{PAPER_TRAINER, StudyOptions};
-use crate::study::trained::{Study, TrainedMapping};
-use crate::study_data::{Run, StudyData, StudyDataOptions};
 use granum_core::words::listed;
 use granum_learn::Result;
-use granum_learn::dataset::NamedRecord;
-use granum_learn::score::Scorer;
+use granum_learn::learning_curve::{LearningCurve as GeneralCurve, LearningPoint, MeanError, doubled};
 use granum_learn::student_t::PairedTest;
+use granum_learn::study::StudyObserver;
+
+use crate::data::PaperData;
+use crate::mapping::Mapping;
+use crate::options::{PAPER_TRAINER, PaperOptions};
 
 /// Largest number of different sets of training runs of one size; their errors are averaged.
 const MOST_SETS: usize = 2;
-
-/// A mean over unseen runs with its standard error.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
-    /// The mean.
-    pub mean: f64,
-    /// Standard error of the mean; 0 for a single run.
-    pub standard_error: f64,
-    /// Number of unseen runs.
-    pub runs: usize,
-}
-
-impl Estimate {
-    /// The estimate from one value per run.
-    pub fn of(values: &[f64]) -> Estimate {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n.max(1.0);
-        let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-        let standard_error = if n > 1.0 { (square / (n - 1.0) / n).sqrt() } else { 0.0 };
-        Estimate { mean, standard_error, runs: values.len() }
-    }
-}
 
 /// Errors as a function of the number of training runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -73,15 +47,15 @@ pub struct CurvePoint {
     /// Number of different sets of this number of runs, whose errors are averaged.
     pub sets: usize,
     /// Error of the networks.
-    pub network: Estimate,
+    pub network: MeanError,
     /// Error of strain-only networks of the same size.
-    pub strain_only: Estimate,
+    pub strain_only: MeanError,
     /// Error of ridge regression on splines with the same inputs.
-    pub ridge: Estimate,
+    pub ridge: MeanError,
     /// Error of ridge regression on strain alone.
-    pub ridge_strain_only: Estimate,
+    pub ridge_strain_only: MeanError,
     /// Error of the networks with the sensors of another unseen run at the same strain; `None` for a single unseen run.
-    pub other_sensors: Option<Estimate>,
+    pub other_sensors: Option<MeanError>,
     /// Decrease of the error from the strain-only networks to the networks with sensors, with a test whether it exceeds the
     /// scatter.
     pub help: PairedTest,
@@ -90,6 +64,22 @@ pub struct CurvePoint {
 }
 
 impl CurvePoint {
+    fn new(mapping: &Mapping, point: LearningPoint) -> CurvePoint {
+        CurvePoint {
+            mapping: mapping.name.clone(),
+            formula: mapping.formula(),
+            training_runs: point.training_runs,
+            sets: point.sets,
+            network: point.error,
+            strain_only: point.coordinate_only,
+            ridge: point.ridge.unwrap_or_default(),
+            ridge_strain_only: point.ridge_coordinate_only.unwrap_or_default(),
+            other_sensors: point.with_other,
+            help: point.help,
+            lost_with_other: point.lost_with_other,
+        }
+    }
+
     /// True if the error is smaller than that of strain-only networks and increases with the sensors of another run, both
     /// by more than the scatter over the unseen runs.
     pub fn helps(&self) -> bool {
@@ -102,30 +92,30 @@ impl LearningCurve {
     /// Trains the mappings on 1, 2, 4, ... and all of the training runs and scores them on the unseen runs.
     ///
     /// # Errors
-    /// As [`Study::train`].
-    pub fn new(
-        training: &[NamedRecord],
-        unseen: &[NamedRecord],
+    /// As [`GeneralCurve::measure`].
+    pub fn measure(
+        data: &PaperData,
         grains: usize,
-        options: &StudyOptions,
+        options: &PaperOptions,
         observer: &dyn StudyObserver,
     ) -> Result<LearningCurve> {
-        let mut curve = LearningCurve {
-            grains,
-            unseen_runs: unseen.len(),
-            trainer: options.trainer.name().to_owned(),
-            points: Vec::new(),
-        };
         // The trainer of the paper takes so many epochs that only one run and all runs are tried.
         let thorough = options.trainer.name() != PAPER_TRAINER;
-        let sets = if thorough { MOST_SETS } else { 1 };
-        for runs in numbers(training.len()).into_iter().filter(|&n| thorough || n == 1 || n == training.len())
-        {
-            curve.points.extend(points(training, unseen, (runs, sets), options, observer)?);
-        }
-        let order = |point: &CurvePoint| options.mappings.iter().position(|m| m.name == point.mapping);
-        curve.points.sort_by_key(|point| (order(point), point.training_runs));
-        Ok(curve)
+        let (sets, all) = (if thorough { MOST_SETS } else { 1 }, data.parts.training_runs.runs().len());
+        let mut numbers = doubled(all);
+        numbers.retain(|&n| thorough || n == 1 || n == all);
+        let (definition, methods) = (options.definition(data), options.methods());
+        let curve = GeneralCurve::measure(&data.dataset, &definition, &methods, (&numbers, sets), observer)?;
+        let point = |point: LearningPoint| {
+            let mapping = options.mappings.iter().find(|mapping| mapping.name == point.fit)?;
+            Some(CurvePoint::new(mapping, point))
+        };
+        Ok(LearningCurve {
+            grains,
+            unseen_runs: curve.unseen_runs,
+            trainer: options.trainer.name().to_owned(),
+            points: curve.points.into_iter().filter_map(point).collect(),
+        })
     }
 
     /// The points of one mapping, by number of training runs.
@@ -194,110 +184,30 @@ fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
     text + "."
 }
 
-/// The numbers of training runs: 1, 2, 4, ... and all.
-fn numbers(all: usize) -> Vec<usize> {
-    let mut numbers: Vec<usize> =
-        std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all).collect();
-    numbers.push(all);
-    numbers
-}
-
-/// The points of all mappings for one number of training runs.
-fn points(
-    training: &[NamedRecord],
-    unseen: &[NamedRecord],
-    (runs, most_sets): (usize, usize),
-    options: &StudyOptions,
-    observer: &dyn StudyObserver,
-) -> Result<Vec<CurvePoint>> {
-    let sets: Vec<&[NamedRecord]> = training.chunks_exact(runs).take(most_sets).collect();
-    let mut errors: Vec<Errors> = vec![Errors::default(); options.mappings.len()];
-    for set in &sets {
-        let dataset = StudyData::new(set, unseen, &StudyDataOptions::default())?;
-        let study = Study::train(&dataset, options, observer)?;
-        for (trained, errors) in study.mappings.iter().zip(&mut errors) {
-            errors.add(trained, &dataset)?;
-        }
-    }
-    let count = sets.len() as f64;
-    let point = |(mapping, errors): (&Mapping, &Errors)| CurvePoint {
-        mapping: mapping.name.clone(),
-        formula: mapping.formula(),
-        training_runs: runs,
-        sets: sets.len(),
-        network: Estimate::of(&errors.mean(0, count)),
-        strain_only: Estimate::of(&errors.mean(1, count)),
-        ridge: Estimate::of(&errors.mean(2, count)),
-        ridge_strain_only: Estimate::of(&errors.mean(3, count)),
-        other_sensors: (unseen.len() > 1).then(|| Estimate::of(&errors.mean(4, count))),
-        help: PairedTest::new(&errors.difference(1, 0, count)).unwrap_or_default(),
-        lost_with_other: PairedTest::new(&errors.difference(4, 0, count)).filter(|_| unseen.len() > 1),
-    };
-    Ok(options.mappings.iter().zip(&errors).map(point).collect())
-}
-
-/// For each unseen run, sums over sets of the errors of the networks, the strain-only networks, ridge regression, ridge
-/// regression on strain alone, and the networks with other sensors.
-#[derive(Clone, Debug, Default)]
-struct Errors {
-    by_run: Vec<[f64; 5]>,
-}
-
-impl Errors {
-    fn add(&mut self, trained: &TrainedMapping, dataset: &StudyData) -> Result<()> {
-        self.by_run.resize(dataset.unseen_runs.len(), [0.0; 5]);
-        let mapping = trained.surrogate.mapping();
-        let ridges = MappingBaselines::fit(mapping, dataset)?;
-        let runs: Vec<&Run> = dataset.unseen_runs.iter().collect();
-        let usage = sensor_use(trained, &runs)?;
-        for (k, (errors, run)) in usage.runs.iter().zip(&dataset.unseen_runs).enumerate() {
-            let found = [
-                errors.own,
-                errors.coordinate_only,
-                ridge_error(&ridges.ridge, mapping, run),
-                ridge_error(&ridges.strain_only, mapping, run),
-                errors.with_other.unwrap_or(errors.own),
-            ];
-            for (sum, value) in self.by_run[k].iter_mut().zip(found) {
-                *sum += value;
-            }
-        }
-        Ok(())
-    }
-
-    fn mean(&self, kind: usize, sets: f64) -> Vec<f64> {
-        self.by_run.iter().map(|errors| errors[kind] / sets).collect()
-    }
-
-    fn difference(&self, a: usize, b: usize, sets: f64) -> Vec<f64> {
-        self.by_run.iter().map(|errors| (errors[a] - errors[b]) / sets).collect()
-    }
-}
-
-fn ridge_error(ridge: &Ridge, mapping: &Mapping, run: &Run) -> f64 {
-    let mut scorer = Scorer::default();
-    for state in states_of(mapping, &run.states, None) {
-        scorer.add(state.values(mapping.output), &ridge.answer(state));
-    }
-    scorer.score().relative_rmse
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::PaperDataOptions;
     use crate::mapping::paper_mapping;
-    use crate::study::Silent;
     use crate::synthetic::{Law, record};
+    use granum_learn::NamedRecord;
+    use granum_learn::study::NoStudyObserver;
 
     #[test]
     fn a_sensor_that_shows_a_hidden_variable_helps_and_one_that_does_not_does_not() {
         let curve = |law| {
             let records: Vec<_> = (1..=6).map(|seed| record(law, seed, 60)).collect();
-            let named: Vec<NamedRecord> =
-                records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+            let names = ["a", "b", "c", "d", "e", "f"];
+            let named: Vec<NamedRecord> = records
+                .iter()
+                .zip(names)
+                .map(|(record, name)| NamedRecord { name, seed: 0, record })
+                .collect();
+            let data =
+                PaperData::from_records(&named[..2], &named[2..], &PaperDataOptions::default()).unwrap();
             let options =
-                StudyOptions { mappings: vec![paper_mapping("F3").unwrap()], ..StudyOptions::default() };
-            LearningCurve::new(&named[..2], &named[2..], 100, &options, &Silent).unwrap()
+                PaperOptions { mappings: vec![paper_mapping("F3").unwrap()], ..PaperOptions::default() };
+            LearningCurve::measure(&data, 100, &options, &NoStudyObserver).unwrap()
         };
         let hidden = curve(Law::Hidden);
         assert_eq!(hidden.of("F3").map(|point| point.training_runs).collect::<Vec<_>>(), [1, 2]);
@@ -306,12 +216,5 @@ mod tests {
         assert!(last.network.mean < 0.5 * last.strain_only.mean);
         assert!(last.other_sensors.unwrap().mean > 2.0 * last.network.mean);
         assert_eq!(curve(Law::Blind).helps_from("F3"), None);
-    }
-
-    #[test]
-    fn numbers_of_runs_double_and_end_with_all() {
-        assert_eq!(numbers(1), [1]);
-        assert_eq!(numbers(8), [1, 2, 4, 8]);
-        assert_eq!(numbers(6), [1, 2, 4, 6]);
     }
 }

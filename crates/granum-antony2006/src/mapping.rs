@@ -1,15 +1,14 @@
-//! The six mappings of Antony, Zhou and Wang (2006) with the sub-models of their Tables 1-6.
+//! The six mappings of Antony, Zhou and Wang (2006) with the sub-models of their Tables 1-6, as fits of a study.
 //!
-//! `P(f)` can be an input in two forms. In the **point form** of the paper, a state of a test gives one row for each bin
-//! of f, and the inputs are (strain, ..., f, P). In the **histogram form** all bins of a state are inputs of the same row.
-//!
-//! If `P(f)` is the output, the captions of the paper mention f among the inputs only once (F2, sub-model 1). Since a
+//! `P(f)` is a histogram, which can enter the networks in two forms ([`granum_learn::networks::Form`]); the paper uses single
+//! points. If `P(f)` is the output, the captions of the paper mention f among the inputs only once (F2, sub-model 1). Since a
 //! network with one output cannot predict P without knowing f, in both forms f is an input of every network whose output
 //! is `P(f)`.
 
 use serde::{Deserialize, Serialize};
 
-use granum_learn::{LearnError, Result};
+use granum_learn::networks::{Bins, SubModel, sub_model_at};
+use granum_learn::{FitSpec, LearnError, Result};
 
 /// A quantity that is an input or the output of a mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -47,31 +46,23 @@ impl Quantity {
         }
     }
 
-    fn is_distribution(self) -> bool {
-        self == Quantity::ForceDistribution
+    /// The columns of a data set with this quantity, for the given bins of f.
+    pub fn columns(self, bins: &Bins) -> Vec<String> {
+        let column = self.column();
+        match self {
+            Quantity::ForceDistribution => bins.columns(column),
+            _ => vec![column.to_owned()],
+        }
     }
-}
 
-/// The form in which the force distribution enters a network.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Form {
-    /// As single points: f and P(f) are one input each, and a state gives one row for each bin (as in the paper).
-    #[default]
-    Point,
-    /// As a whole: every bin is an input.
-    Histogram,
-}
-
-/// One network of a mapping: its range of strain, size and training.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SubModel {
-    /// Range of deviator strain; its end belongs to the next sub-model, if there is one.
-    pub strain_range: [f64; 2],
-    /// Numbers of neurons of the hidden layers.
-    pub hidden: Vec<usize>,
-    /// Number of epochs of the trainer of the paper.
-    pub epochs: u64,
+    /// The quantity to which a column belongs.
+    fn of_column(name: &str) -> Option<Quantity> {
+        let all = [DeviatorStrain, StressRatio, DeviatorFabric, ForceDistribution];
+        all.into_iter().find(|quantity| match quantity {
+            ForceDistribution => name.starts_with(quantity.column()),
+            _ => name == quantity.column(),
+        })
+    }
 }
 
 /// A mapping between micro- and macroscopic quantities.
@@ -159,9 +150,9 @@ pub fn paper_mappings_to(end: f64) -> Vec<Mapping> {
             sub_models: rows
                 .iter()
                 .map(|&(low, high, neurons, epochs)| SubModel {
-                    strain_range: [scaled(low), scaled(high)],
+                    range: [scaled(low), scaled(high)],
                     hidden: vec![neurons, neurons],
-                    epochs,
+                    epochs: Some(epochs),
                 })
                 .collect(),
         })
@@ -189,25 +180,41 @@ impl Mapping {
 
     /// The sub-model for a strain, and whether its range contains the strain; if no range does, it is the nearest sub-model.
     pub fn sub_model_at(&self, strain: f64) -> (usize, bool) {
-        let last = self.sub_models.len().saturating_sub(1);
-        let holds = |k: usize| {
-            let [low, high] = self.sub_models[k].strain_range;
-            strain >= low && (strain < high || (k == last && strain <= high))
-        };
-        if let Some(k) = (0..self.sub_models.len()).find(|&k| holds(k)) {
-            return (k, true);
-        }
-        let distance = |k: usize| {
-            let [low, high] = self.sub_models[k].strain_range;
-            (low - strain).max(strain - high)
-        };
-        let nearest = (0..self.sub_models.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-        (nearest.unwrap_or(0), false)
+        sub_model_at(&self.sub_models, strain)
     }
 
-    /// The strain-only version of the mapping, with the same output, ranges, sizes and epochs.
-    pub fn strain_only(&self) -> Mapping {
-        Mapping { inputs: vec![Quantity::DeviatorStrain], ..self.clone() }
+    /// The mapping as a fit of a study, for the given bins of f.
+    pub fn fit(&self, bins: &Bins) -> FitSpec {
+        let inputs = self.inputs.iter().flat_map(|input| input.columns(bins));
+        let spec = FitSpec::new(inputs, self.output.columns(bins)).with_name(&self.name);
+        spec.with_coordinate(DeviatorStrain.column()).with_sub_models(self.sub_models.clone())
+    }
+
+    /// The mapping that a fit of a study is.
+    ///
+    /// # Errors
+    /// If it has columns that no mapping of the paper has.
+    pub fn from_fit(spec: &FitSpec) -> Result<Mapping> {
+        let quantities = |names: &[String]| -> Result<Vec<Quantity>> {
+            let mut found = Vec::new();
+            for name in names {
+                let quantity = Quantity::of_column(name).ok_or_else(|| LearnError::Unknown {
+                    kind: "quantity of the paper",
+                    name: name.clone(),
+                    known: [DeviatorStrain, StressRatio, DeviatorFabric, ForceDistribution]
+                        .map(Quantity::column)
+                        .join(", "),
+                })?;
+                if found.last() != Some(&quantity) {
+                    found.push(quantity);
+                }
+            }
+            Ok(found)
+        };
+        let output = quantities(&spec.outputs)?.first().copied().unwrap_or(StressRatio);
+        let (name, inputs, sub_models) =
+            (spec.fit_name(), quantities(&spec.inputs)?, spec.sub_models.clone());
+        Ok(Mapping { name, inputs, output, sub_models })
     }
 
     /// The same mapping with the given number of neurons in every hidden layer.
@@ -217,54 +224,6 @@ impl Mapping {
             sub_model.hidden.iter_mut().for_each(|layer| *layer = neurons);
         }
         mapping
-    }
-
-    /// Names of the inputs of the networks, for bins of f with the given centres.
-    pub fn network_inputs(&self, form: Form, forces: &[f64]) -> Vec<String> {
-        let mut names = Vec::new();
-        for input in &self.inputs {
-            let column = input.column();
-            match (input.is_distribution(), form) {
-                (false, _) => names.push(column.to_owned()),
-                (true, Form::Point) => names.extend(["force".to_owned(), column.to_owned()]),
-                (true, Form::Histogram) => {
-                    names.extend(forces.iter().map(|force| format!("{column}_{force}")))
-                }
-            }
-        }
-        if self.output == Quantity::ForceDistribution {
-            names.push("force".to_owned());
-        }
-        names
-    }
-
-    /// For each input of the networks, the number of the quantity to which it belongs; all bins of a distribution are one
-    /// quantity.
-    pub fn input_quantities(&self, form: Form, bins: usize) -> Vec<usize> {
-        let mut numbers = Vec::new();
-        for input in &self.inputs {
-            let next = numbers.last().map_or(0, |last| last + 1);
-            match (input.is_distribution(), form) {
-                (false, _) => numbers.push(next),
-                (true, Form::Point) => numbers.extend([next, next + 1]),
-                (true, Form::Histogram) => numbers.extend(std::iter::repeat_n(next, bins)),
-            }
-        }
-        if self.output == Quantity::ForceDistribution {
-            numbers.push(numbers.last().map_or(0, |last| last + 1));
-        }
-        numbers
-    }
-
-    /// Name of the output of the networks.
-    pub fn network_output(&self) -> &'static str {
-        self.output.column()
-    }
-
-    /// True if a state gives one row for each bin of f.
-    pub fn has_point_rows(&self, form: Form) -> bool {
-        let reads = self.inputs.contains(&Quantity::ForceDistribution);
-        self.output == Quantity::ForceDistribution || (reads && form == Form::Point)
     }
 }
 
@@ -292,12 +251,12 @@ mod tests {
     fn ranges_join_without_gaps_and_end_where_the_paper_ends() {
         for mapping in paper_mappings() {
             assert_eq!(mapping.sub_models.len(), 3);
-            assert_eq!(mapping.sub_models[0].strain_range[0], 0.0);
+            assert_eq!(mapping.sub_models[0].range[0], 0.0);
             for pair in mapping.sub_models.windows(2) {
-                assert_eq!(pair[0].strain_range[1], pair[1].strain_range[0]);
+                assert_eq!(pair[0].range[1], pair[1].range[0]);
             }
             let end = if mapping.output == Quantity::ForceDistribution { 0.298 } else { 0.3 };
-            assert_eq!(mapping.sub_models[2].strain_range[1], end);
+            assert_eq!(mapping.sub_models[2].range[1], end);
         }
     }
 
@@ -318,28 +277,19 @@ mod tests {
     }
 
     #[test]
-    fn inputs_and_outputs_have_names_in_both_forms() {
-        let forces = [0.125, 0.375];
-        let f5 = paper_mapping("F5").unwrap();
+    fn a_mapping_is_a_fit_of_columns() {
+        let bins = Bins { binned: "force".into(), width: 0.25, centres: vec![0.125, 0.375] };
+        let f3 = paper_mapping("F3").unwrap();
+        let fit = f3.fit(&bins);
+        let densities = ["probability_density_0.125", "probability_density_0.375"];
+        assert_eq!(fit.inputs, [&["deviator_strain", "deviator_fabric"][..], &densities].concat());
         assert_eq!(
-            f5.network_inputs(Form::Point, &forces),
-            ["deviator_strain", "deviator_fabric", "stress_ratio", "force"]
+            (fit.outputs.as_slice(), fit.fit_name()),
+            (&["stress_ratio".to_string()][..], "F3".into())
         );
-        assert_eq!(f5.network_output(), "probability_density");
-        let f1 = paper_mapping("F1").unwrap();
-        assert_eq!(
-            f1.network_inputs(Form::Point, &forces),
-            ["deviator_strain", "force", "probability_density"]
-        );
-        assert_eq!(
-            f1.network_inputs(Form::Histogram, &forces),
-            ["deviator_strain", "probability_density_0.125", "probability_density_0.375"]
-        );
-        assert_eq!(f1.strain_only().network_inputs(Form::Point, &forces), ["deviator_strain"]);
-        assert_eq!(f5.strain_only().network_inputs(Form::Point, &forces), ["deviator_strain", "force"]);
-        assert!(
-            !f1.strain_only().has_point_rows(Form::Point) && f5.strain_only().has_point_rows(Form::Point)
-        );
+        for mapping in paper_mappings() {
+            assert_eq!(Mapping::from_fit(&mapping.fit(&bins)).unwrap(), mapping);
+        }
     }
 
     #[test]
@@ -351,7 +301,7 @@ mod tests {
     #[test]
     fn stretched_ranges_keep_their_proportions() {
         let mappings = paper_mappings_to(0.15);
-        assert!((mappings[1].sub_models[1].strain_range[1] - 0.088).abs() < 1e-15);
-        assert!((mappings[0].sub_models[2].strain_range[1] - 0.15).abs() < 1e-15);
+        assert!((mappings[1].sub_models[1].range[1] - 0.088).abs() < 1e-15);
+        assert!((mappings[0].sub_models[2].range[1] - 0.15).abs() < 1e-15);
     }
 }

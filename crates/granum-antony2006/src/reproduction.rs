@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use granum_io::Error;
+use granum_io::sealed::{unseal, unseal_strictly, write_sealed};
 use granum_io::shell::{quoted, quoted_path};
 use serde::{Deserialize, Serialize};
 
-use crate::layout::{read_json, write_json};
-use crate::study::StudyOptions;
+use crate::options::PaperOptions;
 use granum_learn::Result;
 
 /// File with the description of the reproduction in a folder.
@@ -46,7 +46,7 @@ impl Default for ReproductionOptions {
     fn default() -> Self {
         ReproductionOptions {
             quick: false,
-            trainer: StudyOptions::default().trainer.name().to_owned(),
+            trainer: PaperOptions::default().trainer.name().to_owned(),
             training_runs: None,
             grains: None,
         }
@@ -133,7 +133,7 @@ impl Reproduction {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        write_json(&folder.join(REPRODUCTION_FILE), self)
+        Ok(write_sealed(&folder.join(REPRODUCTION_FILE), self)?)
     }
 
     /// Reads the file of a folder; `None` if there is no such file.
@@ -145,7 +145,15 @@ impl Reproduction {
         if !granum_io::is_there(&path)? {
             return Ok(None);
         }
-        let text = read_json(&path, 2)?;
+        let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+            .map_err(Error::file("read", &path))?;
+        // Version 1 had no SHA-256. What is no JSON, or of another format, is told by the reader of the content.
+        let version =
+            serde_json::from_str::<serde_json::Value>(&text).ok().and_then(|value| value["version"].as_u64());
+        let text = match version {
+            Some(version) if version >= 2 => unseal_strictly(&path, &text)?,
+            _ => unseal(&path, &text)?.text,
+        };
         let of: Reproduction = serde_json::from_str(&text).map_err(|error| {
             let message =
                 format!("does not describe a reproduction ({error}); it is damaged or from a newer granum");

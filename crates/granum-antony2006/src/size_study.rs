@@ -5,15 +5,20 @@
 //! same error are compared, that is the smallest size whose median error over the seeds is at most `1 + tolerance` times
 //! the best median of the first mapping.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use serde::{Deserialize, Serialize};
 
+use granum_core::observer::{Flow, Progress};
+use granum_core::parallel;
+use granum_learn::networks::networks_of;
+use granum_learn::study::StudyObserver;
+use granum_learn::{Dataset, LearnError, Result, Surrogate, score_where};
+
+use crate::data::PaperData;
 use crate::mapping::{Mapping, paper_mappings};
-use crate::mapping_networks::MappingNetworks;
-use crate::study::observer::StudyObserver;
-use crate::study::options::StudyOptions;
-use crate::study::training::{Job, network_seed, train_all};
-use crate::study_data::StudyData;
-use granum_learn::Result;
+use crate::method::NAME;
+use crate::options::PaperOptions;
 
 /// Options of the study of network sizes.
 #[derive(Clone, Debug)]
@@ -27,7 +32,7 @@ pub struct SizeStudyOptions {
     /// Tolerated excess over the best median error, as a fraction of it.
     pub tolerance: f64,
     /// Form, trainer, seed and threads; the mappings in these options are not used.
-    pub study: StudyOptions,
+    pub study: PaperOptions,
 }
 
 impl Default for SizeStudyOptions {
@@ -38,17 +43,20 @@ impl Default for SizeStudyOptions {
             neurons: vec![1, 2, 3, 4, 6, 8, 12, 20, 50],
             seeds: 5,
             tolerance: 0.1,
-            study: StudyOptions::default(),
+            study: PaperOptions::default(),
         }
     }
 }
 
 impl SizeStudyOptions {
-    /// The names of all networks that the study trains.
+    /// The names under which all networks of the study are kept while it runs.
     pub fn networks(&self) -> Vec<String> {
-        let name =
-            |(mapping, seed, sub_model): (&Mapping, usize, usize)| network_name(mapping, seed, sub_model);
-        networks(&self.sized(), self.seeds()).map(name).collect()
+        let sized = self.sized();
+        let each = fits(&sized, self.seeds()).flat_map(|(mapping, seed)| {
+            let name = fit_name(mapping, seed);
+            (1..=mapping.sub_models.len()).map(move |k| format!("{name}-{k}"))
+        });
+        each.collect()
     }
 
     fn seeds(&self) -> usize {
@@ -64,16 +72,14 @@ impl SizeStudyOptions {
     }
 }
 
-/// Mapping, seed from 1, and number of the sub-model of every network, in the order in which they are trained.
-fn networks(sized: &[Mapping], seeds: usize) -> impl Iterator<Item = (&Mapping, usize, usize)> {
-    sized.iter().flat_map(move |mapping| {
-        (1..=seeds).flat_map(move |seed| (0..mapping.sub_models.len()).map(move |k| (mapping, seed, k)))
-    })
+/// Mapping and seed from 1 of every fit, in the order in which they are trained.
+fn fits(sized: &[Mapping], seeds: usize) -> impl Iterator<Item = (&Mapping, usize)> {
+    sized.iter().flat_map(move |mapping| (1..=seeds).map(move |seed| (mapping, seed)))
 }
 
-fn network_name(mapping: &Mapping, seed: usize, sub_model: usize) -> String {
+fn fit_name(mapping: &Mapping, seed: usize) -> String {
     let neurons = mapping.sub_models.first().and_then(|s| s.hidden.first()).copied().unwrap_or(0);
-    format!("{}-{neurons}-neurons-seed-{seed}-{}", mapping.name, sub_model + 1)
+    format!("{}-{neurons}-neurons-seed-{seed}", mapping.name)
 }
 
 /// Errors as a function of the size of the networks.
@@ -123,35 +129,42 @@ impl SizeStudy {
     /// Trains every mapping with every size and every seed.
     ///
     /// # Errors
-    /// As [`crate::study::Study::train`].
+    /// If a sub-model has too few training states, the trainer returns an error, or the observer stops the study.
     pub fn run(
-        dataset: &StudyData,
+        data: &PaperData,
         options: &SizeStudyOptions,
         observer: &dyn StudyObserver,
     ) -> Result<SizeStudy> {
         let (seeds, sized) = (options.seeds(), options.sized());
-        let job = |(mapping, seed, sub_model): (_, usize, usize)| {
-            let name = network_name(mapping, seed, sub_model);
-            let seed = network_seed(options.study.seed, &name);
-            Job { name, mapping, sub_model, seed }
-        };
-        let jobs: Vec<Job> = networks(&sized, seeds).map(job).collect();
-        let mut trained =
-            train_all(dataset, &jobs, &options.study, observer)?.into_iter().map(|(model, _)| model);
+        let all: Vec<(&Mapping, usize)> = fits(&sized, seeds).collect();
+        let done = AtomicUsize::new(0);
+        let fitted = parallel::map(all.len(), options.study.threads, |k| {
+            let stopped = || LearnError::Stopped { done: done.load(Ordering::Relaxed), total: all.len() };
+            if observer.stop() {
+                return Err(stopped());
+            }
+            let surrogate = fit(data, all[k], options, observer).map_err(|error| match error {
+                LearnError::Stopped { .. } => stopped(),
+                other => other,
+            })?;
+            done.fetch_add(1, Ordering::Relaxed);
+            Ok(surrogate)
+        })?;
         let mut points = Vec::with_capacity(sized.len());
-        for mapping in &sized {
+        for (mapping, surrogates) in sized.iter().zip(fitted.chunks(seeds)) {
             let mut point = SizePoint::default();
-            for _ in 0..seeds {
-                let models: Vec<_> = trained.by_ref().take(mapping.sub_models.len()).collect();
-                if let Some(model) = models.first() {
+            let spec = mapping.fit(&data.bins);
+            let error = |surrogate: &dyn Surrogate, part: &Dataset| -> Result<f64> {
+                Ok(score_where(surrogate, part, &spec.scored_states(part)?)?.relative_rmse)
+            };
+            for surrogate in surrogates.iter().map(AsRef::as_ref) {
+                if let Some(model) = networks_of(surrogate).and_then(|networks| networks.networks().first()) {
                     point.weights = model.network().weights().len();
                     point.neurons = model.network().layers().get(1).copied().unwrap_or(0);
                 }
-                let forces = dataset.forces.clone();
-                let surrogate = MappingNetworks::new(mapping.clone(), options.study.form, forces, models)?;
-                point.held_out.push(surrogate.evaluate(dataset.held_out(), None)?.relative_rmse);
-                if !dataset.unseen_runs.is_empty() {
-                    point.unseen.push(surrogate.evaluate(dataset.unseen(), None)?.relative_rmse);
+                point.held_out.push(error(surrogate, &data.parts.held_out)?);
+                if data.parts.unseen.rows() > 0 {
+                    point.unseen.push(error(surrogate, &data.parts.unseen)?);
                 }
             }
             point.median_held_out = median(&point.held_out).unwrap_or(0.0);
@@ -160,6 +173,22 @@ impl SizeStudy {
         }
         Ok(conclude(options, points))
     }
+}
+
+fn fit(
+    data: &PaperData,
+    (mapping, seed): (&Mapping, usize),
+    options: &SizeStudyOptions,
+    observer: &dyn StudyObserver,
+) -> Result<Box<dyn Surrogate>> {
+    let name = fit_name(mapping, seed);
+    let spec = mapping.fit(&data.bins).with_name(&name).with_seed(options.study.seed).with_threads(1);
+    let mut listen = |progress: &Progress| {
+        observer.progress(&name, progress);
+        if observer.stop() { Flow::Stop } else { Flow::Continue }
+    };
+    let methods = options.study.methods();
+    methods.by_name(NAME)?.fit_resumable(&data.parts.training, &spec, &mut listen, observer.networks())
 }
 
 fn conclude(options: &SizeStudyOptions, points: Vec<SizePoint>) -> SizeStudy {

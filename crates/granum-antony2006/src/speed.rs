@@ -9,24 +9,34 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::size_study::median;
-use crate::study::Study;
-use crate::study_data::Run;
-use crate::summary::SpeedSummary;
 use granum_learn::Result;
+use granum_learn::dataset::{Dataset, RunStates};
+use granum_learn::study::{Role, Study};
+use granum_learn::surrogate::RunInputs;
+
+use crate::evaluation::training_seconds;
+use crate::size_study::median;
+use crate::summary::SpeedSummary;
 
 /// Measures the time in which the networks predict every state of a run, `repetitions` times (at least once), and compares
 /// the median with the wall time of the DEM test.
 ///
 /// # Errors
 /// If a state contains a value that is not finite.
-pub fn measure(study: &Study, run: &Run, dem_seconds: f64, repetitions: usize) -> Result<SpeedSummary> {
+pub fn measure(study: &Study, run: &RunStates, dem_seconds: f64, repetitions: usize) -> Result<SpeedSummary> {
+    let states = Dataset::new(vec![run.clone()])?;
+    let networks = study.members().filter(|member| member.role == Role::Asked);
+    let asked = networks.map(|member| {
+        let surrogate = member.surrogate.as_ref();
+        Ok((surrogate, RunInputs::from_dataset(&states, surrogate.columns())?))
+    });
+    let asked = asked.collect::<Result<Vec<_>>>()?;
     let repetitions = repetitions.max(1);
     let mut seconds = Vec::with_capacity(repetitions);
     for _ in 0..repetitions {
         let start = Instant::now();
-        for mapping in &study.mappings {
-            black_box(mapping.surrogate.answer(black_box(&run.states))?);
+        for (surrogate, inputs) in &asked {
+            black_box(surrogate.means(black_box(inputs))?);
         }
         seconds.push(start.elapsed().as_secs_f64());
     }
@@ -35,8 +45,8 @@ pub fn measure(study: &Study, run: &Run, dem_seconds: f64, repetitions: usize) -
         dem_seconds,
         network_seconds,
         factor: if network_seconds > 0.0 { dem_seconds / network_seconds } else { 0.0 },
-        training_seconds: study.training_seconds(),
-        states: run.states.len(),
+        training_seconds: training_seconds(study),
+        states: run.rows(),
         repetitions,
     })
 }

@@ -7,14 +7,13 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::evaluation::Evaluation;
 use crate::learning_curve::LearningCurve;
-use crate::sensor_use::Verdict;
 use crate::size_study::SizeStudy;
-use crate::study::evaluation::Evaluation;
+use granum_learn::input_use::Verdict;
+use granum_learn::networks::NetworkScores;
 use granum_learn::score::Score;
 use granum_learn::student_t::PairedTest;
-
-pub use crate::study::sub_model_summary::SubModelSummary;
 
 /// The contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -115,6 +114,50 @@ pub struct MappingSummary {
     pub strain_only_held_out: f64,
 }
 
+/// One network.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SubModelSummary {
+    /// Range of deviator strain.
+    pub strain_range: [f64; 2],
+    /// Numbers of neurons of the hidden layers.
+    pub hidden: Vec<usize>,
+    /// Number of epochs of the training.
+    pub epochs: u64,
+    /// Name of the trainer.
+    pub trainer: String,
+    /// Number of training rows.
+    pub rows: usize,
+    /// Reason why the training ended.
+    pub termination: String,
+    /// Effective number of parameters, if the trainer determines it.
+    pub effective_parameters: Option<f64>,
+    /// True if its predictions for all training states in its range are nearly equal, so that it has learned nothing.
+    #[serde(default)]
+    pub constant: bool,
+    /// Score on held-out states in its range.
+    pub held_out: Score,
+    /// Score on unseen runs in its range.
+    pub unseen: Score,
+}
+
+impl From<&NetworkScores> for SubModelSummary {
+    fn from(scores: &NetworkScores) -> SubModelSummary {
+        let scores = scores.clone();
+        SubModelSummary {
+            strain_range: scores.range,
+            hidden: scores.hidden,
+            epochs: scores.epochs,
+            trainer: scores.trainer,
+            rows: scores.rows,
+            termination: scores.termination,
+            effective_parameters: scores.effective_parameters,
+            constant: scores.constant,
+            held_out: scores.held_out,
+            unseen: scores.unseen,
+        }
+    }
+}
+
 /// Scores on the parts of a data set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartScores {
@@ -150,7 +193,7 @@ impl MappingSummary {
         let unseen = |score: Score| (score.states > 0).then_some(score);
         let strain_only = unseen(e.strain_only.unseen).unwrap_or(e.strain_only.held_out);
         MappingSummary {
-            sub_models: e.sub_models.clone(),
+            sub_models: e.sub_models.iter().map(SubModelSummary::from).collect(),
             relative_rmse: PartScores {
                 held_out: e.network.held_out.relative_rmse,
                 unseen: unseen(e.network.unseen).map(|score| score.relative_rmse),

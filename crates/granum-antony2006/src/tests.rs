@@ -5,43 +5,49 @@ use granum_io::RunKind;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use granum_core::observer::Progress as Step;
+use granum_learn::curve::RunCurves;
+use granum_learn::input_use::Verdict;
+use granum_learn::networks::{Form, NetworkCheckpoints, SubModelNetworks, networks_of};
+use granum_learn::study::{KeptStudy, NoStudyObserver, Study, StudyObserver, StudyPlan};
+use granum_learn::surrogate::RunInputs;
+use granum_learn::{LearnError, NamedRecord, RunStates, Surrogate};
 use granum_nets::trainer::{
     Flow, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
     TrainingReport, by_name,
 };
-use granum_nets::{Column, Data, Differentiable, Model, ModelDefinition};
+use granum_nets::{Data, Differentiable, Model, ModelDefinition};
 use granum_sensors::Record;
 
+use crate::Evaluation;
+use crate::data::{PaperData, PaperDataOptions};
+use crate::evaluation::{networks, score_run, scored_run, strain_only, training_seconds};
 use crate::figures::figures;
-use crate::files;
 use crate::interpretation;
-use crate::mapping::{Form, Mapping, paper_mapping};
-use crate::mapping_networks::MappingNetworks;
-use crate::sensor_use::{Verdict, is_constant};
+use crate::mapping::{Mapping, paper_mapping};
+use crate::options::{PaperOptions, is_of_paper};
 use crate::size_study::{SizeStudy, SizeStudyOptions};
-use crate::study::{Evaluation, Silent, Study, StudyObserver, StudyOptions, StudyProgress};
-use crate::study_data::{Rows, State, StudyData, StudyDataOptions};
 use crate::summary::MappingSummary;
 use crate::synthetic::{Law, record};
-use granum_learn::LearnError;
-use granum_learn::dataset::NamedRecord;
 
-fn dataset(law: Law, training: u64, unseen: u64, intervals: usize) -> StudyData {
+fn data(law: Law, training: u64, unseen: u64, intervals: usize) -> PaperData {
     let records: Vec<Record> = (1..=training + unseen).map(|seed| record(law, seed, intervals)).collect();
+    let names: Vec<String> = (1..=records.len()).map(|k| format!("run-{k}")).collect();
     let named: Vec<NamedRecord> = records
         .iter()
+        .zip(&names)
         .enumerate()
-        .map(|(k, record)| NamedRecord { name: "run", seed: k as u64 + 1, record })
+        .map(|(k, (record, name))| NamedRecord { name, seed: k as u64 + 1, record })
         .collect();
     let (seen, rest) = named.split_at(training as usize);
-    StudyData::new(seen, rest, &StudyDataOptions::default()).unwrap()
+    PaperData::from_records(seen, rest, &PaperDataOptions::default()).unwrap()
 }
 
 /// Small networks, so that the tests are quick.
-fn small(names: &[&str], neurons: usize, trainer: &str, epoch_factor: f64) -> StudyOptions {
+fn small(names: &[&str], neurons: usize, trainer: &str, epoch_factor: f64) -> PaperOptions {
     let mappings: Vec<Mapping> =
         names.iter().map(|name| paper_mapping(name).unwrap().with_neurons(neurons)).collect();
-    StudyOptions {
+    PaperOptions {
         mappings,
         trainer: by_name(trainer, &Options::default()).unwrap(),
         epoch_factor,
@@ -49,8 +55,8 @@ fn small(names: &[&str], neurons: usize, trainer: &str, epoch_factor: f64) -> St
     }
 }
 
-fn evaluate(dataset: &StudyData, options: &StudyOptions) -> Vec<Evaluation> {
-    Study::train(dataset, options, &Silent).unwrap().evaluate(dataset).unwrap()
+fn evaluate(data: &PaperData, options: &PaperOptions) -> Vec<Evaluation> {
+    Evaluation::of_study(&options.train(data, &NoStudyObserver).unwrap(), data).unwrap()
 }
 
 const DEFAULT: &str = "levenberg-marquardt";
@@ -59,8 +65,8 @@ const DEFAULT: &str = "levenberg-marquardt";
 fn smooth_curves_are_learned_down_to_their_noise() {
     // Here the noise is independent between states, whereas in real runs it is correlated over several states. Since a state
     // counts as a fraction of an observation, the curves are slightly smoother than these records would permit.
-    let dataset = dataset(Law::Plain, 1, 2, 120);
-    for evaluation in evaluate(&dataset, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 1.0)) {
+    let data = data(Law::Plain, 1, 2, 120);
+    for evaluation in evaluate(&data, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 1.0)) {
         let name = &evaluation.mapping.name;
         let scatter = evaluation.seed_scatter.unwrap();
         assert!(evaluation.network.held_out.relative_rmse < 4.0 * scatter, "{name}: {evaluation:?}");
@@ -74,8 +80,8 @@ fn smooth_curves_are_learned_down_to_their_noise() {
 #[test]
 fn inputs_without_information_do_not_help() {
     for law in [Law::Blind, Law::Plain] {
-        let dataset = dataset(law, 1, 5, 120);
-        for evaluation in evaluate(&dataset, &small(&["F1", "F3"], 4, DEFAULT, 1.0)) {
+        let data = data(law, 1, 5, 120);
+        for evaluation in evaluate(&data, &small(&["F1", "F3"], 4, DEFAULT, 1.0)) {
             let name = &evaluation.mapping.name;
             let (own, alone) =
                 (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
@@ -92,10 +98,10 @@ fn inputs_without_information_do_not_help() {
 /// If the sensors contain the information, the mapping must find it, which strain-only networks cannot.
 #[test]
 fn inputs_with_information_help() {
-    let dataset = dataset(Law::Hidden, 1, 4, 120);
+    let data = data(Law::Hidden, 1, 4, 120);
     let mut options = small(&["F1", "F3", "F5"], 4, DEFAULT, 1.0);
     options.form = Form::Histogram;
-    for evaluation in evaluate(&dataset, &options) {
+    for evaluation in evaluate(&data, &options) {
         let name = &evaluation.mapping.name;
         let (own, alone) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
@@ -122,8 +128,8 @@ fn one_or_two_unseen_runs_are_too_few_to_test() {
         (1, "cannot be judged from one unseen run"),
         (2, "2 unseen runs are too few to test"),
     ] {
-        let dataset = dataset(Law::Hidden, 1, unseen, 40);
-        for evaluation in evaluate(&dataset, &small(&["F3"], 3, "traingdx", 1e-3)) {
+        let data = data(Law::Hidden, 1, unseen, 40);
+        for evaluation in evaluate(&data, &small(&["F3"], 3, "traingdx", 1e-3)) {
             assert_eq!(evaluation.sensor_use.verdict(), Verdict::TooFewRuns);
             assert_eq!(evaluation.sensor_use.with_other.is_some(), unseen > 1);
             let text = interpretation::read_mapping(&evaluation);
@@ -133,19 +139,14 @@ fn one_or_two_unseen_runs_are_too_few_to_test() {
 }
 
 /// A network with the same inputs that was trained on nearly constant targets.
-fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
-    let (mapping, form, forces) = (surrogate.mapping(), surrogate.form(), surrogate.forces());
-    let rows = Rows::new(mapping, form, forces, states.iter().copied());
-    let targets = (0..rows.count()).map(|k| 0.7 + 1e-9 * (k % 3) as f64).collect();
-    let data = Data::new(rows.inputs, rows.input_columns, targets).unwrap();
-    let definition = ModelDefinition {
-        inputs: mapping.network_inputs(form, forces).iter().map(|name| Column::new(name, "1")).collect(),
-        output: Column::new(mapping.network_output(), "1"),
-        quantities: Vec::new(),
-        shares: Vec::new(),
-        hidden: vec![3, 3],
-        seed: 1,
-    };
+fn silenced(networks: &SubModelNetworks) -> Model {
+    let columns = networks.mapping().network_inputs();
+    let rows = 60;
+    let value = |k: usize| ((k * 7919) % 101) as f64 / 101.0;
+    let inputs = (0..rows * columns.len()).map(value).collect();
+    let targets = (0..rows).map(|k| 0.7 + 1e-9 * (k % 3) as f64).collect();
+    let data = Data::new(inputs, columns.len(), targets).unwrap();
+    let definition = ModelDefinition::new(columns, networks.mapping().network_output(), vec![3, 3]);
     let options = Options { epochs: Some(5), ..Options::default() };
     let trainer = by_name("traingdx", &options).unwrap();
     Model::fit(&definition, &data, trainer.as_ref(), &mut |_: &Progress| Flow::Continue).unwrap().0
@@ -154,17 +155,14 @@ fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
 /// A network with nearly constant predictions is reported as constant.
 #[test]
 fn a_forged_constant_is_called_one() {
-    let dataset = dataset(Law::Plain, 1, 3, 40);
-    let mut study = Study::train(&dataset, &small(&["F3"], 3, "traingdx", 1e-3), &Silent).unwrap();
-    let surrogate = &study.mappings[0].surrogate;
-    let training = dataset.training();
-    assert!((0..3).all(|k| !is_constant(surrogate, &training, k).unwrap()));
-    let forged = silenced(surrogate, &training);
-    let networks = vec![surrogate.networks()[0].clone(), forged, surrogate.networks()[2].clone()];
-    let forces = dataset.forces.clone();
-    study.mappings[0].surrogate =
-        MappingNetworks::new(surrogate.mapping().clone(), surrogate.form(), forces, networks).unwrap();
-    let evaluation = &study.evaluate(&dataset).unwrap()[0];
+    let data = data(Law::Plain, 1, 3, 40);
+    let mut study = small(&["F3"], 3, "traingdx", 1e-3).train(&data, &NoStudyObserver).unwrap();
+    let own = networks(&study, "F3").unwrap();
+    assert!((0..3).all(|k| !own.is_constant(&data.parts.training, k).unwrap()));
+    let models = vec![own.networks()[0].clone(), silenced(own), own.networks()[2].clone()];
+    let forged = SubModelNetworks::new(own.method(), own.mapping().clone(), models).unwrap();
+    study.fits[0].members[0].surrogate = Box::new(forged);
+    let evaluation = &Evaluation::of_study(&study, &data).unwrap()[0];
     let found: Vec<bool> = evaluation.sub_models.iter().map(|sub_model| sub_model.constant).collect();
     assert_eq!(found, [false, true, false]);
     let text = interpretation::read_mapping(evaluation);
@@ -176,8 +174,8 @@ fn a_forged_constant_is_called_one() {
 
 #[test]
 fn the_point_form_finds_the_information_too() {
-    let dataset = dataset(Law::Hidden, 1, 1, 120);
-    for evaluation in evaluate(&dataset, &small(&["F3"], 4, DEFAULT, 1.0)) {
+    let data = data(Law::Hidden, 1, 1, 120);
+    for evaluation in evaluate(&data, &small(&["F3"], 4, DEFAULT, 1.0)) {
         let (own, alone) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
         assert!(own < 0.6 * alone, "{own} {alone}");
@@ -206,12 +204,13 @@ impl Trainer for Own {
 
 #[test]
 fn a_study_trains_with_any_trainer() {
-    let dataset = dataset(Law::Plain, 1, 0, 40);
+    let data = data(Law::Plain, 1, 0, 40);
     let options = small(&["F1"], 3, DEFAULT, 1.0);
-    let usual = Study::train(&dataset, &options, &Silent).unwrap();
-    let own = Study::train(&dataset, &StudyOptions { trainer: Own.into(), ..options }, &Silent).unwrap();
-    assert_eq!(own.trainer, "own");
-    for (a, b) in own.mappings[0].surrogate.networks().iter().zip(usual.mappings[0].surrogate.networks()) {
+    let usual = options.train(&data, &NoStudyObserver).unwrap();
+    let own = PaperOptions { trainer: Own.into(), ..options }.train(&data, &NoStudyObserver).unwrap();
+    assert_eq!(own.definition.networks.trainer, "own");
+    let [own, usual] = [&own, &usual].map(|study| networks(study, "F1").unwrap().networks());
+    for (a, b) in own.iter().zip(usual) {
         assert_eq!((a.provenance().trainer.as_str(), b.provenance().trainer.as_str()), ("own", DEFAULT));
         // The output of F1 is a scalar, so that no options are passed to the trainer.
         assert_eq!(a.network().weights(), b.network().weights());
@@ -221,10 +220,11 @@ fn a_study_trains_with_any_trainer() {
 /// The weights of a network depend neither on the number of threads nor on the other networks of the study.
 #[test]
 fn networks_do_not_depend_on_threads_or_company() {
-    let dataset = dataset(Law::Plain, 1, 0, 40);
-    let text = |options: &StudyOptions| {
-        let study = Study::train(&dataset, options, &Silent).unwrap();
-        study.mapping("F4").unwrap().surrogate.networks().iter().map(Model::to_json).collect::<Vec<_>>()
+    let data = data(Law::Plain, 1, 0, 40);
+    let text = |options: &PaperOptions| {
+        let study = options.train(&data, &NoStudyObserver).unwrap();
+        let own = networks(&study, "F4").unwrap().networks().iter();
+        own.map(Model::to_json).collect::<Vec<_>>()
     };
     let mut options = small(&["F1", "F4"], 3, "traingdx", 1e-3);
     options.threads = 1;
@@ -237,64 +237,76 @@ fn networks_do_not_depend_on_threads_or_company() {
     assert_ne!(one, text(&options));
 }
 
-#[derive(Default)]
-struct TrainingCheckpoints {
-    models: Mutex<Vec<(String, Model)>>,
-    heard: AtomicUsize,
-    found: AtomicUsize,
-    stop_after: Option<usize>,
+/// Keeps a study in a folder and stops it after some epochs.
+struct Stops {
+    kept: KeptStudy,
+    epochs: AtomicUsize,
+    most: usize,
 }
 
-impl StudyObserver for TrainingCheckpoints {
-    fn progress(&self, progress: &StudyProgress) {
-        assert!(progress.epoch <= progress.epochs && progress.error.is_finite());
-        self.heard.fetch_add(1, Ordering::Relaxed);
+impl StudyObserver for Stops {
+    fn progress(&self, _: &str, progress: &Step) {
+        assert!(
+            progress.of.is_some_and(|most| progress.done <= most)
+                && progress.value("error").unwrap().is_finite()
+        );
+        self.epochs.fetch_add(1, Ordering::Relaxed);
     }
-    fn trained(&self, network: &str, model: &Model, _: f64) {
-        self.models.lock().unwrap().push((network.to_owned(), model.clone()));
+    fn finished(&self, name: &str) -> granum_learn::Result<Option<Box<dyn Surrogate>>> {
+        self.kept.finished(name)
     }
-    fn finished(&self, network: &str) -> Option<Model> {
-        let models = self.models.lock().unwrap();
-        let found = models.iter().find(|(name, _)| name == network)?.1.clone();
-        self.found.fetch_add(1, Ordering::Relaxed);
-        Some(found)
+    fn fitted(&self, name: &str, surrogate: &dyn Surrogate) -> granum_learn::Result<()> {
+        self.kept.fitted(name, surrogate)
+    }
+    fn networks(&self) -> &dyn NetworkCheckpoints {
+        &self.kept.networks
     }
     fn stop(&self) -> bool {
-        self.stop_after.is_some_and(|limit| self.models.lock().unwrap().len() >= limit)
+        self.epochs.load(Ordering::Relaxed) >= self.most
     }
 }
 
 /// A study that was stopped is resumed with its existing networks and ends with the results of an uninterrupted study.
 #[test]
 fn a_stopped_study_goes_on_where_it_was() {
-    let dataset = dataset(Law::Plain, 1, 0, 40);
+    let data = data(Law::Plain, 1, 0, 40);
     let options = small(&["F1"], 3, "traingdx", 1e-3);
-    let mut checkpoints = TrainingCheckpoints { stop_after: Some(2), ..Default::default() };
-    let error = Study::train(&dataset, &options, &checkpoints).unwrap_err();
-    assert!(matches!(error, LearnError::Stopped { total: 6, .. }), "{error}");
-    checkpoints.stop_after = None;
-    let resumed = Study::train(&dataset, &options, &checkpoints).unwrap();
-    assert!(checkpoints.found.load(Ordering::Relaxed) >= 2 && checkpoints.heard.load(Ordering::Relaxed) > 0);
-    let whole = Study::train(&dataset, &options, &Silent).unwrap();
-    for (a, b) in resumed.mappings.iter().zip(&whole.mappings) {
-        for (x, y) in a.surrogate.networks().iter().zip(b.surrogate.networks()) {
-            assert_eq!(x.to_json(), y.to_json());
-        }
+    let folder = tempfile::tempdir().unwrap();
+    let observer = |options: &PaperOptions, most: usize| {
+        let plan = StudyPlan::new(&[], &[], data.dataset.digest(), options.definition(&data)).unwrap();
+        let every = std::time::Duration::ZERO;
+        let kept = KeptStudy::begin(folder.path(), &plan, &options.methods(), every).unwrap();
+        Stops { kept, epochs: AtomicUsize::new(0), most }
+    };
+    let error = options.train(&data, &observer(&options, 300)).err().unwrap();
+    assert!(matches!(error, LearnError::Stopped { total: 5, .. }), "{error}");
+    let going_on = observer(&options, usize::MAX);
+    let resumed = options.train(&data, &going_on).unwrap();
+    let whole = options.train(&data, &NoStudyObserver).unwrap();
+    // Of the 810 epochs of all networks, those before the stop are not repeated.
+    let epochs = |study: &Study| -> u64 {
+        let all = study.members().filter_map(|member| networks_of(member.surrogate.as_ref()));
+        all.flat_map(SubModelNetworks::networks).map(|model| model.provenance().epochs).sum()
+    };
+    let (repeated, all) = (going_on.epochs.load(Ordering::Relaxed) as u64, epochs(&whole));
+    assert!(repeated + 290 < all, "{repeated} {all}");
+    for name in [networks, strain_only] {
+        let [a, b] = [&resumed, &whole].map(|study| name(study, "F1").unwrap().networks());
+        assert!(a.iter().zip(b).all(|(x, y)| x.to_json() == y.to_json()));
     }
-    // With another number of epochs the stored networks are not used.
-    let longer = StudyOptions { epoch_factor: 2e-3, ..options };
-    let fresh = Study::train(&dataset, &longer, &checkpoints).unwrap();
-    assert_ne!(
-        fresh.mappings[0].surrogate.networks()[0].to_json(),
-        whole.mappings[0].surrogate.networks()[0].to_json()
-    );
+    // With another number of epochs nothing that is kept is used.
+    let longer = PaperOptions { epoch_factor: 2e-3, ..options };
+    let fresh = longer.train(&data, &observer(&longer, usize::MAX)).unwrap();
+    let [a, b] = [&fresh, &whole].map(|study| networks(study, "F1").unwrap().networks()[0].to_json());
+    assert_ne!(a, b);
 }
 
 #[test]
-fn too_few_states_are_refused() {
-    let coarse = dataset(Law::Plain, 1, 0, 12);
+fn too_few_states_are_refused_before_anything_is_trained() {
+    let coarse = data(Law::Plain, 1, 0, 12);
+    let options = small(&["F2"], 3, "traingdx", 1e-3);
     let message =
-        Study::train(&coarse, &small(&["F2"], 3, "traingdx", 1e-3), &Silent).unwrap_err().to_string();
+        options.definition(&coarse).check(&coarse.dataset, &options.methods()).unwrap_err().to_string();
     assert_eq!(
         message,
         "F2 sub-model 1 (deviator strain 0 to 0.05) has 1 training states, needs 3; record more states or widen its range"
@@ -303,83 +315,69 @@ fn too_few_states_are_refused() {
 
 #[test]
 fn a_study_survives_its_files_and_answers_rows() {
-    let dataset = dataset(Law::Plain, 1, 1, 40);
-    let study = Study::train(&dataset, &small(&["F1", "F2"], 3, "traingdx", 1e-3), &Silent).unwrap();
+    let data = data(Law::Plain, 1, 1, 40);
+    let options = small(&["F1", "F2"], 3, "traingdx", 1e-3);
+    let study = options.train(&data, &NoStudyObserver).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    files::save_study(folder.path(), &study, &[]).unwrap();
-    assert_eq!(files::load_runs(folder.path()).unwrap(), Some(vec![]));
-    let loaded = files::load_study(folder.path()).unwrap();
-    assert_eq!(loaded.dataset_hash, study.dataset_hash);
-    assert_eq!(loaded.baselines, study.baselines);
-    assert_eq!(loaded.evaluate(&dataset).unwrap(), study.evaluate(&dataset).unwrap());
+    granum_learn::study::save(folder.path(), &study, &data.dataset).unwrap();
+    let loaded = granum_learn::study::load(folder.path(), &options.methods()).unwrap().study;
+    assert!(is_of_paper(&loaded.definition));
+    let read = PaperOptions::from_definition(&loaded.definition).unwrap();
+    assert_eq!((read.mappings, read.epoch_factor), (options.mappings.clone(), 1e-3));
+    let evaluated = |study: &Study| Evaluation::of_study(study, &data).unwrap();
+    assert_eq!(evaluated(&loaded), evaluated(&study));
+    assert_eq!(training_seconds(&loaded), training_seconds(&study));
 
-    let f2 = &loaded.mapping("F2").unwrap().surrogate;
+    let f2 = networks(&loaded, "F2").unwrap();
     assert_eq!(f2.input_names(), ["deviator_strain", "stress_ratio", "force"]);
-    let state = dataset.unseen_runs[0].at(0.1).unwrap();
-    let answer = f2.predict_row(&[0.1, state.stress_ratio, dataset.forces[2]], 0.9).unwrap();
+    let run = &data.parts.unseen.runs()[0];
+    let at = |run: &RunStates, networks: &SubModelNetworks, strain: f64| {
+        RunCurves::new(run, "deviator_strain", &Surrogate::columns(networks).input_names())
+            .unwrap()
+            .at(strain)
+    };
+    let state = at(run, f2, 0.1);
+    let force = data.bins.centres[2];
+    let answer = f2.predict_row(&[state[0], state[1], force], 0.9).unwrap();
     assert_eq!(answer.sub_model, 1);
-    assert_eq!(answer.value, f2.answer([&state]).unwrap()[0].values[2]);
-    let ratio = dataset.training_runs[0].at(0.28).unwrap().stress_ratio;
+    assert_eq!(answer.value, f2.predict_states(&state).unwrap()[0].values[2]);
+    let ratio = at(&data.parts.training_runs.runs()[0], f2, 0.28)[1];
     let far = f2.predict_row(&[0.5, ratio, 9.0], 0.9).unwrap();
     let names: Vec<&str> = far.outside.iter().map(|outside| outside.name.as_str()).collect();
     assert_eq!((far.sub_model, names), (2, vec!["deviator_strain", "force"]));
-    assert_eq!(far.outside[1].range, [dataset.forces[0], dataset.forces[13]]);
+    assert_eq!(far.outside[1].range, [data.bins.centres[0], data.bins.centres[13]]);
     assert!(f2.predict_row(&[], 0.9).is_err() && f2.predict_row(&[f64::NAN, 0.5, 1.0], 0.9).is_err());
     // A row of F1 is a state, and its prediction equals that for the state, the mean over the points.
-    let f1 = &loaded.mapping("F1").unwrap().surrogate;
+    let f1 = networks(&loaded, "F1").unwrap();
     assert_eq!(f1.input_names().len(), 15);
-    let row: Vec<f64> = [0.1].iter().chain(&state.densities).copied().collect();
-    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else {
+    let row = at(run, f1, 0.1);
+    let [one, two] = &f1.predict_single_values(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else {
         panic!()
     };
-    assert_eq!((one.value, one), (f1.answer([&state]).unwrap()[0].values[0], two));
+    assert_eq!((one.value, one), (f1.predict_states(&row).unwrap()[0].values[0], two));
     let message = f1.predict_row(&row[..3], 0.9).unwrap_err().to_string();
     assert!(message.contains("a row has 15 values (deviator_strain, probability_density_0.125"), "{message}");
-    let message = loaded.mapping("F3").unwrap_err().to_string();
+    let message = networks(&loaded, "F3").unwrap_err().to_string();
     assert_eq!(message, "there is no mapping `F3`; there are: F1, F2");
-
-    refuses_every_changed_bit(folder.path());
-    // Studies of version 2 had no SHA-256 of their files.
-    let manifest = folder.path().join(crate::layout::STUDY_FILE);
-    let mut old: serde_json::Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
-    old["version"] = 2.into();
-    for key in ["content", "sha256"] {
-        assert!(old.as_object_mut().unwrap().remove(key).is_some(), "{key}");
-    }
-    std::fs::write(&manifest, serde_json::to_vec(&old).unwrap()).unwrap();
-    assert!(!files::can_be_checked(folder.path()).unwrap());
-    let kept = folder.path().join(crate::layout::BASELINES_FILE);
-    let sealed = std::fs::read_to_string(&kept).unwrap();
-    let text = sealed.split(",\n  \"sha256\"").next().unwrap().to_string() + "\n}";
-    std::fs::write(&kept, text.replace("\"F2\"", "\"F9\"")).unwrap();
-    let message = files::load_study(folder.path()).unwrap_err().to_string();
+    refuses_every_changed_bit(folder.path(), &options);
+    // The format of earlier versions is refused with its version.
+    let manifest = folder.path().join(granum_learn::study::STUDY_FILE);
+    std::fs::write(&manifest, r#"{"format": "granum study", "version": 3, "form": "point"}"#).unwrap();
+    let message = granum_learn::study::load(folder.path(), &options.methods()).err().unwrap().to_string();
     assert!(
-        message.contains("baselines.json") && message.contains("not the baselines of the mappings"),
+        message.contains("version 3 of an earlier format") && message.contains("train again"),
         "{message}"
     );
-    std::fs::write(&kept, &text[..100]).unwrap();
-    assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("these are not baselines"));
-    std::fs::remove_file(&kept).unwrap();
-    // For a study that was saved without baselines, the baselines are fitted to the data set of the evaluation.
-    let older = files::load_study(folder.path()).unwrap();
-    assert!(
-        older.baselines.is_none() && older.score_run(&dataset.unseen_runs[0]).unwrap()[0].ridge.is_none()
-    );
-    assert_eq!(older.evaluate(&dataset).unwrap(), study.evaluate(&dataset).unwrap());
-
-    std::fs::write(folder.path().join("F1-2.json"), "{}").unwrap();
-    assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("F1-2.json"));
-    let text = std::fs::read_to_string(&manifest).unwrap().replace("\"F1\"", "\"../F1\"");
-    std::fs::write(&manifest, text).unwrap();
-    assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("letters, digits"));
 }
 
-/// Flips random bits in each file of a study, and exchanges two of its networks: it is refused, and the file is named.
-fn refuses_every_changed_bit(folder: &std::path::Path) {
-    assert!(files::faults(folder).unwrap().is_empty() && files::can_be_checked(folder).unwrap());
+/// Flips random bits in each file of a study, and exchanges two of its surrogates: it is refused, and the file is named.
+fn refuses_every_changed_bit(folder: &std::path::Path, options: &PaperOptions) {
+    use granum_learn::study::{faults, load};
+    let methods = options.methods();
+    assert!(faults(folder).unwrap().is_empty());
     let mut noise = 20_061_121_u64;
-    let names = ["study.json", "baselines.json", "F1-1.json", "F2-3.json", "F1-strain-only-2.json"];
-    for (round, name) in names.iter().cycle().take(200).enumerate() {
+    let names = ["study.json", "F1-antony2006.json", "F2-ridge.json", "F1-antony2006-coordinate-only.json"];
+    for (round, name) in names.iter().cycle().take(120).enumerate() {
         let path = folder.join(name);
         let good = std::fs::read(&path).unwrap();
         let mut bytes = good.clone();
@@ -387,41 +385,44 @@ fn refuses_every_changed_bit(folder: &std::path::Path) {
         let at = noise as usize % bytes.len();
         bytes[at] ^= 1 << (round % 8);
         std::fs::write(&path, bytes).unwrap();
-        let message = files::load_study(folder).unwrap_err().to_string();
+        let message = load(folder, &methods).err().unwrap().to_string();
         assert!(message.contains(name), "byte {at} of {name}: {message}");
-        let told =
-            files::faults(folder).map(|faults| faults.iter().map(ToString::to_string).collect::<String>());
+        let told = faults(folder).map(|faults| faults.iter().map(ToString::to_string).collect::<String>());
         assert!(told.unwrap_or_else(|error| error.to_string()).contains(name));
         std::fs::write(&path, good).unwrap();
     }
-    let (one, two) = (folder.join("F1-1.json"), folder.join("F1-2.json"));
+    let (one, two) = (folder.join("F1-antony2006.json"), folder.join("F2-antony2006.json"));
     let good = std::fs::read(&one).unwrap();
     std::fs::copy(&two, &one).unwrap();
-    let message = files::load_study(folder).unwrap_err().to_string();
-    assert!(message.contains("F1-1.json: was changed or replaced since the study was saved"), "{message}");
+    let message = load(folder, &methods).err().unwrap().to_string();
+    assert!(
+        message.contains("F1-antony2006.json: its SHA-256") && message.contains("changed or replaced"),
+        "{message}"
+    );
     std::fs::remove_file(&one).unwrap();
-    assert!(files::load_study(folder).unwrap_err().to_string().contains("F1-1.json"));
+    assert!(load(folder, &methods).err().unwrap().to_string().contains("F1-antony2006.json"));
     std::fs::write(&one, good).unwrap();
-    files::load_study(folder).unwrap();
+    load(folder, &methods).unwrap();
 }
 
 #[test]
 fn any_record_can_be_scored() {
-    let dataset = dataset(Law::Plain, 1, 1, 40);
-    let study = Study::train(&dataset, &small(&["F1", "F2"], 3, "traingdx", 1e-3), &Silent).unwrap();
+    let data = data(Law::Plain, 1, 1, 40);
+    let study = small(&["F1", "F2"], 3, "traingdx", 1e-3).train(&data, &NoStudyObserver).unwrap();
     let other = record(Law::Plain, 2, 40);
-    let run = study.read(&NamedRecord { name: "other", seed: 2, record: &other }).unwrap();
-    assert_eq!(run.states, dataset.unseen_runs[0].states);
-    let scores = study.score_run(&run).unwrap();
-    let evaluations = study.evaluate(&dataset).unwrap();
-    for (score, evaluation) in scores.iter().zip(&evaluations) {
+    let read =
+        |name: &str, record: &Record| RunStates::from_record(&NamedRecord { name, seed: 2, record }).unwrap();
+    let run = scored_run(&study, &read("other", &other)).unwrap();
+    assert_eq!(run.table(), data.parts.unseen.runs()[0].table());
+    let scores = score_run(&study, &run).unwrap();
+    for (score, evaluation) in scores.iter().zip(&Evaluation::of_study(&study, &data).unwrap()) {
         assert_eq!(score.mapping, evaluation.mapping.name);
         assert_eq!(score.network, evaluation.network.unseen);
         assert_eq!(score.strain_only, evaluation.strain_only.unseen);
         assert_eq!(score.ridge, Some(evaluation.ridge.unseen));
         assert_eq!(score.ridge_strain_only, Some(evaluation.ridge_strain_only.unseen));
         assert_eq!(score.mean_curve, Some(evaluation.mean_curve.unseen));
-        assert!(score.states_outside < run.states.len());
+        assert!(score.states_outside < run.rows());
     }
     let mut finer = other;
     for histogram in &mut finer.histograms[0].states {
@@ -429,7 +430,7 @@ fn any_record_can_be_scored() {
         histogram.counts =
             [histogram.counts.clone(), histogram.counts.clone(), histogram.counts.clone()].concat();
     }
-    let error = study.read(&NamedRecord { name: "finer", seed: 2, record: &finer }).unwrap_err().to_string();
+    let error = scored_run(&study, &read("finer", &finer)).unwrap_err().to_string();
     assert!(error.contains("record with bins of width 0.25"), "{error}");
 }
 
@@ -458,9 +459,9 @@ fn a_record_survives_its_files() {
 
 #[test]
 fn figures_have_lines_points_and_bands() {
-    let dataset = dataset(Law::Plain, 1, 2, 60);
-    let study = Study::train(&dataset, &small(&["F1", "F2"], 3, "traingdx", 1e-3), &Silent).unwrap();
-    let figures = figures(&study, &dataset).unwrap();
+    let data = data(Law::Plain, 1, 2, 60);
+    let study = small(&["F1", "F2"], 3, "traingdx", 1e-3).train(&data, &NoStudyObserver).unwrap();
+    let figures = figures(&study, &data).unwrap();
     let panel = &figures[0].panels[0];
     assert_eq!(
         (figures[0].panels.len(), panel.lines.len(), panel.points.len(), panel.bands.len()),
@@ -468,18 +469,21 @@ fn figures_have_lines_points_and_bands() {
     );
     for line in &panel.lines {
         assert_eq!((line.x.len(), line.y.len()), (line.outside.len(), line.x.len()));
-        let [low, high] = study.mappings[0].surrogate.mapping().sub_models[line.sub_model - 1].strain_range;
+        let [low, high] = networks(&study, "F1").unwrap().mapping().sub_models[line.sub_model - 1].range;
         assert!(line.x.len() > 150 && line.x.iter().all(|x| (low..=high).contains(x)));
     }
     assert_eq!(figures[1].panels.len(), 3);
     let panel = &figures[1].panels[2];
     assert_eq!((panel.lines.len(), panel.points.len(), panel.bands.len()), (6, 6, 3));
-    assert!(panel.against_force && panel.points[0].x == dataset.forces);
+    assert!(panel.against_force && panel.points[0].x == data.bins.centres);
     // At the centres of the bins, the line passes through the predictions of the network.
-    let run = &dataset.unseen_runs[0];
+    let run = &data.parts.unseen.runs()[0];
     let strain = panel.lines[0].strain.unwrap();
-    let state = run.states.iter().find(|state| state.strain == strain).unwrap();
-    let answer = &study.mappings[1].surrogate.answer([state]).unwrap()[0];
+    let f2 = networks(&study, "F2").unwrap();
+    let part = granum_learn::Dataset::new(vec![run.clone()]).unwrap();
+    let part = part.select(|run, row| run.table().column("deviator_strain").unwrap()[row] == strain);
+    let inputs = RunInputs::from_dataset(&part, Surrogate::columns(f2)).unwrap();
+    let answer = &f2.predict_states(inputs.values()).unwrap()[0];
     assert!((panel.lines[0].y[0] - answer.values[0]).abs() < 1e-12);
     assert!((panel.lines[0].y[200] - answer.values[13]).abs() < 1e-12);
     let band = &panel.bands[0];
@@ -488,25 +492,31 @@ fn figures_have_lines_points_and_bands() {
 
 /// Notes the names of the networks.
 #[derive(Default)]
-struct Names(std::sync::Mutex<Vec<String>>);
+struct Names(Mutex<Vec<String>>);
 
-impl StudyObserver for Names {
+impl NetworkCheckpoints for Names {
     fn trained(&self, network: &str, _: &Model, _: f64) {
         self.0.lock().unwrap().push(network.to_string());
     }
 }
 
+impl StudyObserver for Names {
+    fn networks(&self) -> &dyn NetworkCheckpoints {
+        self
+    }
+}
+
 #[test]
 fn the_size_study_sees_that_one_neuron_is_too_few() {
-    let dataset = dataset(Law::Plain, 1, 1, 120);
+    let data = data(Law::Plain, 1, 1, 120);
     let options = SizeStudyOptions {
         neurons: vec![1, 5],
         seeds: 2,
-        study: StudyOptions::default(),
+        study: PaperOptions::default(),
         ..Default::default()
     };
     let names = Names::default();
-    let study = SizeStudy::run(&dataset, &options, &names).unwrap();
+    let study = SizeStudy::run(&data, &options, &names).unwrap();
     let (mut trained, mut told) = (names.0.into_inner().unwrap(), options.networks());
     trained.sort();
     told.sort();
@@ -524,9 +534,9 @@ fn the_size_study_sees_that_one_neuron_is_too_few() {
 
 #[test]
 fn summary_and_speed_come_from_the_evaluation() {
-    let dataset = dataset(Law::Plain, 1, 2, 40);
-    let study = Study::train(&dataset, &small(&["F1"], 3, "traingdx", 1e-3), &Silent).unwrap();
-    let evaluation = &study.evaluate(&dataset).unwrap()[0];
+    let data = data(Law::Plain, 1, 2, 40);
+    let study = small(&["F1"], 3, "traingdx", 1e-3).train(&data, &NoStudyObserver).unwrap();
+    let evaluation = &Evaluation::of_study(&study, &data).unwrap()[0];
     let summary = MappingSummary::new(evaluation);
     assert_eq!(summary.relative_rmse.unseen, Some(evaluation.network.unseen.relative_rmse));
     assert_eq!(summary.relative_rmse.strain_only, evaluation.strain_only.unseen.relative_rmse);
@@ -534,9 +544,9 @@ fn summary_and_speed_come_from_the_evaluation() {
     assert_eq!((summary.sub_models[1].hidden.as_slice(), summary.sub_models[1].epochs), (&[3, 3][..], 150));
     let (scatter, best) = (summary.seed_scatter.unwrap(), summary.best_without_sensors.unwrap());
     assert!((best / scatter - 2f64.sqrt()).abs() < 1e-12);
-    let speed = crate::speed::measure(&study, &dataset.unseen_runs[0], 60.0, 5).unwrap();
+    let speed = crate::speed::measure(&study, &data.parts.unseen.runs()[0], 60.0, 5).unwrap();
     assert!(speed.network_seconds > 0.0 && speed.states == 40 && speed.training_seconds > 0.0);
     assert!((speed.factor * speed.network_seconds / 60.0 - 1.0).abs() < 1e-12);
-    assert!(interpretation::read(&study.evaluate(&dataset).unwrap(), None).len() == 1);
+    assert!(interpretation::read(&Evaluation::of_study(&study, &data).unwrap(), None).len() == 1);
     assert!(interpretation::read_speed(&speed).contains("times faster"));
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use granum_io::sealed::{unseal, write_sealed};
 use serde::{Deserialize, Serialize};
 
-use crate::layout::TIMES_FILE;
 use crate::summary::{SpeedSummary, Summary};
 use granum_learn::Result;
+use granum_learn::networks::TIMES_FILE;
 
 /// The content of the file; its keys are those that earlier versions wrote into `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -61,7 +61,7 @@ fn compare_one(
     let training = if method.has_memory() { &parts.training_runs } else { &parts.training };
     let surrogate = method.fit(training, spec, observer)?;
     let seconds = clock.elapsed().as_secs_f64();
-    let judge = |part: &Dataset| judged(surrogate.as_ref(), part, level);
+    let judge = |part: &Dataset| judged(surrogate.as_ref(), part, level, &spec.scored_states(part)?);
     let unseen = judge(&parts.unseen)?;
     Ok(SurrogateScores {
         method: method.name().to_owned(),
@@ -80,7 +80,26 @@ fn compare_one(
 /// # Errors
 /// If a column of the surrogate is missing, and as [`Surrogate::predict`].
 pub fn score_surrogate(surrogate: &dyn Surrogate, dataset: &Dataset) -> Result<Score> {
-    Ok(judged(surrogate, dataset, 0.9)?.score)
+    score_where(surrogate, dataset, &vec![true; dataset.rows()])
+}
+
+/// Scores the states of a data set for which `scored` is true; all scores are 0 if there are none.
+///
+/// # Errors
+/// As [`score_surrogate`].
+pub fn score_where(surrogate: &dyn Surrogate, dataset: &Dataset, scored: &[bool]) -> Result<Score> {
+    if dataset.rows() == 0 {
+        return Ok(Score::default());
+    }
+    let columns = surrogate.columns();
+    check_units(columns)?;
+    surrogate.check(dataset)?;
+    let exact = dataset.values(&columns.output_names())?;
+    let means = surrogate.means(&RunInputs::from_dataset(dataset, columns)?)?;
+    let mut scorer = Scorer::default();
+    let states = exact.chunks_exact(columns.outputs.len()).zip(&means).zip(scored);
+    states.filter(|(_, scored)| **scored).for_each(|((exact, means), _)| scorer.add(exact, means));
+    Ok(scorer.score())
 }
 
 /// The predictions of a surrogate for a data set, judged.
@@ -92,19 +111,27 @@ pub(crate) struct Judged {
     pub outside: usize,
 }
 
-pub(crate) fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -> Result<Judged> {
+/// Scores the states for which `scored` is true; all states count as inside or outside the trained range.
+pub(crate) fn judged(
+    surrogate: &dyn Surrogate,
+    dataset: &Dataset,
+    level: f64,
+    scored: &[bool],
+) -> Result<Judged> {
     let columns = surrogate.columns();
     if dataset.rows() == 0 {
         let outputs = vec![Score::default(); columns.outputs.len()];
         return Ok(Judged { score: Score::default(), outputs, coverage: None, outside: 0 });
     }
     check_units(columns)?;
+    surrogate.check(dataset)?;
     let exact = dataset.values(&columns.output_names())?;
     let predictions = surrogate.predict(&RunInputs::from_dataset(dataset, columns)?, level)?;
     let mut scorer = Scorer::default();
     let mut each = vec![Scorer::default(); columns.outputs.len()];
     let (mut held, mut intervals) = (0, 0);
-    for (exact, prediction) in exact.chunks_exact(columns.outputs.len()).zip(&predictions) {
+    let states = exact.chunks_exact(columns.outputs.len()).zip(&predictions).zip(scored);
+    for ((exact, prediction), _) in states.filter(|(_, scored)| **scored) {
         let means: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
         scorer.add(exact, &means);
         for ((scorer, exact), estimate) in each.iter_mut().zip(exact).zip(&prediction.values) {

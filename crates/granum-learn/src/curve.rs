@@ -1,12 +1,15 @@
 //! Curves that are given by points.
 
+use crate::dataset::RunStates;
+use crate::error::Result;
+
 /// True if every value is larger than the one before.
 pub fn increases(xs: &[f64]) -> bool {
     xs.windows(2).all(|pair| pair[1] > pair[0])
 }
 
 /// The value of a curve at `x` by linear interpolation between points with increasing `xs`, constant beyond them; NaN if there
-/// is no point.
+/// is no point. At a point it is the end of the interval before it.
 ///
 /// ```
 /// use granum_learn::curve::interpolated;
@@ -15,7 +18,7 @@ pub fn increases(xs: &[f64]) -> bool {
 /// assert_eq!([-1.0, 0.5, 9.0].map(|x| interpolated(x, &xs, &ys)), [1.0, 2.0, 5.0]);
 /// ```
 pub fn interpolated(x: f64, xs: &[f64], ys: &[f64]) -> f64 {
-    let after = xs.partition_point(|known| *known <= x);
+    let after = xs.partition_point(|known| *known < x);
     match (after, xs.len().min(ys.len())) {
         (_, 0) => f64::NAN,
         (0, _) => ys[0],
@@ -24,5 +27,35 @@ pub fn interpolated(x: f64, xs: &[f64], ys: &[f64]) -> f64 {
             let (a, b) = (after - 1, after);
             ys[a] + (x - xs[a]) / (xs[b] - xs[a]) * (ys[b] - ys[a])
         }
+    }
+}
+
+/// Some columns of a run along its coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunCurves {
+    /// The coordinate of each state.
+    pub coordinate: Vec<f64>,
+    /// For each column its values.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl RunCurves {
+    /// The columns of the given names.
+    ///
+    /// # Errors
+    /// If a column is missing.
+    pub fn new(run: &RunStates, coordinate: &str, columns: &[String]) -> Result<RunCurves> {
+        let columns = columns.iter().map(|name| run.column(name)).collect::<Result<_>>()?;
+        Ok(RunCurves { coordinate: run.column(coordinate)?, columns })
+    }
+
+    /// The values of the columns at a coordinate, see [`interpolated`].
+    pub fn at(&self, x: f64) -> Vec<f64> {
+        self.columns.iter().map(|values| interpolated(x, &self.coordinate, values)).collect()
+    }
+
+    /// The values of the columns in a state.
+    pub fn row(&self, state: usize) -> Vec<f64> {
+        self.columns.iter().map(|values| values[state]).collect()
     }
 }

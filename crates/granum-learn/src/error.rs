@@ -23,14 +23,16 @@ pub enum LearnError {
     Table(#[from] granum_core::TableError),
     /// A sub-model has too little to learn from.
     #[error(
-        "{mapping} sub-model {sub_model} (deviator strain {} to {}) has {found} training states, needs {needed}; \
-         record more states or widen its range", brief(*.low), brief(*.high)
+        "{mapping} sub-model {sub_model} ({} {} to {}) has {found} training states, needs {needed}; \
+         record more states or widen its range", coordinate.replace('_', " "), brief(*.low), brief(*.high)
     )]
     TooFewStates {
         /// Name of the mapping.
         mapping: String,
         /// Number of the sub-model, from 1.
         sub_model: usize,
+        /// Name of the coordinate.
+        coordinate: String,
         /// Start of its range.
         low: f64,
         /// End of its range.
@@ -54,11 +56,11 @@ pub enum LearnError {
         known: String,
     },
     /// The study was stopped by its observer before it was complete.
-    #[error("stopped on request after {done} of {total} networks")]
+    #[error("stopped on request after {done} of {total} surrogates")]
     Stopped {
-        /// Number of trained networks.
+        /// Number of fitted surrogates, or of trained networks of one.
         done: usize,
-        /// Number of networks of the study.
+        /// Number of all of them.
         total: usize,
     },
     /// A network cannot be created or trained.
@@ -120,6 +122,7 @@ mod tests {
         let error = LearnError::TooFewStates {
             mapping: "F2".into(),
             sub_model: 1,
+            coordinate: "deviator_strain".into(),
             low: 0.0,
             high: 0.01 / 3.0,
             found: 2,

@@ -42,8 +42,11 @@ pub mod dataset;
 mod error;
 pub mod inference;
 pub mod input_use;
+pub mod learning_curve;
+pub mod networks;
 pub mod regression;
 pub mod runs;
+pub mod scatter;
 pub mod score;
 pub mod student_t;
 pub mod study;
@@ -51,7 +54,7 @@ pub mod surrogate;
 #[cfg(test)]
 mod synthetic;
 
-pub use comparison::{SurrogateScores, compare, score_surrogate};
+pub use comparison::{SurrogateScores, compare, score_surrogate, score_where};
 pub use dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts, Variable};
 pub use error::{LearnError, Result};
 pub use score::Score;

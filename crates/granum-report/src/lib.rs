@@ -13,6 +13,7 @@ mod energy;
 pub mod figure;
 mod forces;
 mod further;
+mod learning_curve;
 mod material;
 pub mod numbers;
 pub mod other_data;

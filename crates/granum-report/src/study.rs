@@ -2,11 +2,13 @@
 
 use granum_core::Table as Columns;
 use granum_core::words::listed;
+use granum_learn::networks::NetworkScores;
 use granum_learn::study::{FitScores, MemberScores, PartScore, Role, StoredStudy, StudyFit};
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
+use super::learning_curve;
 use super::numbers::{percent, points, significant, whole};
 use super::page::{Document, Page, Table, paragraphs, tiles};
 
@@ -23,6 +25,10 @@ pub fn report(stored: &StoredStudy, name: &str) -> Document {
     page.section("scores", "Scores", body);
     let body = uses_section(&mut page, &pairs);
     page.section("inputs", "Use of the inputs", body);
+    if let Some(curve) = &stored.study.learning_curve {
+        let body = learning_curve::section(&mut page, curve);
+        page.section("learning-curve", "Number of training runs", body);
+    }
     let body = figures_section(&mut page, stored);
     page.section("predictions", "Predictions for unseen runs", body);
     let body = repeat_section(&mut page, stored);
@@ -94,6 +100,10 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
         if fit.members.first().is_some_and(|member| member.surrogate.columns().outputs.len() > 1) {
             tables.push(outputs_table(page, scores).html());
         }
+        if let Some(table) = networks_table(page, fit, scores) {
+            tables.push(table.html());
+        }
+        tables.push(paragraphs(&scatter_sentence(scores).into_iter().collect::<Vec<_>>()));
         tables.push(paragraphs(&literals(&fit.remarks)));
     }
     html! {
@@ -104,6 +114,56 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
         ]))
         @for table in &tables { (table) }
     }
+}
+
+/// The networks of sub-models, if there are several.
+fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option<Table> {
+    let members = scores.members.iter().filter(|member| member.networks.len() > 1);
+    let rows: Vec<(&MemberScores, usize, &NetworkScores)> = members
+        .flat_map(|member| member.networks.iter().enumerate().map(move |(k, network)| (member, k, network)))
+        .collect();
+    rows.first()?;
+    let coordinate = literal(fit.spec.coordinate.as_deref().unwrap_or(""));
+    let caption = format!("Networks of {}, each for a range of {coordinate}.", literal(&scores.name));
+    let columns = ["Surrogate", "Range", "Hidden layers", "Rows", "Epochs", "Held out", "Unseen"];
+    let mut table = Table { words: 1, ..Table::new(&page.own_table_label(), &caption, &columns) };
+    let error = |score: &granum_learn::Score| {
+        if score.states > 0 { percent(score.relative_rmse) } else { "–".into() }
+    };
+    for (member, _, network) in &rows {
+        let mark = if network.constant { " (constant)" } else { "" };
+        let layers: Vec<String> = network.hidden.iter().map(|n| whole(*n as f64)).collect();
+        table.row(vec![
+            literal(&member.name) + mark,
+            format!("{} to {}", significant(network.range[0], 4), significant(network.range[1], 4)),
+            layers.join(", "),
+            whole(network.rows as f64),
+            whole(network.epochs as f64),
+            error(&network.held_out),
+            error(&network.unseen),
+        ]);
+    }
+    table.note =
+        "Held out, unseen: relative RMSE in the range. A constant network has learned nothing.".into();
+    Some(table)
+}
+
+/// The scatter between runs that differ only in their seed.
+fn scatter_sentence(scores: &FitScores) -> Option<String> {
+    let scatter = scores.seed_scatter?;
+    let groups = if scatter.groups == 1 { String::new() } else { format!(" in {} groups", scatter.groups) };
+    let best = scatter.best_without_inputs.map_or(String::new(), |best| {
+        format!(
+            " If nothing but the mean of the training runs with the same parameters is known, an error of {} must be expected on \
+             an unseen run.",
+            percent(best)
+        )
+    });
+    Some(format!(
+        "The {} runs{groups} that differ only in their seed scatter by {} in the same measure.{best}",
+        scatter.runs,
+        percent(scatter.relative)
+    ))
 }
 
 /// The error of each output of the methods that were asked for.

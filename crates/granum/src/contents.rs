@@ -8,10 +8,9 @@ use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
 
-use granum_antony2006::layout::PLAN_FILE;
-use granum_antony2006::layout::STUDY_FILE;
 use granum_antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
 use granum_campaign::Campaign;
+use granum_learn::study::{PLAN_FILE, STUDY_FILE};
 use granum_learn::{LearnError, Result};
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use granum_run::queue::RunList;

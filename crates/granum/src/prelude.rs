@@ -16,10 +16,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use granum_antony2006::study::Silent;
-pub use granum_antony2006::{
-    Form, Mapping, MappingNetworks, Study, StudyData, StudyDataOptions, StudyOptions,
-};
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
 pub use granum_core::quantity::Dimension;
 pub use granum_core::{Cell, Column, Part, Parts, Table};
@@ -33,6 +29,7 @@ pub use granum_io::packing::{PackedGrain, Packing};
 pub use granum_io::{
     Case, Run, RunFolder, read_columns, read_packing, read_table, write_packing, write_table,
 };
+pub use granum_learn::study::{NoStudyObserver, Study, StudyDefinition, StudyObserver};
 pub use granum_learn::surrogate::Estimate;
 pub use granum_learn::{
     Dataset, FitSpec, NamedRecord, Prediction, RunStates, Split, Surrogate, SurrogateMethod,

@@ -1,7 +1,7 @@
 //! The first page of a study: its main numbers and findings, which follow from explicit rules.
 
-use crate::Verdict;
 use crate::summary::MappingSummary;
+use granum_learn::input_use::Verdict;
 
 use super::StudyReport;
 use granum_core::words::listed;

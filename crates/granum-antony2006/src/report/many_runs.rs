@@ -1,6 +1,7 @@
 //! Results with more training runs than in the paper: error as a function of the number of training runs.
 
-use crate::learning_curve::{CurvePoint, Estimate, LearningCurve};
+use crate::learning_curve::{CurvePoint, LearningCurve};
+use granum_learn::learning_curve::MeanError;
 use maud::{Markup, html};
 
 use granum_report::figure::palette::{GREY, color};
@@ -49,14 +50,14 @@ fn figure(curve: &LearningCurve) -> (Figure, String) {
 }
 
 fn plot(curve: &LearningCurve, name: &str) -> Plot {
-    let line = |value: &dyn Fn(&CurvePoint) -> Option<Estimate>| -> Vec<[f64; 2]> {
+    let line = |value: &dyn Fn(&CurvePoint) -> Option<MeanError>| -> Vec<[f64; 2]> {
         let points = curve.of(name);
         points.filter_map(|p| Some([p.training_runs as f64, 100.0 * value(p)?.mean])).collect()
     };
     let band: Vec<[f64; 3]> = curve
         .of(name)
         .map(|p| {
-            let Estimate { mean, standard_error, .. } = p.network;
+            let MeanError { mean, standard_error, .. } = p.network;
             [p.training_runs as f64, 100.0 * (mean - standard_error), 100.0 * (mean + standard_error)]
         })
         .collect();
@@ -92,7 +93,7 @@ fn table(label: &str, curve: &LearningCurve) -> Table {
         curve.unseen_runs, curve.grains
     );
     let mut table = Table { words: 1, ..Table::new(label, &caption, &columns) };
-    let of = |estimate: Estimate| {
+    let of = |estimate: MeanError| {
         format!("{:.2} \u{b1} {:.2} %", 100.0 * estimate.mean, 100.0 * estimate.standard_error)
     };
     for point in &curve.points {

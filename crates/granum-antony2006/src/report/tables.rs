@@ -1,7 +1,8 @@
 //! Tables 1-6, with the columns of the paper and those of this study.
 
-use crate::mapping::{Mapping, SubModel, paper_mappings};
+use crate::mapping::{Mapping, paper_mappings};
 use crate::summary::{MappingSummary, SubModelSummary};
+use granum_learn::networks::SubModel;
 
 use granum_report::numbers::{percent, trimmed, whole};
 use granum_report::page::Table;
@@ -19,7 +20,7 @@ pub fn table(name: &str, ours: &MappingSummary) -> Option<Table> {
     let paper: Mapping = paper_mappings().into_iter().find(|mapping| mapping.name == name)?;
     let label = format!("Table {}", table_number(name)?);
     let same_ranges = paper.sub_models.len() == ours.sub_models.len()
-        && paper.sub_models.iter().zip(&ours.sub_models).all(|(a, b)| a.strain_range == b.strain_range);
+        && paper.sub_models.iter().zip(&ours.sub_models).all(|(a, b)| a.range == b.strain_range);
     let mut columns = vec!["No.", "Range of *ε*_{d}", "First layer", "Second layer", "Training epochs"];
     if !same_ranges {
         columns.push("Range of *ε*_{d}");
@@ -61,7 +62,12 @@ fn neurons(hidden: &[usize]) -> String {
 
 fn paper_cells(model: &SubModel) -> Vec<String> {
     let layer = |k: usize| model.hidden.get(k).map_or("–".to_owned(), usize::to_string);
-    vec![range(model.strain_range), layer(0), layer(1), whole(model.epochs as f64)]
+    vec![
+        range(model.range),
+        layer(0),
+        layer(1),
+        model.epochs.map_or("–".to_owned(), |epochs| whole(epochs as f64)),
+    ]
 }
 
 fn our_cells(model: &SubModelSummary) -> Vec<String> {

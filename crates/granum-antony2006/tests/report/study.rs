@@ -7,12 +7,12 @@ use granum_antony2006::StudyReport;
 use granum_antony2006::interpretation;
 use granum_antony2006::learning_curve::LearningCurve;
 use granum_antony2006::size_study::SizeStudyOptions;
-use granum_antony2006::study::Silent;
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary, SpeedSummary, Summary};
 use granum_antony2006::{
-    Mapping, SizeStudy, Study, StudyData, StudyDataOptions, StudyOptions, paper_mappings,
+    Evaluation, Mapping, PaperData, PaperDataOptions, PaperOptions, SizeStudy, paper_mappings,
 };
 use granum_learn::NamedRecord;
+use granum_learn::study::NoStudyObserver;
 use granum_report::{Role, RunReport};
 
 use crate::synthetic;
@@ -37,17 +37,17 @@ fn train() -> StudyReport {
     let kept: &'static [RunReport] = Box::leak(runs.clone().into_boxed_slice());
     let training = [named("training-1", 0, kept)];
     let unseen = [named("unseen-2", 1, kept), named("unseen-3", 2, kept)];
-    let dataset =
-        StudyData::new(&training, &unseen, &StudyDataOptions::default()).expect("the records are whole");
-    let options = StudyOptions { mappings: small_mappings(), threads: 2, ..Default::default() };
-    let study = Study::train(&dataset, &options, &Silent).expect("small networks train");
-    let evaluations = study.evaluate(&dataset).expect("states are finite");
+    let data = PaperData::from_records(&training, &unseen, &PaperDataOptions::default())
+        .expect("the records are whole");
+    let options = PaperOptions { mappings: small_mappings(), threads: 2, ..Default::default() };
+    let study = options.train(&data, &NoStudyObserver).expect("small networks train");
+    let evaluations = Evaluation::of_study(&study, &data).expect("states are finite");
     let curve =
-        LearningCurve::new(&training, &unseen, 2000, &options, &Silent).expect("small networks train");
+        LearningCurve::measure(&data, 2000, &options, &NoStudyObserver).expect("small networks train");
     let size_options =
         SizeStudyOptions { neurons: vec![1, 2, 4], seeds: 2, study: options, ..Default::default() };
-    let size_study = SizeStudy::run(&dataset, &size_options, &Silent).expect("small networks train");
-    let measured = granum_antony2006::speed::measure(&study, &dataset.unseen_runs[0], 180.0, 1)
+    let size_study = SizeStudy::run(&data, &size_options, &NoStudyObserver).expect("small networks train");
+    let measured = granum_antony2006::speed::measure(&study, &data.parts.unseen.runs()[0], 180.0, 1)
         .expect("states are finite");
     // Measured times vary between tests, but the page must not.
     let speed = SpeedSummary { network_seconds: 0.02, factor: 9000.0, training_seconds: 4.0, ..measured };
@@ -66,11 +66,11 @@ fn train() -> StudyReport {
         speed,
     };
     StudyReport {
-        figures: granum_antony2006::figures::figures(&study, &dataset).expect("states are finite"),
+        figures: granum_antony2006::figures::figures(&study, &data).expect("states are finite"),
         summary,
         runs,
         command: "granum reproduce".into(),
-        dataset_hash: dataset.hash().expect("states are finite"),
+        dataset_hash: data.hash().expect("states are finite"),
         network_seed: 1,
     }
 }

@@ -3,13 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::member::{Member, Role};
+use super::thinning::thinned;
 use crate::comparison::check_units;
 use crate::dataset::{Dataset, Split, SplitParts};
 use crate::error::{LearnError, Result};
+use crate::networks::NetworkSettings;
 use crate::surrogate::{FitSpec, SurrogateMethods};
 
 /// Name of the method that is the baseline with all inputs.
-pub(super) const RIDGE: &str = "ridge";
+pub(crate) const RIDGE: &str = "ridge";
 
 /// What a study consists of: fits, methods, and the split of its data set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +25,20 @@ pub struct StudyDefinition {
     pub split: Split,
     /// Level of the intervals (0.9).
     pub level: f64,
+    /// Settings of the methods with networks.
+    #[serde(default)]
+    pub networks: NetworkSettings,
+    /// Largest number of training states: if there are more, every n-th of each run is used, see
+    /// [`super::thinned`]. Methods with memory always learn from all states.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_states: Option<usize>,
+    /// True if the error is also measured as a function of the number of training runs, see
+    /// [`crate::learning_curve::LearningCurve`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub learning_curve: bool,
+    /// Number of threads; 0 for the number of processors. Results do not depend on it.
+    #[serde(skip)]
+    pub threads: usize,
 }
 
 impl StudyDefinition {
@@ -37,21 +53,20 @@ impl StudyDefinition {
             methods: methods.into_iter().map(Into::into).collect(),
             split,
             level: 0.9,
+            networks: NetworkSettings::default(),
+            most_states: None,
+            learning_curve: false,
+            threads: 0,
         }
     }
 
     /// Checks the definition against a data set before anything is fitted, and splits the data set.
     ///
     /// # Errors
-    /// If there is only one run, a method or a column does not exist, a value is not finite, outputs of a fit have different
+    /// If a method or a column does not exist, a value is not finite, outputs of a fit have different
     /// units, or an input has the same value in all training states.
     pub fn check(&self, dataset: &Dataset, methods: &SurrogateMethods) -> Result<SplitParts> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
-        if dataset.runs().len() < 2 {
-            return bad(
-                "a study needs two or more runs: some to learn from, and others to be scored on".into()
-            );
-        }
         if self.fits.is_empty() || self.methods.is_empty() {
             return bad("a study needs at least one fit and one method".into());
         }
@@ -62,9 +77,10 @@ impl StudyDefinition {
             }
         }
         let parts = dataset.split(&self.split)?;
+        let training = self.training_states(&parts);
         for (k, fit) in self.fits.iter().enumerate() {
-            let name = fit_name(fit);
-            if self.fits[..k].iter().any(|other| fit_name(other) == name) {
+            let name = fit.fit_name();
+            if self.fits[..k].iter().any(|other| other.fit_name() == name) {
                 return bad(format!("the output {name} is named twice"));
             }
             let columns = fit.columns(dataset)?;
@@ -76,10 +92,10 @@ impl StudyDefinition {
             }
             for (input, variable) in fit.inputs.iter().map(|input| (input, dataset.variable(input))) {
                 // A category holds words. A histogram has no column of its own name, and some of its bins may be empty in all states.
-                if variable.is_err() {
+                if variable.is_err() || is_bin(dataset, input) {
                     continue;
                 }
-                let values = parts.training.column(input)?;
+                let values = training.column(input)?;
                 if let Some(same) = values.first().filter(|first| values.iter().all(|value| value == *first))
                 {
                     return bad(format!(
@@ -90,14 +106,26 @@ impl StudyDefinition {
             }
             for member in self.members(fit) {
                 granum_io::check_name("name of an output", &member.name)?;
+                let method = methods.by_name(&member.method)?;
+                if member.role == Role::Asked && !method.has_memory() {
+                    method.check(&training, &member.spec)?;
+                }
             }
         }
         Ok(parts)
     }
 
+    /// The states from which methods without memory learn.
+    pub fn training_states(&self, parts: &SplitParts) -> Dataset {
+        match self.most_states {
+            Some(most) => thinned(&parts.training, most),
+            None => parts.training.clone(),
+        }
+    }
+
     /// The members that a fit has, without their surrogates: what is asked for, and the baselines.
     pub(super) fn members(&self, fit: &FitSpec) -> Vec<Planned> {
-        let name = fit_name(fit);
+        let name = fit.fit_name();
         let has_others = fit.coordinate.is_some() && fit.inputs.len() > 1;
         let mut members: Vec<Planned> = Vec::new();
         let mut add = |method: &str, role: Role| {
@@ -108,6 +136,7 @@ impl StudyDefinition {
                 _ => fit.clone(),
             };
             let name = format!("{name}-{method}{mark}");
+            let spec = FitSpec { kept_as: Some(name.clone()), ..spec };
             if !members.iter().any(|member| member.name == name) {
                 members.push(Planned { name, method: method.to_owned(), role, spec });
             }
@@ -162,9 +191,8 @@ impl Planned {
     }
 }
 
-/// Name of a fit: that of its outputs. It is a part of file names, so that other signs than letters, digits, `-` and `_` are
-/// replaced.
-pub(super) fn fit_name(fit: &FitSpec) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    fit.outputs.join("_").chars().map(plain).collect()
+/// True if a column is a bin of a histogram.
+fn is_bin(dataset: &Dataset, column: &str) -> bool {
+    let groups = dataset.runs().iter().flat_map(|run| run.groups());
+    groups.into_iter().any(|group| group.columns().any(|name| name == column))
 }

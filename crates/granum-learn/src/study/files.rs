@@ -8,16 +8,20 @@ use std::path::Path;
 use granum_core::{Table, digest, json};
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::sealed::write_sealed;
 use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
-use super::definition::{StudyDefinition, fit_name};
+use super::definition::StudyDefinition;
 use super::member::{Member, StudyFit};
+use super::plan::old_paper_format;
 use super::predictions::predictions;
 use super::scores::StudyScores;
 use super::training::Study;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::learning_curve::LearningCurve;
+use crate::networks::{KeptNetworks, TIMES_FILE};
 use crate::runs::StudyRun;
 use crate::surrogate::SurrogateMethods;
 use crate::surrogate::file::{is_whole, sealed};
@@ -27,7 +31,10 @@ pub const STUDY_FILE: &str = "study.json";
 /// File with the predictions for the unseen runs.
 pub const SCORED_FILE: &str = "predictions.csv";
 const FORMAT: &str = "granum surrogate study";
-const VERSION: u64 = 1;
+/// Version of the format. Version 1 had no settings of networks.
+const VERSION: u64 = 2;
+/// Format of the studies of the paper's networks of earlier versions.
+const PAPER_FORMAT: &str = "granum study";
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +48,8 @@ struct File {
     /// Names of the unseen runs in the order of their numbers in the predictions.
     unseen: Vec<String>,
     scores: StudyScores,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    learning_curve: Option<LearningCurve>,
     remarks: BTreeMap<String, Vec<String>>,
     /// SHA-256 of every other file of the study.
     files: BTreeMap<String, String>,
@@ -66,7 +75,7 @@ pub struct StoredStudy {
     pub predictions: Option<Table>,
 }
 
-/// True if a folder holds a finished study of this kind (and not that of the paper, whose file has the same name).
+/// True if a folder holds a finished study.
 pub fn is_study(folder: &Path) -> bool {
     let text = granum_core::input::read_text(&folder.join(STUDY_FILE), granum_core::input::LARGEST_INPUT)
         .unwrap_or_default();
@@ -98,6 +107,9 @@ pub fn save(folder: &Path, study: &Study, dataset: &Dataset) -> Result<StudyScor
         granum_io::write_table(&path, &predictions(study, &unseen)?)?;
         files.insert(SCORED_FILE.into(), granum_io::run::file_digest(&path)?);
     }
+    if !study.seconds.is_empty() {
+        write_sealed(&folder.join(TIMES_FILE), &study.seconds)?;
+    }
     let remarks = study.fits.iter().filter(|fit| !fit.remarks.is_empty());
     let file = File {
         format: FORMAT.into(),
@@ -108,6 +120,7 @@ pub fn save(folder: &Path, study: &Study, dataset: &Dataset) -> Result<StudyScor
         runs: study.runs.clone(),
         unseen: unseen.runs().iter().map(|run| run.name().to_owned()).collect(),
         scores: scores.clone(),
+        learning_curve: study.learning_curve.clone(),
         remarks: remarks.map(|fit| (fit.name.clone(), fit.remarks.clone())).collect(),
         files,
         _digest: String::new(),
@@ -127,22 +140,12 @@ pub fn load(folder: &Path, methods: &SurrogateMethods) -> Result<StoredStudy> {
         .map_err(Error::file("read", &path))?;
     let file = opened(&text).map_err(|reason| wrong(&path, reason))?;
     for (name, sha256) in &file.files {
-        let stem = name.strip_suffix(".json").or_else(|| name.strip_suffix(".csv")).unwrap_or(name);
-        granum_io::check_name("name of a file", stem).map_err(|error| wrong(&path, error.to_string()))?;
-        let own = folder.join(name);
-        if granum_io::run::file_digest(&own)? != *sha256 {
-            return Err(wrong(
-                &own,
-                format!(
-                    "its SHA-256 is not the one that {STUDY_FILE} records: it was altered or damaged; train again"
-                ),
-            ));
-        }
+        check_file(folder, name, sha256)?;
     }
     let missing = |name: &str| wrong(&path, format!("it does not list the file of {name}"));
     let mut fits = Vec::new();
     for spec in &file.definition.fits {
-        let name = fit_name(spec);
+        let name = spec.fit_name();
         let scored = file.scores.fits.iter().find(|fit| fit.name == name).ok_or_else(|| missing(&name))?;
         let member = |member: &super::MemberScores| {
             let own = member_file(&member.name);
@@ -161,8 +164,38 @@ pub fn load(folder: &Path, methods: &SurrogateMethods) -> Result<StoredStudy> {
         false => None,
     };
     let (definition, dataset_digest, runs) = (file.definition, file.dataset_digest, file.runs);
-    let study = Study { definition, dataset_digest, runs, fits };
+    let seconds = KeptNetworks::times(folder);
+    let learning_curve = file.learning_curve;
+    let study = Study { definition, dataset_digest, runs, fits, seconds, learning_curve };
     Ok(StoredStudy { study, scores: file.scores, unseen: file.unseen, predictions })
+}
+
+/// The files of a study that are missing or are not those with which it was saved, with the reason.
+///
+/// # Errors
+/// If `study.json` itself is missing, damaged or of another version; the message names it.
+pub fn faults(folder: &Path) -> Result<Vec<LearnError>> {
+    let path = folder.join(STUDY_FILE);
+    let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+        .map_err(Error::file("read", &path))?;
+    let file = opened(&text).map_err(|reason| wrong(&path, reason))?;
+    Ok(file.files.iter().filter_map(|(name, sha256)| check_file(folder, name, sha256).err()).collect())
+}
+
+/// Refuses a file that is not the one with the given SHA-256.
+fn check_file(folder: &Path, name: &str, sha256: &str) -> Result<()> {
+    let stem = name.strip_suffix(".json").or_else(|| name.strip_suffix(".csv")).unwrap_or(name);
+    granum_io::check_name("name of a file", stem)
+        .map_err(|error| wrong(&folder.join(STUDY_FILE), error.to_string()))?;
+    let own = folder.join(name);
+    if granum_io::run::file_digest(&own)? == sha256 {
+        return Ok(());
+    }
+    let reason = format!(
+        "its SHA-256 is not the one that {STUDY_FILE} records: it was changed or replaced since the study was saved; put the \
+         file back, or train again"
+    );
+    Err(wrong(&own, reason))
 }
 
 fn wrong(path: &Path, reason: String) -> LearnError {
@@ -173,9 +206,16 @@ fn opened(text: &str) -> std::result::Result<File, String> {
     let header: Header =
         serde_json::from_str(text).map_err(|error| format!("this is not a study: {error}"))?;
     match (header.format.as_deref(), header.version) {
-        (Some(FORMAT), Some(VERSION)) => {}
+        (Some(FORMAT), Some(1..=VERSION)) => {}
         (Some(FORMAT), Some(version)) => {
-            return Err(format!("it has version {version}, this program reads version {VERSION}"));
+            return Err(format!("it has version {version}, this program reads versions up to {VERSION}"));
+        }
+        _ if old_paper_format(text, PAPER_FORMAT).is_some() => {
+            return Err(format!(
+                "it is a study of the paper's networks in version {} of an earlier format; this program reads studies in the \
+                 format \"{FORMAT}\" up to version {VERSION}; train again with --force",
+                old_paper_format(text, PAPER_FORMAT).unwrap_or_default()
+            ));
         }
         (format, _) => {
             let found = format.unwrap_or("none");

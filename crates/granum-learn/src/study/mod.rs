@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use granum_core::{Column, Table};
-//! use granum_learn::study::{Silent, Study, StudyDefinition};
+//! use granum_learn::study::{NoStudyObserver, Study, StudyDefinition};
 //! use granum_learn::{Dataset, FitSpec, RunStates, Split, SurrogateMethods};
 //!
 //! // Six runs in which y follows x and a sensor s.
@@ -25,7 +25,7 @@
 //! let fit = FitSpec::new(["x", "s"], ["y"]).with_coordinate("x");
 //! let split = Split::default().unseen(["run-4", "run-5", "run-6"]);
 //! let definition = StudyDefinition::new([fit], ["ridge"], split);
-//! let study = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &Silent)?;
+//! let study = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &NoStudyObserver)?;
 //! let scores = study.evaluate(&dataset)?;
 //! let ridge = scores.member("y-ridge").unwrap();
 //! assert!(ridge.unseen.score.relative_rmse < 0.1);
@@ -36,20 +36,27 @@
 mod definition;
 mod files;
 mod input_test;
+mod kept_study;
 mod member;
 mod observer;
 mod plan;
 mod predictions;
 mod scores;
+mod thinning;
+mod timed;
 mod training;
 
+pub(crate) use definition::RIDGE;
 pub use definition::StudyDefinition;
-pub use files::{SCORED_FILE, STUDY_FILE, StoredStudy, is_study, load, save};
+pub use files::{SCORED_FILE, STUDY_FILE, StoredStudy, faults, is_study, load, save};
+pub use kept_study::KeptStudy;
 pub use member::{Member, Role, StudyFit};
-pub use observer::{Silent, StudyObserver};
+pub use observer::{NoStudyObserver, StudyObserver};
 pub use plan::{PLAN_FILE, StudyPlan};
 pub use predictions::predictions;
+pub(crate) use scores::use_of;
 pub use scores::{FitScores, MemberScores, OutputScore, PartScore, StudyScores};
+pub use thinning::thinned;
 pub use training::Study;
 
 #[cfg(test)]

@@ -1,21 +1,40 @@
 //! The plan of a training, which is written before anything is fitted, so that an interrupted training can be resumed.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use granum_core::json;
 use granum_io::Error;
-use granum_io::atomic::write_atomically;
+use granum_io::recordable;
+use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
 use super::definition::StudyDefinition;
 use super::files::{SCORED_FILE, STUDY_FILE, member_file};
+use super::kept_study::network_files;
 use crate::error::{LearnError, Result};
+use crate::networks::TIMES_FILE;
+use crate::surrogate::FitSpec;
 
 /// File with the plan of a training.
 pub const PLAN_FILE: &str = "training.json";
 const FORMAT: &str = "granum surrogate training";
+/// Version of the format. Version 1 had no settings of networks and no SHA-256.
+const VERSION: u64 = 2;
+
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+    version: u64,
+}
+
+/// Format of the plans of earlier versions for the networks of the paper.
+const PAPER_FORMAT: &str = "granum training";
+
+/// The version of a file of an earlier format, which was of the paper's networks only.
+pub(super) fn old_paper_format(text: &str, format: &str) -> Option<u64> {
+    let head: Option<Head> = serde_json::from_str(text).ok();
+    head.filter(|head| head.format == format).map(|head| head.version)
+}
 
 /// The plan of a training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,39 +51,42 @@ pub struct StudyPlan {
     pub dataset_digest: String,
     /// What the study consists of.
     pub definition: StudyDefinition,
+    /// True if the runs may differ in more than the seed of their samples although no input tells of it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixed: bool,
 }
 
 impl StudyPlan {
     /// A plan of this version, with absolute paths.
+    ///
+    /// # Errors
+    /// If the working directory, to which relative paths refer, no longer exists, or a path is not UTF-8 text.
     pub fn new(
         runs: &[PathBuf],
         unseen: &[PathBuf],
         dataset_digest: String,
         definition: StudyDefinition,
-    ) -> StudyPlan {
-        let whole = |paths: &[PathBuf]| -> Vec<PathBuf> {
-            paths.iter().map(|path| std::path::absolute(path).unwrap_or_else(|_| path.clone())).collect()
+    ) -> Result<StudyPlan> {
+        let absolute = |paths: &[PathBuf]| -> Result<Vec<PathBuf>> {
+            Ok(paths.iter().map(|path| recordable(path)).collect::<std::result::Result<_, _>>()?)
         };
-        StudyPlan {
+        Ok(StudyPlan {
             format: FORMAT.into(),
-            version: 1,
+            version: VERSION,
             granum_version: env!("CARGO_PKG_VERSION").into(),
-            runs: whole(runs),
-            unseen: whole(unseen),
+            runs: absolute(runs)?,
+            unseen: absolute(unseen)?,
             dataset_digest,
             definition,
-        }
+            mixed: false,
+        })
     }
 
     /// True if a folder holds the plan of such a training (and not that of the paper, whose file has the same name).
     pub fn is_in(folder: &Path) -> bool {
-        #[derive(Deserialize)]
-        struct Header {
-            format: String,
-        }
         let text = granum_core::input::read_text(&folder.join(PLAN_FILE), granum_core::input::LARGEST_INPUT)
             .unwrap_or_default();
-        serde_json::from_str::<Header>(&text).is_ok_and(|header| header.format == FORMAT)
+        serde_json::from_str::<Head>(&text).is_ok_and(|head| head.format == FORMAT)
     }
 
     /// Reads the plan in a folder.
@@ -73,12 +95,30 @@ impl StudyPlan {
     /// If it cannot be read.
     pub fn read(folder: &Path) -> Result<StudyPlan> {
         let path = folder.join(PLAN_FILE);
+        let wrong = |reason: String| LearnError::SurrogateFile { file: path.shown(), reason };
         let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
             .map_err(Error::file("read", &path))?;
-        serde_json::from_str(&text).map_err(|error| LearnError::SurrogateFile {
-            file: path.shown(),
-            reason: format!("not a usable plan of a training: {error}"),
-        })
+        if let Some(found) = old_paper_format(&text, PAPER_FORMAT) {
+            return Err(wrong(format!(
+                "it is the plan of a training of the paper's networks in version {found} of an earlier format; this program \
+                 continues \"{FORMAT}\" up to version {VERSION}; train again with --force"
+            )));
+        }
+        let head: Head = serde_json::from_str(&text)
+            .map_err(|error| wrong(format!("not a usable plan of a training: {error}")))?;
+        if head.format != FORMAT || !(1..=VERSION).contains(&head.version) {
+            let (format, version) = (head.format, head.version);
+            return Err(wrong(format!(
+                "format \"{format}\" version {version}, but this program reads \"{FORMAT}\" up to version {VERSION}"
+            )));
+        }
+        let text = if head.version >= 2 { unseal_strictly(&path, &text)? } else { text };
+        let plan: StudyPlan = serde_json::from_str(&text)
+            .map_err(|error| wrong(format!("not a usable plan of a training: {error}")))?;
+        for name in plan.names() {
+            granum_io::check_name("name of a surrogate", &name).map_err(|error| wrong(error.to_string()))?;
+        }
+        Ok(plan)
     }
 
     /// Writes the plan.
@@ -86,9 +126,7 @@ impl StudyPlan {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        let text = json::readable(self).map_err(|error| LearnError::Content(error.to_string()))?;
-        write_atomically(&folder.join(PLAN_FILE), |file| writeln!(file, "{}", text.trim_end()))?;
-        Ok(())
+        Ok(write_sealed(&folder.join(PLAN_FILE), self)?)
     }
 
     /// What differs between two plans, in words.
@@ -102,21 +140,38 @@ impl StudyPlan {
         };
         note(self.granum_version != other.granum_version, "the version of granum");
         note(self.dataset_digest != other.dataset_digest, "the runs");
-        note(a.fits != b.fits, "inputs, outputs, coordinate or seed");
+        let seeds = |d: &StudyDefinition| d.fits.iter().map(|fit| fit.seed).collect::<Vec<_>>();
+        let unseeded = |d: &StudyDefinition| -> Vec<FitSpec> {
+            let plain = |fit: &FitSpec| FitSpec { threads: 0, kept_as: None, seed: 0, ..fit.clone() };
+            d.fits.iter().map(plain).collect()
+        };
+        note(unseeded(a) != unseeded(b), "inputs, outputs, coordinate or sub-models");
+        note(seeds(a) != seeds(b), "seed");
         note(a.methods != b.methods, "the methods");
+        note(a.networks.trainer != b.networks.trainer, "trainer");
+        note(a.networks.form != b.networks.form, "form");
+        note(a.networks.epoch_factor != b.networks.epoch_factor, "epoch factor");
+        note(a.networks.hidden != b.networks.hidden, "the sizes of networks");
+        note(a.learning_curve != b.learning_curve, "the learning curve");
+        note(a.most_states != b.most_states, "the number of training states");
         note(a.split != b.split || a.level != b.level, "the split");
         found
     }
 
-    /// The files of the surrogates.
-    pub fn surrogates(&self) -> Vec<String> {
+    /// The names of the surrogates.
+    pub fn names(&self) -> Vec<String> {
         let fits = self.definition.fits.iter();
-        fits.flat_map(|fit| self.definition.members(fit)).map(|member| member_file(&member.name)).collect()
+        fits.flat_map(|fit| self.definition.members(fit)).map(|member| member.name).collect()
     }
 
-    /// All files that the training writes.
-    pub fn files(&self) -> Vec<String> {
-        let others = [PLAN_FILE, STUDY_FILE, SCORED_FILE].map(String::from);
-        self.surrogates().into_iter().chain(others).collect()
+    /// The files of the surrogates.
+    pub fn surrogates(&self) -> Vec<String> {
+        self.names().iter().map(|name| member_file(name)).collect()
+    }
+
+    /// All files of the training that a folder holds or will hold, starting with the one that marks its end.
+    pub fn files_in(&self, folder: &Path) -> Vec<String> {
+        let others = [STUDY_FILE, PLAN_FILE, SCORED_FILE, TIMES_FILE].map(String::from).into_iter();
+        others.chain(self.surrogates()).chain(network_files(folder, &self.names())).collect()
     }
 }

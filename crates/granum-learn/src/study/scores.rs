@@ -2,15 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use granum_core::parallel;
 use serde::{Deserialize, Serialize};
 
 use super::input_test::MemberTest;
 use super::member::{Member, Role, StudyFit};
 use super::training::Study;
-use crate::comparison::judged;
-use crate::dataset::Dataset;
-use crate::error::Result;
+use crate::comparison::{Judged, judged};
+use crate::dataset::{Dataset, SplitParts};
+use crate::error::{LearnError, Result};
 use crate::input_use::InputUse;
+use crate::networks::{NetworkScores, networks_of};
+use crate::scatter::{self, SeedScatter};
 use crate::score::Score;
 
 /// The score of a surrogate on a part of a data set.
@@ -52,6 +55,9 @@ pub struct MemberScores {
     pub unseen: PartScore,
     /// The error of each output on the unseen runs.
     pub outputs: Vec<OutputScore>,
+    /// The networks of its sub-models; empty for other surrogates.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub networks: Vec<NetworkScores>,
 }
 
 /// The scores of a fit.
@@ -63,6 +69,9 @@ pub struct FitScores {
     pub members: Vec<MemberScores>,
     /// For each surrogate with inputs besides the coordinate, by its name: the use of these inputs on the unseen runs.
     pub uses: BTreeMap<String, InputUse>,
+    /// The scatter of the outputs between runs that differ only in their seed; null if there are no such runs.
+    #[serde(default)]
+    pub seed_scatter: Option<SeedScatter>,
 }
 
 /// The scores of a study.
@@ -86,28 +95,62 @@ impl Study {
     /// If a column is missing or a state cannot be predicted.
     pub fn evaluate(&self, dataset: &Dataset) -> Result<StudyScores> {
         let parts = dataset.split(&self.definition.split)?;
-        let fits = self.fits.iter().map(|fit| {
-            let score = |member: &Member| {
-                let on = |part: &Dataset| self.score_part(member, part);
-                // A surrogate with memory was fitted to all states of the training runs.
-                let (training, held_out) = match member.surrogate.has_memory() {
-                    true => (&parts.training_runs, &parts.held_out.select(|_, _| false)),
-                    false => (&parts.training, &parts.held_out),
-                };
-                Ok(MemberScores {
-                    name: member.name.clone(),
-                    method: member.method.clone(),
-                    role: member.role,
-                    training: on(training)?,
-                    held_out: on(held_out)?,
-                    unseen: on(&parts.unseen)?,
-                    outputs: self.score_outputs(member, &parts.unseen)?,
-                })
-            };
-            let members = fit.members.iter().map(score).collect::<Result<_>>()?;
-            Ok(FitScores { name: fit.name.clone(), members, uses: self.uses(fit, &parts.unseen)? })
-        });
-        Ok(StudyScores { fits: fits.collect::<Result<_>>()? })
+        let training = self.definition.training_states(&parts);
+        let parts = SplitParts { training, ..parts };
+        let members: Vec<(&StudyFit, &Member)> =
+            self.fits.iter().flat_map(|fit| fit.members.iter().map(move |member| (fit, member))).collect();
+        let scored = parallel::map(members.len(), self.definition.threads, |k| {
+            let (fit, member) = members[k];
+            Ok::<_, LearnError>((
+                self.score_member(fit, member, &parts)?,
+                use_of(fit, member, &parts.unseen)?,
+            ))
+        })?;
+        let mut scored = members.iter().zip(scored);
+        let mut fits = Vec::new();
+        for fit in &self.fits {
+            let (mut members, mut uses) = (Vec::new(), BTreeMap::new());
+            for ((_, member), (scores, used)) in scored.by_ref().take(fit.members.len()) {
+                members.push(scores);
+                uses.extend(used.map(|used| (member.name.clone(), used)));
+            }
+            let seed_scatter = scatter::seed_scatter(&parts, &fit.spec)?;
+            fits.push(FitScores { name: fit.name.clone(), members, uses, seed_scatter });
+        }
+        Ok(StudyScores { fits })
+    }
+
+    fn score_member(&self, fit: &StudyFit, member: &Member, parts: &SplitParts) -> Result<MemberScores> {
+        let judge = |part: &Dataset| {
+            let scored = fit.spec.scored_states(part)?;
+            judged(member.surrogate.as_ref(), part, self.definition.level, &scored)
+        };
+        // A surrogate with memory was fitted to all states of the training runs.
+        let (training, held_out) = match member.surrogate.has_memory() {
+            true => (&parts.training_runs, &parts.held_out.select(|_, _| false)),
+            false => (&parts.training, &parts.held_out),
+        };
+        let unseen = judge(&parts.unseen)?;
+        let outputs = member.surrogate.columns().outputs.iter().zip(&unseen.outputs);
+        let output = |(output, unseen): (&crate::Variable, &Score)| OutputScore {
+            name: output.name.clone(),
+            unit: output.unit.clone(),
+            unseen: *unseen,
+        };
+        let networks = match networks_of(member.surrogate.as_ref()) {
+            Some(networks) => networks.scores(parts)?,
+            None => Vec::new(),
+        };
+        Ok(MemberScores {
+            name: member.name.clone(),
+            method: member.method.clone(),
+            role: member.role,
+            training: judge(training)?.into(),
+            held_out: judge(held_out)?.into(),
+            outputs: outputs.map(output).collect(),
+            unseen: unseen.into(),
+            networks,
+        })
     }
 
     /// Scores one surrogate on any runs.
@@ -115,19 +158,20 @@ impl Study {
     /// # Errors
     /// As [`Study::evaluate`].
     pub fn score_part(&self, member: &Member, part: &Dataset) -> Result<PartScore> {
-        let judged = judged(member.surrogate.as_ref(), part, self.definition.level)?;
-        Ok(PartScore { score: judged.score, coverage: judged.coverage, outside: judged.outside })
+        let fit = self.fits.iter().find(|fit| fit.members.iter().any(|own| own.name == member.name));
+        let scored = match fit {
+            Some(fit) => fit.spec.scored_states(part)?,
+            None => vec![true; part.rows()],
+        };
+        Ok(judged(member.surrogate.as_ref(), part, self.definition.level, &scored)?.into())
     }
 
-    fn score_outputs(&self, member: &Member, part: &Dataset) -> Result<Vec<OutputScore>> {
-        let scores = judged(member.surrogate.as_ref(), part, self.definition.level)?.outputs;
-        let outputs = member.surrogate.columns().outputs.iter().zip(scores);
-        let score = |(output, unseen): (&crate::Variable, Score)| OutputScore {
-            name: output.name.clone(),
-            unit: output.unit.clone(),
-            unseen,
-        };
-        Ok(outputs.map(score).collect())
+    /// The use that a surrogate of a fit makes of its inputs on unseen runs; `None` if it has none besides the coordinate.
+    ///
+    /// # Errors
+    /// As [`Study::evaluate`].
+    pub fn member_use(&self, fit: &StudyFit, member: &Member, unseen: &Dataset) -> Result<Option<InputUse>> {
+        use_of(fit, member, unseen)
     }
 
     /// The use that the surrogates of a fit make of their inputs on unseen runs, by their names; of those with inputs besides
@@ -137,21 +181,27 @@ impl Study {
     /// As [`Study::evaluate`].
     pub fn uses(&self, fit: &StudyFit, unseen: &Dataset) -> Result<BTreeMap<String, InputUse>> {
         let mut uses = BTreeMap::new();
-        if unseen.rows() == 0 {
-            return Ok(uses);
-        }
-        for member in fit.members.iter().filter(|member| member.role != Role::CoordinateOnly) {
-            let Some(alone) = fit.coordinate_only(member) else { continue };
-            let coordinate = fit.spec.place_of_coordinate(member.surrogate.columns());
-            if member.surrogate.columns().inputs.len() <= usize::from(coordinate.is_some()) {
-                continue;
-            }
-            if member.method == crate::surrogate::mean_curve::NAME {
-                continue;
-            }
-            let test = MemberTest::new(member.surrogate.as_ref(), alone, coordinate, unseen)?;
-            uses.insert(member.name.clone(), InputUse::measure(&test)?);
+        for member in &fit.members {
+            uses.extend(use_of(fit, member, unseen)?.map(|used| (member.name.clone(), used)));
         }
         Ok(uses)
     }
+}
+
+impl From<Judged> for PartScore {
+    fn from(judged: Judged) -> PartScore {
+        PartScore { score: judged.score, coverage: judged.coverage, outside: judged.outside }
+    }
+}
+
+/// The use that a surrogate makes of its inputs; `None` if it has none besides the coordinate, or without unseen states.
+pub(crate) fn use_of(fit: &StudyFit, member: &Member, unseen: &Dataset) -> Result<Option<InputUse>> {
+    let surrogate = member.surrogate.as_ref();
+    let coordinate = fit.spec.place_of_coordinate(surrogate.columns());
+    let others = surrogate.columns().inputs.len() > usize::from(coordinate.is_some());
+    let baseline = member.role == Role::CoordinateOnly || member.method == crate::surrogate::mean_curve::NAME;
+    let Some(alone) = fit.coordinate_only(member).filter(|_| others && !baseline && unseen.rows() > 0) else {
+        return Ok(None);
+    };
+    InputUse::measure(&MemberTest::new(surrogate, alone, &fit.spec, unseen)?).map(Some)
 }

@@ -8,6 +8,7 @@ use super::*;
 use crate::dataset::{Dataset, RunStates, Split};
 use crate::error::{LearnError, Result};
 use crate::input_use::Verdict;
+use crate::networks::{NetworkCheckpoints, SubModel, networks_of};
 use crate::surrogate::{FitSpec, Surrogate, SurrogateMethods};
 
 /// A run in which `y` follows `x` and, with the given slope, a sensor that differs from run to run.
@@ -31,7 +32,7 @@ fn definition(inputs: &[&str]) -> StudyDefinition {
 }
 
 fn train(dataset: &Dataset, definition: &StudyDefinition) -> Result<Study> {
-    Study::train(dataset, definition, &SurrogateMethods::standard(), &Silent)
+    Study::train(dataset, definition, &SurrogateMethods::standard(), &NoStudyObserver)
 }
 
 #[test]
@@ -98,7 +99,7 @@ fn a_study_comes_back_from_its_folder_and_altered_files_are_refused() {
     assert!(refused("y-ridge.json", "ridge", "rigde").contains("y-ridge.json: its SHA-256 is not the one"));
     assert!(refused("predictions.csv", "1", "2").contains("predictions.csv: its SHA-256"));
     assert!(refused("study.json", "0.9", "0.8").contains("study.json: the SHA-256 does not match"));
-    assert!(refused("study.json", "\"version\": 1", "\"version\": 2").contains("it has version 2"));
+    assert!(refused("study.json", "\"version\": 2", "\"version\": 3").contains("it has version 3"));
 }
 
 #[test]
@@ -117,9 +118,98 @@ fn what_cannot_be_studied_is_refused_before_anything_is_fitted() {
     assert!(message(&unknown).contains("there is no surrogate method `rigde`"));
     let twice = StudyDefinition { methods: vec!["ridge".into(), "ridge".into()], ..definition(&["x"]) };
     assert!(message(&twice).contains("named twice"));
-    let one = Dataset::new(vec![run(1, 0.0)]).unwrap();
-    let text = train(&one, &definition(&["x"])).err().unwrap().to_string();
-    assert!(text.contains("needs two or more runs"), "{text}");
+}
+
+/// Without an unseen run the held-out states of the training run are scored.
+#[test]
+fn a_single_run_is_scored_on_its_held_out_states() {
+    let one = Dataset::new(vec![run(1, 0.3)]).unwrap();
+    let definition = StudyDefinition { split: Split::default(), ..definition(&["x", "s"]) };
+    let scores = train(&one, &definition).unwrap().evaluate(&one).unwrap();
+    let ridge = scores.member("y-ridge").unwrap();
+    assert_eq!((ridge.held_out.score.states, ridge.unseen.score.states), (15, 0));
+    assert!(ridge.held_out.score.relative_rmse < 0.05 && scores.fits[0].uses.is_empty(), "{scores:?}");
+}
+
+/// Networks by sub-model, with fewer training states than there are, and the files from which such a fit goes on.
+#[test]
+fn networks_by_sub_model_are_scored_in_their_ranges_and_kept_while_they_are_trained() {
+    let dataset = dataset(0.3);
+    let sub_models = SubModel::divided([0.0, 0.9], &[0.4], &[3]);
+    let fit = FitSpec::new(["x", "s"], ["y"]).with_coordinate("x").with_sub_models(sub_models);
+    let split = Split::default().unseen(["run-4", "run-5", "run-6"]);
+    let mut definition = StudyDefinition::new([fit], ["sub-models"], split);
+    definition.most_states = Some(30);
+    let methods = SurrogateMethods::standard();
+    let folder = tempfile::tempdir().unwrap();
+    let plan = StudyPlan::new(&[], &[], dataset.digest(), definition.clone()).unwrap();
+    let kept = |plan: &StudyPlan| {
+        KeptStudy::begin(folder.path(), plan, &methods, std::time::Duration::ZERO).unwrap()
+    };
+    // Stopped within the first network, whose state is kept.
+    let stopped = AtNetwork { kept: kept(&plan), epochs: Mutex::new(0), most: 3 };
+    assert!(Study::train(&dataset, &definition, &methods, &stopped).is_err());
+    let files = |ending: &str| {
+        let names = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+        names.filter(|name| name.to_string_lossy().ends_with(ending)).count()
+    };
+    assert!(files(".unfinished") > 0);
+    let going_on = AtNetwork { kept: kept(&plan), epochs: Mutex::new(0), most: u64::MAX };
+    let resumed = Study::train(&dataset, &definition, &methods, &going_on).unwrap();
+    assert_eq!((files(".unfinished"), files("-1.json")), (0, 0));
+    let whole = Study::train(&dataset, &definition, &methods, &NoStudyObserver).unwrap();
+    let networks = |study: &Study| -> Vec<String> {
+        let member = study.member("y-sub-models").unwrap();
+        networks_of(member.surrogate.as_ref())
+            .unwrap()
+            .networks()
+            .iter()
+            .map(|model| model.to_json())
+            .collect()
+    };
+    assert_eq!(networks(&resumed), networks(&whole));
+    assert!(resumed.seconds_of(resumed.member("y-sub-models").unwrap()) > 0.0);
+    let scores = whole.evaluate(&dataset).unwrap();
+    let member = scores.member("y-sub-models").unwrap();
+    // States beyond 0.9 are not scored, for any method, but count as outside.
+    assert_eq!(member.unseen.score.states, 3 * 27);
+    assert_eq!(scores.member("y-ridge").unwrap().unseen.score.states, 3 * 27);
+    assert!(member.unseen.outside >= 3 * 3);
+    let each: Vec<usize> = member.networks.iter().map(|network| network.unseen.states).collect();
+    assert_eq!(each, [3 * 12, 3 * 15]);
+    assert_eq!((member.networks[0].rows, member.networks[1].range), (23, [0.4, 0.9]));
+    assert!(member.unseen.score.relative_rmse < 0.1, "{member:?}");
+    // Another plan begins from nothing.
+    definition.most_states = None;
+    let other = StudyPlan::new(&[], &[], dataset.digest(), definition).unwrap();
+    assert_eq!(plan.differences(&other), ["the number of training states"]);
+    assert!(kept(&plan).finished("y-ridge").unwrap().is_some());
+    assert!(kept(&other).finished("y-ridge").unwrap().is_none());
+}
+
+/// Keeps a study in its folder and stops after some epochs.
+struct AtNetwork {
+    kept: KeptStudy,
+    epochs: Mutex<u64>,
+    most: u64,
+}
+
+impl StudyObserver for AtNetwork {
+    fn progress(&self, _: &str, _: &granum_core::observer::Progress) {
+        *self.epochs.lock().unwrap() += 1;
+    }
+    fn finished(&self, name: &str) -> Result<Option<Box<dyn Surrogate>>> {
+        self.kept.finished(name)
+    }
+    fn fitted(&self, name: &str, surrogate: &dyn Surrogate) -> Result<()> {
+        self.kept.fitted(name, surrogate)
+    }
+    fn networks(&self) -> &dyn NetworkCheckpoints {
+        &self.kept.networks
+    }
+    fn stop(&self) -> bool {
+        *self.epochs.lock().unwrap() >= self.most
+    }
 }
 
 /// A path that turns has no mean curve along it, and inputs cannot be exchanged between runs at the same coordinate.
@@ -190,7 +280,7 @@ fn a_word_is_an_input_that_is_learned_from() {
     let split = Split::default().unseen(["run-5", "run-6"]);
     let definition = StudyDefinition::new([fit.clone()], ["ridge"], split.clone());
     let methods = SurrogateMethods::standard();
-    let study = Study::train(&dataset, &definition, &methods, &Silent).unwrap();
+    let study = Study::train(&dataset, &definition, &methods, &NoStudyObserver).unwrap();
     let scores = study.evaluate(&dataset).unwrap();
     let [with, without] =
         ["y-ridge", "y-ridge-coordinate-only"].map(|name| scores.member(name).unwrap().unseen.score);
@@ -223,7 +313,7 @@ fn a_word_is_an_input_that_is_learned_from() {
         let run = |k: usize| with_law(k as u32 + 1, laws[k], 1.0);
         let dataset = Dataset::new((0..6).map(run).collect()).unwrap();
         let definition = StudyDefinition::new([fit.clone()], ["ridge"], split.clone());
-        Study::train(&dataset, &definition, &methods, &Silent).err().unwrap().to_string()
+        Study::train(&dataset, &definition, &methods, &NoStudyObserver).err().unwrap().to_string()
     };
     let text = refused(["hertz", "jkr", "hertz", "jkr", "hertz", "hooke"]);
     assert_eq!(

@@ -1,12 +1,18 @@
 //! The training of a study.
 
-use granum_core::observer::{Flow, Progress};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::definition::{Planned, StudyDefinition, fit_name};
+use granum_core::observer::{Flow, Progress};
+use granum_core::parallel;
+
+use super::definition::{Planned, StudyDefinition};
 use super::member::{Member, Role, StudyFit};
 use super::observer::StudyObserver;
-use crate::dataset::{Dataset, SplitParts};
+use super::timed::Timed;
+use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::learning_curve::LearningCurve;
 use crate::runs::StudyRun;
 use crate::surrogate::{Surrogate, SurrogateMethods};
 
@@ -20,6 +26,10 @@ pub struct Study {
     pub runs: Vec<StudyRun>,
     /// The fits with their surrogates.
     pub fits: Vec<StudyFit>,
+    /// Training time of each network by the name under which it is kept, s.
+    pub seconds: BTreeMap<String, f64>,
+    /// The errors as a function of the number of training runs, if they were measured.
+    pub learning_curve: Option<LearningCurve>,
 }
 
 impl Study {
@@ -35,29 +45,69 @@ impl Study {
         observer: &dyn StudyObserver,
     ) -> Result<Study> {
         let parts = definition.check(dataset, methods)?;
-        let total = definition.fits.iter().map(|fit| definition.members(fit).len()).sum();
-        let mut done = 0;
-        let mut fits = Vec::new();
-        for spec in &definition.fits {
-            let (mut members, mut remarks) = (Vec::new(), Vec::new());
-            for planned in definition.members(spec) {
-                if observer.stop() {
-                    return Err(LearnError::Stopped { done, total });
-                }
-                observer.begins(&planned.name, done + 1, total);
-                match fitted(&planned, &parts, methods, observer) {
-                    Ok(surrogate) => members.push(planned.with(surrogate)),
-                    Err(error @ LearnError::Surrogate { .. }) if planned.role != Role::Asked => {
-                        remarks.push(format!("{} is missing: {error}", planned.name));
-                    }
-                    Err(LearnError::Stopped { .. }) => return Err(LearnError::Stopped { done, total }),
-                    Err(error) => return Err(error),
-                }
-                done += 1;
+        let training = definition.training_states(&parts);
+        let planned: Vec<(usize, Planned)> = (definition.fits.iter().enumerate())
+            .flat_map(|(fit, spec)| definition.members(spec).into_iter().map(move |planned| (fit, planned)))
+            .collect();
+        let (done, total) = (AtomicUsize::new(0), planned.len());
+        let stopped = || LearnError::Stopped { done: done.load(Ordering::Relaxed), total };
+        let threads = match definition.threads {
+            0 => parallel::available_threads(),
+            threads => threads,
+        };
+        let timed = Timed::new(observer.networks());
+        let fitted = parallel::map(total, threads, |k| {
+            if observer.stop() {
+                return Err(stopped());
             }
-            fits.push(StudyFit { name: fit_name(spec), spec: spec.clone(), members, remarks });
+            let planned = &planned[k].1;
+            observer.begins(&planned.name, k + 1, total);
+            let threads = threads.div_ceil(total);
+            let data = match methods.by_name(&planned.method)?.has_memory() {
+                true => &parts.training_runs,
+                false => &training,
+            };
+            let result = match fitted(planned, data, methods, threads, observer, &timed) {
+                Ok(surrogate) => Ok(surrogate),
+                Err(error @ LearnError::Surrogate { .. }) if planned.role != Role::Asked => {
+                    Err(format!("{} is missing: {error}", planned.name))
+                }
+                Err(LearnError::Stopped { .. }) => return Err(stopped()),
+                Err(error) => return Err(error),
+            };
+            done.fetch_add(1, Ordering::Relaxed);
+            Ok(result)
+        })?;
+        let fit = |spec: &crate::FitSpec| StudyFit {
+            name: spec.fit_name(),
+            spec: spec.clone(),
+            members: Vec::new(),
+            remarks: Vec::new(),
+        };
+        let mut fits: Vec<StudyFit> = definition.fits.iter().map(fit).collect();
+        for ((fit, planned), result) in planned.into_iter().zip(fitted) {
+            match result {
+                Ok(surrogate) => fits[fit].members.push(planned.with(surrogate)),
+                Err(remark) => fits[fit].remarks.push(remark),
+            }
         }
-        Ok(Study { definition: definition.clone(), dataset_digest: dataset.digest(), runs: Vec::new(), fits })
+        Ok(Study {
+            definition: definition.clone(),
+            dataset_digest: dataset.digest(),
+            runs: Vec::new(),
+            fits,
+            seconds: timed.into_seconds(),
+            learning_curve: None,
+        })
+    }
+
+    /// The time of the training of the networks of a surrogate, s; 0 if it has none or it is unknown.
+    pub fn seconds_of(&self, member: &Member) -> f64 {
+        let own = |name: &str| {
+            let number = name.strip_prefix(&member.name).and_then(|rest| rest.strip_prefix('-'));
+            number.is_some_and(|number| number.parse::<usize>().is_ok())
+        };
+        self.seconds.iter().filter(|(name, _)| own(name)).map(|(_, seconds)| seconds).sum()
     }
 
     /// Every surrogate of the study.
@@ -80,20 +130,23 @@ impl Study {
 
 fn fitted(
     planned: &Planned,
-    parts: &SplitParts,
+    training: &Dataset,
     methods: &SurrogateMethods,
+    threads: usize,
     observer: &dyn StudyObserver,
+    checkpoints: &Timed,
 ) -> Result<Box<dyn Surrogate>> {
     if let Some(surrogate) = observer.finished(&planned.name)? {
+        checkpoints.found(&planned.name, surrogate.as_ref());
         return Ok(surrogate);
     }
-    let method = methods.by_name(&planned.method)?;
-    let training = if method.has_memory() { &parts.training_runs } else { &parts.training };
     let mut listen = |progress: &Progress| {
         observer.progress(&planned.name, progress);
         if observer.stop() { Flow::Stop } else { Flow::Continue }
     };
-    let surrogate = method.fit(training, &planned.spec, &mut listen)?;
+    let spec = planned.spec.clone().with_threads(threads);
+    let method = methods.by_name(&planned.method)?;
+    let surrogate = method.fit_resumable(training, &spec, &mut listen, checkpoints)?;
     observer.fitted(&planned.name, surrogate.as_ref())?;
     Ok(surrogate)
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
-use granum_nets::trainer::{SharedTrainer, TerminationReason};
+use granum_nets::trainer::SharedTrainer;
 use granum_nets::{Column, Data, Model, ModelDefinition};
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +18,7 @@ use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
+use crate::networks::{NetworkCheckpoints, NetworkTask, NoCheckpoints};
 
 /// Feed-forward networks of one size for every output.
 ///
@@ -70,6 +71,16 @@ impl SurrogateMethod for FeedForward {
         spec: &FitSpec,
         observer: &mut dyn Observer,
     ) -> Result<Box<dyn Surrogate>> {
+        self.fit_resumable(dataset, spec, observer, &NoCheckpoints)
+    }
+
+    fn fit_resumable(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+        checkpoints: &dyn NetworkCheckpoints,
+    ) -> Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let inputs = dataset.values(&columns.input_names())?;
         let definition = ModelDefinition {
@@ -101,12 +112,15 @@ impl SurrogateMethod for FeedForward {
                 })
                 .map_err(failed)?;
             let seed = spec.seed.wrapping_add(k as u64);
-            let definition = ModelDefinition { output: network_column(output), seed, ..definition.clone() };
-            let (model, report) =
-                Model::fit(&definition, &data, &*self.trainer, &mut part).map_err(failed)?;
-            if report.termination == TerminationReason::Stopped {
-                return Err(stopped());
-            }
+            let task = NetworkTask {
+                name: output.name.clone(),
+                kept_as: spec.network_kept_as(&(k + 1).to_string()),
+                definition: ModelDefinition { output: network_column(output), seed, ..definition.clone() },
+                data,
+                trainer: self.trainer.clone(),
+                epochs: None,
+            };
+            let model = task.train(&mut part, checkpoints)?.ok_or_else(stopped)?;
             done.fetch_add(1, Ordering::Relaxed);
             part.completed();
             Ok(model)

@@ -108,8 +108,14 @@ pub(super) fn parse(text: &str, name: &str) -> Result<Opened> {
     opened(text).map_err(|reason| LearnError::SurrogateFile { file: name.to_owned(), reason })
 }
 
+/// True if a text ends before its JSON does; a number that ends too early is otherwise told as an invalid one.
+fn is_truncated(text: &str, error: &serde_json::Error) -> bool {
+    let last = text.lines().last().map_or(0, str::len);
+    error.is_eof() || (error.line() >= text.lines().count() && error.column() >= last)
+}
+
 fn opened(text: &str) -> std::result::Result<Opened, String> {
-    let header: Header = serde_json::from_str(text).map_err(|error| match error.is_eof() {
+    let header: Header = serde_json::from_str(text).map_err(|error| match is_truncated(text, &error) {
         true => "the file is truncated; save the surrogate again".to_string(),
         false => format!("this is not a surrogate file: {error}"),
     })?;

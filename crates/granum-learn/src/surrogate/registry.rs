@@ -10,6 +10,7 @@ use super::recurrent::Recurrent;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
+use crate::networks::{NetworkSettings, NetworksBySubModel};
 use granum_io::shell::ShowPath;
 
 /// A registry of methods by name, for fitting and for reading files.
@@ -18,7 +19,7 @@ use granum_io::shell::ShowPath;
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "recurrent"]);
+/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "recurrent", "sub-models"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
 /// ```
@@ -42,8 +43,29 @@ impl SurrogateMethods {
                 Arc::new(RidgeRegression::default()),
                 Arc::new(MeanCurve),
                 Arc::new(Recurrent::default()),
+                Arc::new(NetworksBySubModel::default()),
             ],
         }
+    }
+
+    /// The methods of this crate, of which those with feed-forward networks have the given settings.
+    ///
+    /// # Errors
+    /// If there is no trainer of the given name.
+    pub fn with_networks(settings: &NetworkSettings) -> Result<SurrogateMethods> {
+        let trainer = settings.trainer()?;
+        let feed_forward = FeedForward {
+            trainer: trainer.clone(),
+            hidden: settings.hidden.clone(),
+            ..FeedForward::default()
+        };
+        let sub_models = NetworksBySubModel {
+            trainer,
+            form: settings.form,
+            hidden: settings.hidden.clone(),
+            ..NetworksBySubModel::default()
+        };
+        Ok(SurrogateMethods::standard().with(feed_forward).with(sub_models))
     }
 
     /// Adds a method, which replaces an existing one of the same name.

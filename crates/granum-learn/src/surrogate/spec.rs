@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Category, Dataset, Variable};
 use crate::error::{LearnError, Result};
+use crate::networks::{SubModel, is_within};
 
 /// The specification of a fit, which is the same for all methods.
 ///
@@ -27,6 +28,16 @@ pub struct FitSpec {
     pub coordinate: Option<String>,
     /// Seed of the random numbers of a method.
     pub seed: u64,
+    /// Its name; by default that of the outputs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Ranges of the coordinate with networks of their own, for the method that has such networks. States outside all ranges are
+    /// not scored, for any method, and inputs are permuted within the ranges.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sub_models: Vec<SubModel>,
+    /// The name under which networks are kept while the fit is unfinished; by default that of the fit.
+    #[serde(skip)]
+    pub kept_as: Option<String>,
     /// Number of threads; 0 for the number of processors. Results do not depend on it.
     #[serde(skip)]
     pub threads: usize,
@@ -43,6 +54,9 @@ impl FitSpec {
             outputs: outputs.into_iter().map(Into::into).collect(),
             coordinate: None,
             seed: 1,
+            name: None,
+            sub_models: Vec::new(),
+            kept_as: None,
             threads: 0,
         }
     }
@@ -50,6 +64,16 @@ impl FitSpec {
     /// Sets the coordinate.
     pub fn with_coordinate(self, name: &str) -> FitSpec {
         FitSpec { coordinate: Some(name.into()), ..self }
+    }
+
+    /// Sets the name.
+    pub fn with_name(self, name: &str) -> FitSpec {
+        FitSpec { name: Some(name.into()), ..self }
+    }
+
+    /// Sets the sub-models.
+    pub fn with_sub_models(self, sub_models: Vec<SubModel>) -> FitSpec {
+        FitSpec { sub_models, ..self }
     }
 
     /// Sets the seed.
@@ -60,6 +84,32 @@ impl FitSpec {
     /// Sets the number of threads.
     pub fn with_threads(self, threads: usize) -> FitSpec {
         FitSpec { threads, ..self }
+    }
+
+    /// Its name, by default that of the outputs. It is a part of file names, so that other signs than letters, digits, `-` and
+    /// `_` are replaced.
+    pub fn fit_name(&self) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+        self.name.clone().unwrap_or_else(|| self.outputs.join("_")).chars().map(plain).collect()
+    }
+
+    /// The name under which a network of the fit is kept.
+    pub(crate) fn network_kept_as(&self, network: &str) -> String {
+        format!("{}-{network}", self.kept_as.clone().unwrap_or_else(|| self.fit_name()))
+    }
+
+    /// For each state of a data set whether it is scored: all states without sub-models.
+    ///
+    /// # Errors
+    /// If the coordinate is missing.
+    pub fn scored_states(&self, dataset: &Dataset) -> Result<Vec<bool>> {
+        match &self.coordinate {
+            Some(coordinate) if !self.sub_models.is_empty() && dataset.rows() > 0 => {
+                let xs = dataset.column(coordinate)?;
+                Ok(xs.iter().map(|x| is_within(&self.sub_models, *x, None)).collect())
+            }
+            _ => Ok(vec![true; dataset.rows()]),
+        }
     }
 
     /// The corresponding columns of a data set, with their units and with all bins of histograms.

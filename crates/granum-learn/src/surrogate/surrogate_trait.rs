@@ -1,5 +1,7 @@
 //! The traits of surrogates and of the methods that fit them.
 
+use std::any::Any;
+
 use granum_core::observer::Observer;
 
 use super::content::Content;
@@ -8,6 +10,7 @@ use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::networks::NetworkCheckpoints;
 
 /// A method of fitting surrogates; the documentation of [this module](super) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
@@ -37,6 +40,31 @@ pub trait SurrogateMethod: Send + Sync {
         observer: &mut dyn Observer,
     ) -> Result<Box<dyn Surrogate>>;
 
+    /// As [`SurrogateMethod::fit`], for a fit of networks that can be resumed: each network is kept when it is trained, and the
+    /// state of an unfinished one at intervals. A method without networks keeps nothing.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethod::fit`].
+    fn fit_resumable(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+        checkpoints: &dyn NetworkCheckpoints,
+    ) -> Result<Box<dyn Surrogate>> {
+        let _ = checkpoints;
+        self.fit(dataset, spec, observer)
+    }
+
+    /// Refuses training states to which it cannot be fitted, before anything is fitted.
+    ///
+    /// # Errors
+    /// If it cannot be fitted; the message gives the reason.
+    fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {
+        let _ = (dataset, spec);
+        Ok(())
+    }
+
     /// Recreates a surrogate from the result of [`Surrogate::content`].
     ///
     /// # Errors
@@ -45,7 +73,7 @@ pub trait SurrogateMethod: Send + Sync {
 }
 
 /// A fitted model, which predicts outputs from inputs. The documentation of [this module](super) contains a complete example.
-pub trait Surrogate: Send + Sync {
+pub trait Surrogate: Any + Send + Sync {
     /// Name of the method with which it was fitted and by which it is loaded.
     fn method(&self) -> &str;
 
@@ -64,6 +92,24 @@ pub trait Surrogate: Send + Sync {
     /// # Errors
     /// If a row cannot be predicted.
     fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
+
+    /// Refuses a data set with the columns of its names that mean something else, such as bins of another width.
+    ///
+    /// # Errors
+    /// If there is such a column.
+    fn check(&self, dataset: &Dataset) -> Result<()> {
+        let _ = dataset;
+        Ok(())
+    }
+
+    /// The means of the predictions alone, which networks give in less time than intervals.
+    ///
+    /// # Errors
+    /// As [`Surrogate::predict`].
+    fn means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let means = |prediction: Prediction| prediction.values.iter().map(|estimate| estimate.mean).collect();
+        Ok(self.predict(inputs, 0.5)?.into_iter().map(means).collect())
+    }
 
     /// Everything that is needed for bit-identical predictions after loading.
     ///

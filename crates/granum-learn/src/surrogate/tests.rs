@@ -316,3 +316,28 @@ fn threads_change_no_bit() {
     assert_eq!(fitted.columns().inputs.len(), 1 + dataset.runs()[0].groups()[0].centres.len());
     assert!(fitted.predict_rows(&dataset.values(&fitted.columns().input_names()).unwrap(), 0.9).is_ok());
 }
+
+/// The target is the sum of a spline and a multiple of a deviation that no spline can represent. The squares of the
+/// inputs of this coefficient sum to n, so that the penalty of 0.05 n reduces it by the factor 1 / 1.05.
+#[test]
+fn the_coefficient_of_ridge_regression_is_that_by_hand() {
+    let x: Vec<f64> = (1..=240).map(|k| 0.3 * f64::from(k) / 240.0).collect();
+    let shown: Vec<f64> = (1..=240).map(|k| if (k / 2) % 2 == 0 { 0.01 } else { -0.01 }).collect();
+    let s = x.iter().zip(&shown).map(|(x, shown)| 0.1 + x + shown).collect();
+    let y = x.iter().zip(&shown).map(|(x, shown)| 0.5 + 2.0 * x + 3.0 * shown).collect();
+    let columns =
+        [("x", x), ("s", s), ("y", y)].map(|(name, values)| granum_core::Column::new(name, "", values));
+    let run = RunStates::new("run", granum_core::Table::new(columns.into()).unwrap()).unwrap();
+    let dataset = Dataset::new(vec![run]).unwrap();
+    let fit = |inputs: &[&str]| {
+        let spec = FitSpec::new(inputs.iter().copied(), ["y"]).with_coordinate("x");
+        RidgeRegression::default().fit(&dataset, &spec, &mut NoObserver).unwrap()
+    };
+    let mean =
+        |surrogate: &dyn Surrogate, row: &[f64]| surrogate.predict_rows(row, 0.9).unwrap()[0].values[0].mean;
+    let ridge = fit(&["x", "s"]);
+    let gain = mean(ridge.as_ref(), &[0.1, 0.215]) - mean(ridge.as_ref(), &[0.1, 0.21]);
+    assert!((gain - 0.005 * 3.0 / 1.05).abs() < 1e-6, "{gain}");
+    // The regression on the coordinate alone predicts the curve.
+    assert!((mean(fit(&["x"]).as_ref(), &[0.1]) - 0.7).abs() < 2e-3);
+}

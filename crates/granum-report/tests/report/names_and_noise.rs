@@ -2,7 +2,7 @@
 
 use granum_core::{Column, Table};
 use granum_learn::dataset::{Dataset, RunStates, Split};
-use granum_learn::study::{Silent, Study, StudyDefinition};
+use granum_learn::study::{NoStudyObserver, Study, StudyDefinition};
 use granum_learn::surrogate::{FitSpec, SurrogateMethods};
 use granum_report::{self as report, RunReport};
 use granum_sensors::Record;
@@ -21,7 +21,7 @@ fn names_in_a_study_are_shown_letter_by_letter() {
     let fit = FitSpec::new(["x"], ["y*1*"]).with_coordinate("x");
     let definition = StudyDefinition::new([fit], ["ridge"], Split::default().unseen(["run*3*"]));
     let methods = SurrogateMethods::standard();
-    let study = Study::train(&dataset, &definition, &methods, &Silent).unwrap();
+    let study = Study::train(&dataset, &definition, &methods, &NoStudyObserver).unwrap();
     let folder = tempfile::tempdir().unwrap();
     granum_learn::study::save(folder.path(), &study, &dataset).unwrap();
     let stored = granum_learn::study::load(folder.path(), &methods).unwrap();

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_antony2006::Run;
-use granum_antony2006::SensorUse;
-use granum_antony2006::files::load_runs;
-use granum_antony2006::study::{RunScore, Study};
-use granum_learn::Score;
+use granum_antony2006::evaluation::{score_run, scored_run, sensor_use};
+use granum_antony2006::{RunScore, is_of_paper};
+use granum_learn::input_use::InputUse;
 use granum_learn::runs::RunRole;
+use granum_learn::study::Study;
+use granum_learn::{Dataset, RunStates, Score};
 use serde_json::{Value, json};
 
 use super::evaluate_study;
@@ -16,7 +16,7 @@ use super::records::{self, Recorded};
 use super::relation::Relation;
 use super::scores::{SensorRow, percent_or_dash, sensor_table};
 use super::study_folder;
-use super::whole::note_study;
+use super::train_study::dataset;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -42,18 +42,18 @@ pub struct Evaluate {
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("evaluating"));
-        if granum_learn::study::is_study(&self.study) {
-            return evaluate_study::run(context, &self.study, &self.runs);
-        }
         let study = study_folder::load(&self.study)?;
-        note_study(context, &self.study)?;
-        let known = load_runs(&self.study)?;
+        if !is_of_paper(&study.definition) {
+            return evaluate_study::run(context, &study, (&self.study, &self.runs));
+        }
+        let runs = records::read(context, &self.runs, RunRole::Unseen)?;
+        let data = dataset(&runs.iter().collect::<Vec<_>>(), &self.runs.iter().collect::<Vec<_>>())?;
         let mut scored = Vec::new();
-        let mut unseen: Vec<Run> = Vec::new();
-        for run in records::read(context, &self.runs, RunRole::Unseen)? {
-            let states = study.read(&run.named())?;
-            let scores = study.score_run(&states)?;
-            let relation = Relation::of(&run, known.as_deref());
+        let mut unseen: Vec<RunStates> = Vec::new();
+        for (run, states) in runs.into_iter().zip(data.runs()) {
+            let states = scored_run(&study, states)?;
+            let scores = score_run(&study, &states)?;
+            let relation = Relation::of(&run, Some(&study.runs));
             if !relation.is_training() {
                 unseen.push(states);
             }
@@ -94,16 +94,14 @@ impl Evaluate {
 }
 
 /// The use that each mapping makes of the sensors of unseen runs; empty without unseen runs.
-fn sensors(study: &Study, unseen: &[Run]) -> Result<Vec<(String, SensorUse)>, Failure> {
+fn sensors(study: &Study, unseen: &[RunStates]) -> Result<Vec<(String, InputUse)>, Failure> {
     if unseen.is_empty() {
         return Ok(Vec::new());
     }
-    let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.clone());
-    let used = study.sensor_use(&unseen.iter().collect::<Vec<_>>())?;
-    Ok(names.zip(used).collect())
+    Ok(sensor_use(study, &Dataset::new(unseen.to_vec())?)?)
 }
 
-fn sensor_row((name, sensors): &(String, SensorUse)) -> SensorRow {
+fn sensor_row((name, sensors): &(String, InputUse)) -> SensorRow {
     let relative = |score: Option<Score>| score.map(|score| score.relative_rmse);
     SensorRow {
         name: name.clone(),
@@ -116,7 +114,7 @@ fn sensor_row((name, sensors): &(String, SensorUse)) -> SensorRow {
     }
 }
 
-fn sensors_as_json((name, sensors): &(String, SensorUse)) -> Value {
+fn sensors_as_json((name, sensors): &(String, InputUse)) -> Value {
     json!({
         "mapping": name,
         "network": sensors.own,

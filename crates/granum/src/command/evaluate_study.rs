@@ -1,9 +1,9 @@
 //! `granum evaluate` of a study of any columns.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use granum_learn::runs::RunRole;
-use granum_learn::study::{PartScore, load};
+use granum_learn::study::{PartScore, Study};
 use granum_learn::{Dataset, Score};
 use serde_json::{Value, json};
 
@@ -15,10 +15,13 @@ use super::train_study::dataset;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use crate::surrogate_methods::surrogate_methods;
 
-pub fn run(context: &Context, folder: &Path, folders: &[PathBuf]) -> Result<(), Failure> {
-    let study = load(folder, &surrogate_methods())?.study;
+/// Scores the study in a folder on run folders.
+pub fn run(
+    context: &Context,
+    study: &Study,
+    (folder, folders): (&PathBuf, &[PathBuf]),
+) -> Result<(), Failure> {
     let runs = records::read(context, folders, RunRole::Unseen)?;
     let all: Vec<&Recorded> = runs.iter().collect();
     let data = dataset(&all, &folders.iter().collect::<Vec<_>>())?;

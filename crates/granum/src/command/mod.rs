@@ -38,6 +38,7 @@ mod scores;
 mod several_runs;
 mod shear;
 mod show_queue;
+mod show_training;
 mod single_run;
 mod sources;
 mod spread;

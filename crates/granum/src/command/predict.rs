@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_antony2006::MappingNetworks;
+use granum_antony2006::evaluation::networks;
+use granum_antony2006::{Mapping, is_of_paper};
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, read_columns, write_table};
-use granum_learn::study::load;
+use granum_learn::networks::SubModelNetworks;
+use granum_learn::study::Study;
 use granum_learn::{LearnError, Surrogate};
 use serde_json::json;
 
@@ -14,7 +16,6 @@ use super::predict_surrogate;
 use super::prediction_input::{LEVEL, outside_text, row};
 use super::study_folder;
 use super::trained_range::inputs;
-use super::whole::note_study;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -57,26 +58,31 @@ impl Predict {
         if self.study.is_file() {
             return self.ask_file(context);
         }
-        if granum_learn::study::is_study(&self.study) {
-            return self.ask_study(context);
-        }
         let study = study_folder::load(&self.study)?;
-        note_study(context, &self.study)?;
-        let Some(mapping) = &self.mapping else {
-            let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
-            let names = names.collect::<Vec<_>>().join(", ");
+        if !is_of_paper(&study.definition) {
+            return self.ask_study(context, &study);
+        }
+        let Some(name) = &self.mapping else {
+            let names = study.fits.iter().map(|fit| fit.name.as_str()).collect::<Vec<_>>().join(", ");
             return Err(Failure::new(format!("give a mapping as --mapping NAME; the study has {names}")));
         };
-        let surrogate = &study.mapping(mapping)?.surrogate;
+        // A baseline is asked by its own name.
+        if let Ok(member) = study.member(name) {
+            return self.ask(context, member.surrogate.as_ref());
+        }
+        let surrogate = networks(&study, name)?;
         match &self.input {
             Some(path) => self.many(context, surrogate, path),
-            None => self.one(context, surrogate),
+            None => {
+                let fit = study.fits.iter().find(|fit| fit.name == *name);
+                let formula = fit.map(|fit| Ok::<_, LearnError>(Mapping::from_fit(&fit.spec)?.formula()));
+                self.one(context, surrogate, &formula.transpose()?.unwrap_or_default())
+            }
         }
     }
 
     /// Asks one of the surrogates of a study of any columns.
-    fn ask_study(&self, context: &Context) -> Result<(), Failure> {
-        let study = load(&self.study, &surrogate_methods())?.study;
+    fn ask_study(&self, context: &Context, study: &Study) -> Result<(), Failure> {
         let Some(name) = &self.mapping else {
             let names: Vec<&str> = study.members().map(|member| member.name.as_str()).collect();
             return Err(Failure::new(format!(
@@ -105,20 +111,20 @@ impl Predict {
         }
     }
 
-    fn one(&self, context: &Context, surrogate: &MappingNetworks) -> Result<(), Failure> {
-        let needs = || format!("{} needs:\n{}", surrogate.mapping().formula(), inputs(surrogate, None));
+    fn one(&self, context: &Context, surrogate: &SubModelNetworks, formula: &str) -> Result<(), Failure> {
+        let needs = || format!("{formula} needs:\n{}", inputs(surrogate, None));
         let row = row(&surrogate.input_names(), &|_| String::new(), &self.values, &needs)?;
         let answer = surrogate.predict_row(&row, LEVEL)?;
         let network = &surrogate.networks()[answer.sub_model];
-        let output = surrogate.mapping().network_output();
-        let range = surrogate.mapping().sub_models[answer.sub_model].strain_range;
+        let output = &surrogate.mapping().output.name;
+        let range = surrogate.mapping().sub_models[answer.sub_model].range;
         let outside =
             answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
         let result = json!({
             "mapping": surrogate.mapping().name,
             "output": output,
             "value": answer.value,
-            "standard_deviation": answer.standard_deviation,
+            "standard_deviation": answer.deviation.map(|deviation| deviation.total),
             "level": LEVEL,
             "lower": answer.interval.map(|[lower, _]| lower),
             "upper": answer.interval.map(|[_, upper]| upper),
@@ -149,7 +155,7 @@ impl Predict {
         })
     }
 
-    fn many(&self, context: &Context, surrogate: &MappingNetworks, path: &Path) -> Result<(), Failure> {
+    fn many(&self, context: &Context, surrogate: &SubModelNetworks, path: &Path) -> Result<(), Failure> {
         if let Some(output) = &self.output {
             check_output_file(output, context.force)?;
         }

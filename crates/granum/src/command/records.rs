@@ -8,7 +8,6 @@ use granum_io::case::Difference;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Run, RunRecord, RunStatus};
-use granum_learn::NamedRecord;
 use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_run::record::read_record;
 use granum_sensors::Record;
@@ -33,12 +32,6 @@ pub struct Recorded {
     pub known: StudyRun,
 }
 
-impl Recorded {
-    pub fn named(&self) -> NamedRecord<'_> {
-        NamedRecord { name: &self.name, seed: self.seed.unwrap_or_default(), record: &self.record }
-    }
-}
-
 /// Refuses a run whose test has not begun, since there are no data to draw, learn from or compare yet.
 pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     if about.kind == RunKind::Sample || run.has_series() {
@@ -54,11 +47,6 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     Err(Failure::new(format!(
         "{name}: it was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
     )))
-}
-
-/// The runs in the form in which a data set is built from them.
-pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
-    runs.iter().map(Recorded::named).collect()
 }
 
 /// Reads run folders; a run that did not reach its end is used, with a warning.

@@ -8,9 +8,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum::contents::{Contents, FolderKind, taken};
 use granum_antony2006::figures::figures;
-use granum_antony2006::files::load_study;
 use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
-use granum_antony2006::{StudyData, StudyDataOptions};
+use granum_antony2006::{PaperData, PaperDataOptions};
 use granum_antony2006::{StudyReport, study_report};
 use granum_campaign::Campaign;
 use granum_io::formats::Observation;
@@ -240,7 +239,7 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
         let name = folder.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy());
         return Ok((surrogate_study_report(&stored, &name), None));
     }
-    if folder.join(granum_antony2006::layout::STUDY_FILE).is_file() {
+    if folder.join(granum_learn::study::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
             "{}: it contains networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
             folder.shown(),
@@ -287,10 +286,10 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
             .collect()
     };
-    let dataset = StudyData::new(&of(Role::Training), &of(Role::Unseen), &StudyDataOptions::default())?;
-    let study = load_study(models)?;
-    let dataset_hash = dataset.hash()?;
-    if dataset_hash != study.dataset_hash {
+    let data = PaperData::from_records(&of(Role::Training), &of(Role::Unseen), &PaperDataOptions::default())?;
+    let study = granum_learn::study::load(models, &surrogate_methods())?.study;
+    let dataset_hash = data.hash()?;
+    if data.dataset.digest() != study.dataset_digest {
         return Err(Failure::new(format!(
             "{}: the networks were not trained on the runs in {}; train them again: granum resume {}",
             models.shown(),
@@ -299,11 +298,11 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         )));
     }
     Ok(StudyReport {
-        figures: figures(&study, &dataset)?,
+        figures: figures(&study, &data)?,
         command: Reproduction::read(folder)?.map_or(String::new(), |of| of.options.command_line(None)),
         runs: reports,
         summary,
         dataset_hash,
-        network_seed: study.seed,
+        network_seed: study.definition.fits.first().map_or(1, |fit| fit.seed),
     })
 }

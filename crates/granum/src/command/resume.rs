@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum::contents::Contents;
-use granum_antony2006::layout::STUDY_FILE;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, RunFolder, RunStatus};
-use granum_learn::study::StudyPlan;
+use granum_learn::study::STUDY_FILE;
 use serde_json::json;
 
 use super::campaign::{self, CarryOutFlags};
@@ -17,7 +16,6 @@ use super::reproduce::Reproduce;
 use super::run_report;
 use super::several_runs;
 use super::train::Train;
-use super::train_study;
 use super::whole;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -88,9 +86,6 @@ impl Resume {
             let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
         }
-        if StudyPlan::is_in(&self.folder) {
-            return train_study::resume(context, &self.folder, self.hardware.threads.unwrap_or(0));
-        }
-        Train::resumed(&self.folder, self.hardware.threads, self.checkpoints.clone())?.run(context)
+        Train::resume(context, &self.folder, self.hardware.threads, self.checkpoints.clone())
     }
 }

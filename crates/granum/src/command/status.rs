@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use clap::Args;
 use granum::contents::{Contents, Next};
-use granum_antony2006::training_checkpoints::TrainingManifest;
 use granum_core::Table;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, Run, RunStatus};
@@ -83,15 +82,12 @@ impl Status {
     /// Prints the progress of a training.
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
         let name = self.folder.shown();
-        // The networks of a reproduction have no manifest of their own.
-        let networks = if StudyPlan::is_in(&self.folder) {
-            StudyPlan::read(&self.folder)?.surrogates()
-        } else if Train::is_in(&self.folder) {
-            TrainingManifest::read(&self.folder)?.networks()
-        } else {
-            Vec::new()
+        // The surrogates of a finished reproduction have no plan.
+        let surrogates = match Train::is_in(&self.folder) {
+            true => StudyPlan::read(&self.folder)?.surrogates(),
+            false => Vec::new(),
         };
-        let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
+        let there = surrogates.iter().filter(|file| self.folder.join(file).is_file()).count();
         let word = match (OutputFolder::is_in_use(&self.folder), finished) {
             (true, _) => "running",
             (_, true) => "finished",
@@ -103,16 +99,16 @@ impl Status {
             "folder": output::path(&self.folder),
             "kind": "train",
             "status": word,
-            "networks": there,
-            "networks_end": networks.len(),
+            "surrogates": there,
+            "surrogates_end": surrogates.len(),
             "next": next.text,
             "command": next.command,
             "faults": faults,
         });
         output::say(context, &result, || {
-            let count = match networks.len() {
+            let count = match surrogates.len() {
                 0 => String::new(),
-                all => format!(", {there} of {all} networks"),
+                all => format!(", {there} of {all} surrogates"),
             };
             format!("{name}: training {word}{count}\n  {}", next.text)
         })?;

@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use granum::contents::Contents;
-use granum_antony2006::Study;
-use granum_antony2006::files::load_study;
-use granum_antony2006::layout::STUDY_FILE;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
+use granum_learn::study::{STUDY_FILE, Study, load as load_study};
 
 use crate::failure::Failure;
+use crate::surrogate_methods::surrogate_methods;
 
 /// Reads the study in a folder; a folder of another kind is refused with what it holds and what to do.
 pub fn load(folder: &Path) -> Result<Study, Failure> {
@@ -32,5 +31,5 @@ pub fn load(folder: &Path) -> Result<Study, Failure> {
             contents.name()
         )));
     }
-    Ok(load_study(folder)?)
+    Ok(load_study(folder, &surrogate_methods())?.study)
 }

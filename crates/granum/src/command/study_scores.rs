@@ -1,10 +1,13 @@
 //! The scores of a study of any columns as lines of text and as JSON.
 
 use granum_learn::input_use::InputUse;
-use granum_learn::study::{FitScores, StudyScores};
+use granum_learn::learning_curve::LearningCurve;
+use granum_learn::networks::NetworkScores;
+use granum_learn::study::{FitScores, MemberScores, StudyScores};
 use serde_json::{Value, json};
 
 use super::scores::{percent_or_dash, points};
+use super::trained_range::short;
 
 /// The scores of each fit, then the use of inputs.
 pub fn lines(scores: &StudyScores) -> Vec<String> {
@@ -30,9 +33,85 @@ pub fn lines(scores: &StudyScores) -> Vec<String> {
             unseen.outside
         ));
     }
+    for fit in &scores.fits {
+        lines.extend(fit.members.iter().flat_map(network_lines));
+    }
+    lines.extend(scores.fits.iter().filter_map(scatter_line));
     for (name, used) in scores.fits.iter().flat_map(|fit| &fit.uses) {
         lines.push(use_line(name, used));
     }
+    lines
+}
+
+/// One line for the network of each sub-model, if there is more than one.
+fn network_lines(member: &MemberScores) -> Vec<String> {
+    let line = |(k, network): (usize, &NetworkScores)| {
+        let error = |score: &granum_learn::Score| {
+            percent_or_dash((score.states > 0).then_some(score.relative_rmse)).trim().to_owned()
+        };
+        let constant = if network.constant { "; it predicts a constant: it has learned nothing" } else { "" };
+        format!(
+            "{} sub-model {} ({} to {}): relative RMSE {} held out, {} unseen{constant}",
+            member.name,
+            k + 1,
+            short(network.range[0]),
+            short(network.range[1]),
+            error(&network.held_out),
+            error(&network.unseen),
+        )
+    };
+    match member.networks.len() {
+        0 | 1 => Vec::new(),
+        _ => member.networks.iter().enumerate().map(line).collect(),
+    }
+}
+
+/// `stress_ratio: runs that differ only in their seed scatter by 3.1 % (4 runs), ...`.
+fn scatter_line(fit: &FitScores) -> Option<String> {
+    let scatter = fit.seed_scatter?;
+    let groups = match scatter.groups {
+        1 => String::new(),
+        groups => format!(" in {groups} groups of equal parameters"),
+    };
+    let best = scatter.best_without_inputs.map_or(String::new(), |best| {
+        format!(
+            "; the mean of the training runs cannot be expected to be closer than {}",
+            percent_or_dash(Some(best)).trim()
+        )
+    });
+    Some(format!(
+        "{}: runs that differ only in their seed scatter by {} ({} runs{groups}){best}",
+        fit.name,
+        percent_or_dash(Some(scatter.relative)).trim(),
+        scatter.runs
+    ))
+}
+
+/// The error of each surrogate as a function of the number of training runs.
+pub fn learning_lines(curve: &LearningCurve) -> Vec<String> {
+    let width = curve.points.iter().map(|point| point.fit.len() + point.method.len() + 1).max().unwrap_or(0);
+    let mut lines = vec![format!(
+        "{:<width$} {:>4} {:>8} {:>15} {:>8} {:>13}   {:>15} {:>15}",
+        "learning curve", "runs", "unseen", "coordinate only", "ridge", "another run", "use", "help"
+    )];
+    for point in &curve.points {
+        lines.push(format!(
+            "{:<width$} {:>4} {} {:>15} {} {:>13}   {:>15} {:>15}",
+            format!("{}-{}", point.fit, point.method),
+            point.training_runs,
+            percent_or_dash(Some(point.error.mean)),
+            percent_or_dash(Some(point.coordinate_only.mean)),
+            percent_or_dash(point.ridge.map(|ridge| ridge.mean)),
+            percent_or_dash(point.with_other.map(|other| other.mean)),
+            points(point.lost_with_other),
+            points(Some(point.help)),
+        ));
+    }
+    lines.push(format!(
+        "relative RMSE on {} unseen runs; use: error with the inputs of another unseen run minus error with its own; help: error \
+         from the coordinate alone minus that with all inputs; percentage points",
+        curve.unseen_runs
+    ));
     lines
 }
 
@@ -63,7 +142,12 @@ pub fn use_line(name: &str, used: &InputUse) -> String {
 
 /// The scores of a fit, with the conclusions on the use of inputs.
 pub fn as_json(fit: &FitScores) -> Value {
-    json!({ "name": fit.name, "members": fit.members, "uses": uses_as_json(fit) })
+    json!({
+        "name": fit.name,
+        "members": fit.members,
+        "uses": uses_as_json(fit),
+        "seed_scatter": fit.seed_scatter,
+    })
 }
 
 fn uses_as_json(fit: &FitScores) -> Value {

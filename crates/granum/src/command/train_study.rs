@@ -1,30 +1,33 @@
 //! `granum train --input ... --output ...`: a study of surrogates of any columns.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
-use granum::contents::{FolderKind, check_free};
+use granum_io::Run;
 use granum_io::run::RunRecord;
-use granum_io::shell::quoted_path;
-use granum_io::{OutputFolder, Run};
 use granum_learn::dataset::CatalogueEntry;
+use granum_learn::learning_curve::{LearningCurve, doubled};
+use granum_learn::networks::{Form, NetworkSettings, SubModel};
 use granum_learn::runs::{RunRole, differences_but_seed};
-use granum_learn::study::{self, STUDY_FILE, Study, StudyDefinition, StudyObserver, StudyPlan, StudyScores};
-use granum_learn::surrogate::{Surrogate, save};
-use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split, SurrogateMethods};
-use granum_run::laboratory::Field;
+use granum_learn::study::{self, Study, StudyDefinition, StudyPlan, StudyScores};
+use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split};
 use granum_run::runs_table::{RunEntry, differing_keys};
 use granum_sensors::Sensors;
 use serde_json::json;
 
+use super::checkpoints::CheckpointFlags;
 use super::records::{self, Recorded};
+use super::show_training::{Kept, Show, fit};
 use super::study_scores;
 use crate::context::Context;
-use crate::failure::{Failure, Interrupted};
+use crate::failure::Failure;
 use crate::output;
-use crate::progress::Progress;
-use crate::surrogate_methods::surrogate_methods;
+use crate::surrogate_methods::surrogate_methods_with;
+
+/// Name of the method with sub-models.
+const SUB_MODELS: &str = "sub-models";
+/// Largest number of different sets of training runs of one size in a learning curve.
+const MOST_SETS: usize = 2;
 
 /// The flags of a study of any columns.
 #[derive(Args, Clone, Default)]
@@ -35,7 +38,7 @@ pub struct StudyFlags {
     /// bins (probability_density). --columns lists them. A word such as contact.normal becomes a column of zeros and ones
     /// for each law that the training runs have.
     #[arg(long, value_name = "COLUMN", value_delimiter = ',', requires = "output",
-          conflicts_with_all = ["trainer", "form", "epoch_factor", "mixed"])]
+          conflicts_with_all = ["epoch_factor", "mixed"])]
     input: Vec<String>,
     /// Columns that are predicted, each by a surrogate of its own; any column of numbers.
     #[arg(long, value_name = "COLUMN", value_delimiter = ',', requires = "input")]
@@ -44,17 +47,40 @@ pub struct StudyFlags {
     /// intervals do not vary along the test, and the inputs of runs cannot be exchanged.
     #[arg(long, value_name = "COLUMN", requires = "input")]
     coordinate: Option<String>,
-    #[arg(long, value_name = "NAME", value_delimiter = ',', default_value = "feed-forward", help = methods())]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods())]
     method: Vec<String>,
     /// List the columns that all of the runs have, with their units and meanings; train nothing.
     #[arg(long, conflicts_with_all = ["input", "output", "trainer", "form", "epoch_factor", "mixed"])]
     columns: bool,
+    /// Values of the coordinate at which sub-models meet: the method sub-models, which is then the default, has a network for
+    /// each range between them.
+    #[arg(
+        long,
+        value_name = "X",
+        value_delimiter = ',',
+        requires = "coordinate",
+        allow_negative_numbers = true
+    )]
+    sub_models: Vec<f64>,
+    /// Numbers of neurons of the hidden layers of the methods feed-forward and sub-models; by default 10 and 10.
+    #[arg(long, value_name = "N", value_delimiter = ',', requires = "input",
+          value_parser = clap::value_parser!(u64).range(1..=1000))]
+    hidden: Vec<u64>,
+    /// Largest number of training states: if there are more, every n-th of each run is used, with a different first one in each
+    /// run. Methods with memory learn from all states.
+    #[arg(long, value_name = "N", requires = "input", value_parser = clap::value_parser!(u64).range(1..))]
+    most_states: Option<u64>,
+    /// Train also on 1, 2, 4, ... of the training runs, and score on the unseen runs how the error depends on their number.
+    #[arg(long, requires = "input")]
+    learning_curve: bool,
 }
 
 /// The help text of `--method`: the names of all methods.
 fn methods() -> String {
-    let names = surrogate_methods().names().join(", ");
-    format!("Methods: {names}; the last one for the inputs and outputs of one of the paper's mappings")
+    let names = crate::surrogate_methods::surrogate_methods().names().join(", ");
+    format!(
+        "Methods: {names}; the last one for the inputs and outputs of one of the paper's mappings [default: feed-forward]"
+    )
 }
 
 impl StudyFlags {
@@ -68,7 +94,8 @@ impl StudyFlags {
         !self.input.is_empty()
     }
 
-    fn fits(&self, seed: u64) -> Vec<FitSpec> {
+    /// What is asked for, without the data.
+    fn asked(&self, seed: u64, trainer: &str, form: Form) -> Result<Asked, Failure> {
         let mut inputs = self.input.clone();
         if let Some(coordinate) = self.coordinate.as_ref().filter(|name| !inputs.contains(name)) {
             inputs.insert(0, coordinate.clone());
@@ -80,7 +107,69 @@ impl StudyFlags {
                 None => spec,
             }
         };
-        self.output.iter().map(fit).collect()
+        let usual = if self.sub_models.is_empty() { "feed-forward" } else { SUB_MODELS };
+        let methods = if self.method.is_empty() { vec![usual.to_string()] } else { self.method.clone() };
+        if !self.sub_models.is_empty() && !methods.iter().any(|name| name == SUB_MODELS) {
+            let list = methods.join(", ");
+            return Err(Failure::new(format!(
+                "--sub-models: {list} has no sub-models; ask for --method {SUB_MODELS} as well"
+            )));
+        }
+        if let Some(pair) = self.sub_models.windows(2).find(|pair| pair[1] <= pair[0] || pair[0].is_nan()) {
+            return Err(Failure::new(format!(
+                "--sub-models: {} follows {}; the values must increase",
+                pair[1], pair[0]
+            )));
+        }
+        let mut networks =
+            NetworkSettings { trainer: trainer.to_owned(), form, ..NetworkSettings::default() };
+        if !self.hidden.is_empty() {
+            networks.hidden = self.hidden.iter().map(|neurons| *neurons as usize).collect();
+        }
+        Ok(Asked {
+            fits: self.output.iter().map(fit).collect(),
+            methods,
+            sub_models: self.sub_models.clone(),
+            networks,
+            most_states: self.most_states.map(|most| most as usize),
+            learning_curve: self.learning_curve,
+        })
+    }
+}
+
+/// What a study of columns is asked for by flags.
+struct Asked {
+    fits: Vec<FitSpec>,
+    methods: Vec<String>,
+    /// Values of the coordinate at which sub-models meet.
+    sub_models: Vec<f64>,
+    networks: NetworkSettings,
+    most_states: Option<usize>,
+    learning_curve: bool,
+}
+
+impl Asked {
+    /// The study of a data set.
+    fn definition(mut self, dataset: &Dataset, split: Split) -> Result<StudyDefinition, Failure> {
+        for fit in self.fits.iter_mut().filter(|_| !self.sub_models.is_empty()) {
+            let Some(coordinate) = &fit.coordinate else { continue };
+            let xs = dataset.column(coordinate)?;
+            let ends = xs
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+            if let Some(beyond) = self.sub_models.iter().find(|x| !(**x > ends[0] && **x < ends[1])) {
+                let [low, high] = ends;
+                return Err(Failure::new(format!(
+                    "--sub-models {beyond}: the runs have {coordinate} from {low} to {high}, and sub-models meet in between"
+                )));
+            }
+            fit.sub_models = SubModel::divided(ends, &self.sub_models, &self.networks.hidden);
+        }
+        let mut definition = StudyDefinition::new(self.fits, self.methods, split);
+        definition.networks = self.networks;
+        definition.most_states = self.most_states;
+        definition.learning_curve = self.learning_curve;
+        Ok(definition)
     }
 }
 
@@ -90,59 +179,72 @@ pub struct Training<'a> {
     pub unseen: &'a [PathBuf],
     pub out: &'a Path,
     pub threads: usize,
+    pub checkpoints: &'a CheckpointFlags,
 }
 
 /// Trains a study that was asked for by flags.
-pub fn train(context: &Context, training: &Training, flags: &StudyFlags, seed: u64) -> Result<(), Failure> {
-    run(context, training, flags.fits(seed), flags.method.clone())
+pub fn train(
+    context: &Context,
+    training: &Training,
+    flags: &StudyFlags,
+    (seed, trainer, form): (u64, &str, Form),
+) -> Result<(), Failure> {
+    let asked = flags.asked(seed, trainer, form)?;
+    let fits = asked.fits.clone();
+    run(context, training, &fits, |dataset, split| asked.definition(dataset, split))
 }
 
-/// Continues the training in a folder.
-pub fn resume(context: &Context, folder: &Path, threads: usize) -> Result<(), Failure> {
-    let StudyPlan { runs, unseen, definition, .. } = StudyPlan::read(folder)?;
-    let training = Training { runs: &runs, unseen: &unseen, out: folder, threads };
-    run(context, &training, definition.fits, definition.methods)
+/// Continues the training of a plan.
+pub fn resume(context: &Context, training: &Training, plan: StudyPlan) -> Result<(), Failure> {
+    let mut definition = plan.definition;
+    let fits = definition.fits.clone();
+    run(context, training, &fits, |_, split| {
+        definition.split = split;
+        Ok(definition)
+    })
 }
 
 fn run(
     context: &Context,
     training: &Training,
-    fits: Vec<FitSpec>,
-    names: Vec<String>,
+    fits: &[FitSpec],
+    define: impl FnOnce(&Dataset, Split) -> Result<StudyDefinition, Failure>,
 ) -> Result<(), Failure> {
     let reading = context.nothing_written(Some("reading the runs"));
     let learned = records::read(context, training.runs, RunRole::Training)?;
     let unseen = records::read(context, training.unseen, RunRole::Unseen)?;
     let all: Vec<&Recorded> = learned.iter().chain(&unseen).collect();
     records::check_different(&all)?;
+    if all.len() < 2 {
+        return Err(Failure::new(
+            "a study of columns needs two or more runs: some to learn from, and others to be scored on",
+        ));
+    }
     let folders: Vec<&PathBuf> = training.runs.iter().chain(training.unseen).collect();
     let dataset = dataset(&all, &folders)?;
-    note_differences(context, &all, &fits);
     let names_of_unseen = dataset.runs()[learned.len()..].iter().map(|run| run.name().to_owned());
-    let mut definition = StudyDefinition::new(fits, names, Split::default().unseen(names_of_unseen));
-    definition.fits.iter_mut().for_each(|fit| fit.threads = training.threads);
-    let methods = surrogate_methods();
+    let mut definition = define(&dataset, Split::default().unseen(names_of_unseen))?;
+    definition.threads = training.threads;
+    if definition.learning_curve && (learned.len() < 2 || unseen.is_empty()) {
+        return Err(Failure::new(
+            "--learning-curve: it needs two or more training runs, and unseen runs to score on",
+        ));
+    }
+    note_differences(context, &all, fits);
+    let methods = surrogate_methods_with(&definition.networks)?;
     definition.check(&dataset, &methods)?;
-    let plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone());
+    let plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone())?;
+    let every = training.checkpoints.every()?;
     drop(reading);
-    let folder = folder(context, training.out, &plan)?;
-    let show = Show::new(context, folder.path(), &methods);
-    let mut study = match Study::train(&dataset, &definition, &methods, &show) {
-        Ok(study) => study,
-        Err(LearnError::Stopped { done, total }) => {
-            let (name, quoted) = (training.out.display(), quoted_path(training.out));
-            let left =
-                format!("{done} of {total} surrogates are in {name}; continue with `granum resume {quoted}`");
-            return Err(Interrupted { left }.into());
-        }
-        Err(error) => {
-            // It would fail again in the same way, so that the folder is cleared for a corrected command.
-            folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
-            return Err(error.into());
-        }
-    };
-    show.end(study.members().count());
+    let (folder, mut study) = fit(context, training.out, (&plan, &dataset, &methods), every)?;
     study.runs = all.iter().map(|run| run.known.clone()).collect();
+    if definition.learning_curve {
+        let show = Show::new(context, "learning curve", Kept::Nothing);
+        let numbers = doubled(learned.len());
+        let curve = LearningCurve::measure(&dataset, &definition, &methods, (&numbers, MOST_SETS), &show);
+        study.learning_curve = Some(curve.map_err(|error| show.failure(error, folder.path()))?);
+        show.end(|| format!("learning curve to {} training runs", learned.len()));
+    }
     let scores = study::save(folder.path(), &study, &dataset)?;
     print(context, training.out, &study, &scores)
 }
@@ -212,71 +314,6 @@ fn note_differences(context: &Context, runs: &[&Recorded], fits: &[FitSpec]) {
     }
 }
 
-/// The output folder: a new one, that of an unfinished training of the same study, or, with `--force`, that of any training.
-fn folder(context: &Context, out: &Path, plan: &StudyPlan) -> Result<OutputFolder, Failure> {
-    if StudyPlan::is_in(out) && !out.join(STUDY_FILE).exists() && !context.force {
-        let folder = OutputFolder::open(out)?;
-        let differences = StudyPlan::read(out)?.differences(plan);
-        if differences.is_empty() {
-            return Ok(folder);
-        }
-        return Err(Failure::new(format!(
-            "{}: it contains an unfinished training that differs in {}; continue that one (`granum resume {}`), choose another \
-             --out, or give --force to replace it",
-            out.display(),
-            differences.join(", "),
-            quoted_path(out)
-        )));
-    }
-    check_free(out, FolderKind::Training, context.force)?;
-    let folder = OutputFolder::create(out, context.force)?;
-    folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
-    plan.write(folder.path())?;
-    Ok(folder)
-}
-
-/// Shows which surrogate is fitted, stores each, and stops when the user asks for it.
-struct Show<'a> {
-    context: &'a Context,
-    folder: &'a Path,
-    methods: &'a SurrogateMethods,
-    progress: Mutex<Progress>,
-}
-
-impl<'a> Show<'a> {
-    fn new(context: &'a Context, folder: &'a Path, methods: &'a SurrogateMethods) -> Show<'a> {
-        let mut progress = context.progress();
-        progress.phase("surrogates");
-        Show { context, folder, methods, progress: Mutex::new(progress) }
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.folder.join(format!("{name}.json"))
-    }
-
-    fn end(self, count: usize) {
-        let mut progress = self.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-        progress.end(|| format!("{count} surrogates with their baselines"));
-    }
-}
-
-impl StudyObserver for Show<'_> {
-    fn begins(&self, name: &str, number: usize, all: usize) {
-        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.update(Some((number - 1) as f64 / all as f64), |_| vec![Field::new(0, name.to_owned())]);
-    }
-    fn finished(&self, name: &str) -> granum_learn::Result<Option<Box<dyn Surrogate>>> {
-        let file = self.file(name);
-        if file.is_file() { self.methods.load(&file).map(Some) } else { Ok(None) }
-    }
-    fn fitted(&self, name: &str, surrogate: &dyn Surrogate) -> granum_learn::Result<()> {
-        save(&self.file(name), surrogate)
-    }
-    fn stop(&self) -> bool {
-        self.context.stopped()
-    }
-}
-
 fn print(context: &Context, out: &Path, study: &Study, scores: &StudyScores) -> Result<(), Failure> {
     let remarks: Vec<&String> = study.fits.iter().flat_map(|fit| &fit.remarks).collect();
     let result = json!({
@@ -284,9 +321,11 @@ fn print(context: &Context, out: &Path, study: &Study, scores: &StudyScores) -> 
         "dataset_digest": study.dataset_digest,
         "fits": scores.fits.iter().map(study_scores::as_json).collect::<Vec<_>>(),
         "remarks": remarks,
+        "learning_curve": study.learning_curve,
     });
     output::say_complete(context, out, &result, || {
         let mut lines = study_scores::lines(scores);
+        lines.extend(study.learning_curve.iter().flat_map(study_scores::learning_lines));
         lines.extend(remarks.iter().map(ToString::to_string));
         lines.push(format!("wrote {}", out.display()));
         lines.join("\n")

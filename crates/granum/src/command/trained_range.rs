@@ -1,10 +1,10 @@
 //! The ranges of the inputs in which the networks of a mapping were trained.
 
-use granum_antony2006::MappingNetworks;
+use granum_learn::networks::SubModelNetworks;
 
 /// The inputs with the ranges in which one sub-model, or each of them, was trained, one input per line; bins with the same
 /// range share a line.
-pub fn inputs(surrogate: &MappingNetworks, sub_model: Option<usize>) -> String {
+pub fn inputs(surrogate: &SubModelNetworks, sub_model: Option<usize>) -> String {
     let chosen: Vec<(usize, Vec<[f64; 2]>)> = (0..surrogate.networks().len())
         .filter(|k| sub_model.is_none_or(|wanted| wanted == *k))
         .map(|k| (k + 1, surrogate.trained_ranges(k)))

@@ -3,15 +3,13 @@
 use std::path::Path;
 
 use granum::contents::Contents;
-use granum_antony2006::files;
-use granum_antony2006::layout::STUDY_FILE;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_io::{OutputFolder, Run};
+use granum_learn::study::{self, STUDY_FILE};
 
 use super::summary_file::read_summary;
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::surrogate_methods::surrogate_methods;
 
 /// Largest number of file names in a sentence.
 const MOST_NAMES: usize = 3;
@@ -35,17 +33,6 @@ pub fn open_run(context: &Context, folder: &Path) -> Result<Run, Failure> {
         }
     }
     Ok(run)
-}
-
-/// Notes that the files of a study of an earlier version cannot be checked.
-pub fn note_study(context: &Context, folder: &Path) -> Result<(), Failure> {
-    if !files::can_be_checked(folder)? {
-        context.note(&format!(
-            "{}: its study.json is of an earlier version without the SHA-256 of the other files, which cannot be checked",
-            folder.shown()
-        ));
-    }
-    Ok(())
 }
 
 /// A sentence for each file of a folder that is missing or is not the one that granum wrote. A run on which a process works is
@@ -84,12 +71,7 @@ fn of_study(folder: &Path) -> Result<Vec<String>, Failure> {
     if !granum_io::is_there(&folder.join(STUDY_FILE))? || OutputFolder::is_in_use(folder) {
         return Ok(Vec::new());
     }
-    if granum_learn::study::is_study(folder) {
-        // A study of any columns: its reader names the first such file.
-        let loaded = granum_learn::study::load(folder, &surrogate_methods());
-        return Ok(loaded.err().map(|error| error.to_string()).into_iter().collect());
-    }
-    Ok(files::faults(folder)?.iter().map(ToString::to_string).collect())
+    Ok(study::faults(folder)?.iter().map(ToString::to_string).collect())
 }
 
 /// An error with all of these faults; nothing if there are none.

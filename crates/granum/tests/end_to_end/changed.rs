@@ -66,7 +66,7 @@ fn the_series_of_another_run_is_refused_by_every_command() {
     done(here, &["status", "run-2"]);
 
     // A network of another study, or of this one under another name.
-    fs::copy(here.join("study/F1-2.json"), here.join("study/F1-1.json")).unwrap();
+    fs::copy(here.join("study/F3-antony2006.json"), here.join("study/F1-antony2006.json")).unwrap();
     for command in [
         &["status", "study"][..],
         &["evaluate", "study", "run-1"],
@@ -74,7 +74,7 @@ fn the_series_of_another_run_is_refused_by_every_command() {
         &["resume", "study"],
     ] {
         let told = refused(here, 1, command);
-        assert!(told.contains("F1-1.json") && told.contains("SHA-256"), "{command:?}: {told}");
+        assert!(told.contains("F1-antony2006.json") && told.contains("SHA-256"), "{command:?}: {told}");
     }
     // The checkpoint of another run.
     for name in ["checkpoint", "checkpoint.previous"] {

@@ -84,7 +84,7 @@ fn a_study_of_columns_is_trained_judged_asked_reported_and_resumed() {
     std::fs::remove_file(here.join("study/study.json")).unwrap();
     std::fs::remove_file(here.join("study/stress_ratio-mean-curve.json")).unwrap();
     let status = done_json(here, &["status", "study"]);
-    assert_eq!((&status["networks"], &status["networks_end"]), (&5.into(), &6.into()), "{status}");
+    assert_eq!((&status["surrogates"], &status["surrogates_end"]), (&5.into(), &6.into()), "{status}");
     let other = [&TRAIN[..12], &["--method", "mean-curve", "-o", "study"]].concat();
     assert!(refused(here, 1, &other).contains("differs in the methods"));
     done(here, &["resume", "study"]);
@@ -95,6 +95,83 @@ fn a_study_of_columns_is_trained_judged_asked_reported_and_resumed() {
     }
     std::fs::write(here.join("study/predictions.csv"), "altered").unwrap();
     assert!(refused(here, 1, &["evaluate", "study", "run-3"]).contains("its SHA-256 is not the one"));
+}
+
+/// Networks for two ranges of the strain, from fewer states than there are, with a learning curve.
+#[test]
+fn sub_models_and_a_learning_curve_of_any_columns() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    (1..=4).for_each(|seed| make_run(here, seed));
+    let train = |flags: &[&'static str]| -> Vec<&'static str> {
+        let line = "train run-1 run-2 --unseen run-3 run-4 --input deviator_fabric --output stress_ratio --coordinate \
+                    deviator_strain --hidden 3 --most-states 20";
+        line.split_whitespace().chain(flags.iter().copied()).collect()
+    };
+    let parts = train(&[
+        "--sub-models",
+        "0.1",
+        "--learning-curve",
+        "--trainer",
+        "levenberg-marquardt",
+        "-o",
+        "parts",
+    ]);
+    let trained = done_json(here, &parts);
+    let fit = &trained["fits"][0];
+    let member = &fit["members"][0];
+    assert_eq!(member["name"], "stress_ratio-sub-models");
+    let networks = member["networks"].as_array().unwrap();
+    assert_eq!(
+        (networks.len(), &networks[0]["range"][1], &networks[0]["hidden"]),
+        (2, &0.1.into(), &serde_json::json!([3]))
+    );
+    assert!(networks[0]["rows"].as_u64().unwrap() <= 20, "{member}");
+    let whole: u64 = networks.iter().map(|network| network["unseen"]["states"].as_u64().unwrap()).sum();
+    assert_eq!(Some(whole), member["unseen"]["score"]["states"].as_u64());
+    // All four runs differ only in their seed.
+    assert_eq!(
+        (&fit["seed_scatter"]["groups"], &fit["seed_scatter"]["runs"]),
+        (&1.into(), &4.into()),
+        "{fit}"
+    );
+    let points = trained["learning_curve"]["points"].as_array().unwrap();
+    let runs: Vec<_> = points.iter().map(|point| (&point["training_runs"], &point["sets"])).collect();
+    assert_eq!(runs, [(&1.into(), &2.into()), (&2.into(), &1.into())]);
+    // The last point is the study itself.
+    let mean = points[1]["error"]["mean"].as_f64().unwrap();
+    let own = fit["uses"]["stress_ratio-sub-models"]["own"]["relative_rmse"].as_f64().unwrap();
+    assert!((mean / own - 1.0).abs() < 0.2, "{mean} {own}");
+
+    done(here, &["report", "parts"]);
+    let page = std::fs::read_to_string(here.join("parts/report.html")).unwrap();
+    for words in
+        ["Number of training runs", "each for a range of deviator_strain", "differ only in their seed"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    // Without the surrogate and the last file the training goes on, to the same bytes.
+    let kept = std::fs::read(here.join("parts/study.json")).unwrap();
+    for name in ["study.json", "stress_ratio-sub-models.json"] {
+        std::fs::remove_file(here.join("parts").join(name)).unwrap();
+    }
+    let text = done(here, &["resume", "parts"]);
+    assert!(
+        text.contains("stress_ratio-sub-models sub-model 2 (0.1 to") && text.contains("learning curve"),
+        "{text}"
+    );
+    assert!(text.contains("runs that differ only in their seed scatter by"), "{text}");
+    assert_eq!(std::fs::read(here.join("parts/study.json")).unwrap(), kept);
+
+    let refuse = |code: i32, flags: &[&'static str]| refused(here, code, &train(flags));
+    assert!(refuse(1, &["--sub-models", "0.9", "-o", "out"]).contains("sub-models meet in between"));
+    assert!(refuse(1, &["--sub-models", "0.2,0.1", "-o", "out"]).contains("must increase"));
+    assert!(
+        refuse(1, &["--sub-models", "0.1", "--method", "ridge", "-o", "out"]).contains("--method sub-models")
+    );
+    assert!(refuse(1, &["--sub-models", "0.1,0.1001", "-o", "out"]).contains("needs 3; record more states"));
+    assert!(refuse(1, &["--trainer", "none", "-o", "out"]).contains("levenberg-marquardt"));
+    assert!(!here.join("out").exists());
 }
 
 /// Runs that differ in their friction, which is an input.
@@ -140,7 +217,7 @@ fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
     assert!(refused(here, 1, &one).contains("needs two or more runs"));
     let without = ["train", "low", "high", "--input", "deviator_strain", "-o", "out"];
     assert!(refused(here, 2, &without).contains("--output"));
-    let both = [&one[..], &["--form", "point"]].concat();
+    let both = [&one[..], &["--epoch-factor", "0.5"]].concat();
     assert!(refused(here, 2, &both).contains("cannot be used with"));
 }
 

@@ -97,14 +97,14 @@ fn names_in_studies_lead_nowhere() {
     let (study, plan) = (work.join("study/study.json"), work.join("study/training.json"));
     let (good_study, good_plan) = (fs::read(&study).unwrap(), fs::read(&plan).unwrap());
     for name in hostile(&place) {
-        change(&study, |file| file["mappings"][0]["mapping"]["name"] = json!(name));
+        change(&study, |file| file["files"][format!("{name}.json")] = json!("ab"));
         let words = "cannot be part of a file name";
         place.refused(words, &["evaluate", "study", "run-1"]);
         place.refused(words, &["predict", "study", "-m", name.split('\0').next().unwrap(), "-s", "x=1"]);
         place.harmless(&["report", "study"]);
         fs::write(&study, &good_study).unwrap();
 
-        change(&plan, |file| file["mappings"][0]["name"] = json!(name));
+        change(&plan, |file| file["definition"]["methods"][0] = json!(name));
         place.refused(words, &["status", "study"]);
         fs::remove_file(&study).unwrap();
         place.refused(words, &["resume", "study"]);
@@ -114,7 +114,9 @@ fn names_in_studies_lead_nowhere() {
     }
     // Each file that is written under a fixed name is replaced by a link.
     fs::remove_file(&study).unwrap();
-    for name in ["F1-1.json", "F1-1.json.part", "F1-1.unfinished", "seconds.json", "study.json"] {
+    for name in
+        ["F1-ridge.json", "F1-antony2006-1.json", "F1-antony2006-1.unfinished", "seconds.json", "study.json"]
+    {
         let _ = fs::remove_file(work.join("study").join(name));
         symlink("../../outside/F1-1.json", work.join("study").join(name)).unwrap();
     }

@@ -96,16 +96,13 @@ fn evaluations(here: &Path) {
     let told = done_json(here, &["evaluate", "mixed", "run-2"]);
     assert_eq!(told["runs"][0]["differs_from_training"], json("[]"));
 
-    // A study of an earlier version can be read, and nothing is claimed that it does not record.
-    let path = here.join("study/study.json");
-    let mut old = json(&std::fs::read_to_string(&path).unwrap());
-    old["version"] = 1.into();
-    for key in ["runs", "content", "sha256"] {
-        assert!(old.as_object_mut().unwrap().remove(key).is_some(), "{key}");
+    // A study in the format of earlier versions is refused with its version.
+    let old = r#"{"format": "granum study", "version": 3, "form": "point", "sha256": "0"}"#;
+    std::fs::write(here.join("study/study.json"), old).unwrap();
+    for command in [&["evaluate", "study", "run-1"][..], &["predict", "study"], &["status", "study"]] {
+        let message = crate::refused(here, 1, command);
+        assert!(message.contains("version 3 of an earlier format"), "{command:?}: {message}");
     }
-    std::fs::write(&path, old.to_string()).unwrap();
-    let (text, warned) = evaluate(&["run-1"]);
-    assert!(text.contains("does not say whether") && warned.contains("earlier version"), "{text}{warned}");
 }
 
 fn copy(from: &Path, to: &Path) {

@@ -86,7 +86,7 @@ fn a_study_is_trained_judged_and_asked() {
 
     // A training that was interrupted before its last file is resumed and gives the same networks.
     std::fs::remove_file(here.join("study/study.json")).unwrap();
-    std::fs::remove_file(here.join("study/F3-2.json")).unwrap();
+    std::fs::remove_file(here.join("study/F3-antony2006.json")).unwrap();
     let again = done_json(here, &train);
     assert_eq!(again["mappings"]["F3"]["relative_rmse"], trained["mappings"]["F3"]["relative_rmse"]);
 

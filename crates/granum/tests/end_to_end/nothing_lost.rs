@@ -90,7 +90,7 @@ fn make_folders(here: &Path) -> Vec<(&'static str, &'static str)> {
     make_run(here, 1);
     done(here, &["train", "run-1", "--trainer", "traingdx", "--epoch-factor", "2e-4", "--out", "study"]);
     copy(&here.join("study"), &here.join("half-trained"));
-    for file in ["study.json", "F3-2.json"] {
+    for file in ["study.json", "F3-antony2006.json"] {
         fs::remove_file(here.join("half-trained").join(file)).unwrap();
     }
     let usual = "levenberg-marquardt";

@@ -83,7 +83,8 @@ fn a_full_disk_ends_a_training_that_goes_on_later() {
     let train = |out: &'static str, seed: &'static str| {
         ["train", "run", "--trainer", "traingdx", "--epoch-factor", "1e-4", "--seed", seed, "--out", out]
     };
-    // F1-1 has 3 x 20 x 20 neurons, and its file is larger than the limit, whereas the manifest of the training is smaller.
+    // The networks of F1 have layers of 60 neurons, and their files are larger than the limit, whereas the plan of the training is
+    // smaller.
     let output = with_full_disk(here, 20, &train("study", "1"));
     let told = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
@@ -93,9 +94,9 @@ fn a_full_disk_ends_a_training_that_goes_on_later() {
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("contains an unfinished training that differs in seed"), "{told}");
     let told = stdout(&run(here, &["status", "study"]));
-    assert!(told.contains("training broken off") && told.contains("of 36 networks"), "{told}");
+    assert!(told.contains("training broken off") && told.contains("of 30 surrogates"), "{told}");
     done(here, &["resume", "study"]);
-    assert!(stdout(&run(here, &["status", "study"])).contains("training finished, 36 of 36 networks"));
+    assert!(stdout(&run(here, &["status", "study"])).contains("training finished, 30 of 30 surrogates"));
     assert!(stdout(&run(here, &["resume", "study"])).contains("the training is finished"));
     done(here, &train("other", "1"));
     assert_same(&here.join("study"), &here.join("other"));

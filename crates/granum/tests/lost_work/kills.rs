@@ -164,8 +164,8 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
                 break;
             }
         }
-        // The files are 36 networks, the study, its baselines and its manifest.
-        assert_eq!(assert_same(&here.join("study"), &folder), 39);
+        // The files are 30 surrogates, the study and its plan.
+        assert_eq!(assert_same(&here.join("study"), &folder), 32);
     }
     kills
 }
@@ -204,7 +204,7 @@ fn a_reproduction_killed_again_and_again_ends_in_the_same_bytes() {
     std::fs::create_dir(&left).unwrap();
     std::fs::write(left.join("F1-1-neurons-seed-1-1.json"), "left").unwrap();
     done(here, &["resume", "killed"]);
-    // Three runs of ten files or more, 36 networks with three files beside them, figures, report, summary and description.
+    // Three runs of ten files or more, 30 surrogates with two files beside them, figures, report, summary and description.
     let same = assert_same(&here.join("straight"), &here.join("killed"));
     assert!(same >= 90, "{same}");
     for name in ["report.html", "summary.json", "models/study.json", "runs/unseen-12/run.json"] {

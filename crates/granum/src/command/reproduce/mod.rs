@@ -11,13 +11,13 @@ use std::time::Instant;
 use clap::Args;
 use granum::contents::{Contents, FolderKind, check_free, taken};
 use granum_antony2006::Summary;
-use granum_antony2006::layout::TIMES_FILE;
 use granum_antony2006::reproduction::{
     REPRODUCTION_FILE, Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE,
 };
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, figure_list};
 use granum_learn::LearnError;
+use granum_learn::networks::TIMES_FILE;
 use granum_run::Laboratory;
 use serde_json::json;
 

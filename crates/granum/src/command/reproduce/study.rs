@@ -1,13 +1,12 @@
 //! The networks of a reproduction: training, evaluation and output.
 
+use granum_antony2006::evaluation::networks;
 use granum_antony2006::figures::figures;
-use granum_antony2006::files::save_study;
 use granum_antony2006::reproduction::SUMMARY_FILE;
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_antony2006::times::SummaryTimes;
-use granum_antony2006::training_checkpoints::files_of_networks;
 use granum_antony2006::{
-    SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
+    Evaluation, PaperData, PaperDataOptions, PaperOptions, SizeStudy, SizeStudyOptions, Summary,
 };
 use granum_antony2006::{StudyReport, study_report};
 use granum_antony2006::{interpretation, speed};
@@ -15,15 +14,17 @@ use granum_io::run::TEST;
 use granum_io::sealed::write_sealed;
 use granum_io::{OutputFolder, Run};
 use granum_learn::NamedRecord;
+use granum_learn::networks::KeptNetworks;
 use granum_learn::runs::{RunRole, StudyRun};
+use granum_learn::study::{self, KeptStudy, PLAN_FILE, Study, StudyPlan};
 use granum_report::{Role, RunReport};
 
 use super::Reproduce;
 use super::many;
 use super::plan::{Plan, Role as PlannedRole};
 use super::runs::Done;
+use crate::command::show_training::{Kept, Show};
 use crate::command::summary_file::write_speed_page;
-use crate::command::train::Show;
 use crate::context::Context;
 use crate::failure::Failure;
 
@@ -54,41 +55,51 @@ pub fn all(
         .map(|(report, run)| NamedRecord { name: &report.name, seed: run.seed, record: &report.record })
         .collect();
     let count = runs.iter().filter(|run| run.role == PlannedRole::Training).count();
-    let dataset = StudyData::new(&named[..count], &named[count..], &StudyDataOptions::default())?;
+    let data = PaperData::from_records(&named[..count], &named[count..], &PaperDataOptions::default())?;
     let threads = arguments.hardware.hardware()?.threads;
     let trainer = granum_nets::trainer::by_name(&arguments.trainer, &Default::default())?;
-    let options = StudyOptions { trainer, threads, ..StudyOptions::default() };
+    let options = PaperOptions { trainer, threads, ..PaperOptions::default() };
 
     let every = arguments.checkpoints.every()?;
     let models = folder.subfolder("models")?;
     for inside in ["models", "figures", SIZES] {
         folder.remove_unfinished_inside(inside)?;
     }
-    let show = Show::new(context, "networks", &models, every);
-    let mut study =
-        Study::train(&dataset, &options, &show).map_err(|error| show.failure(error, folder.path()))?;
-    show.checkpoints.add_seconds(&mut study);
-    let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-    show.end(|| format!("{networks} networks and as many strain-only networks"));
-    save_study(&models, &study, &known(runs)?)?;
+    for path in granum_antony2006::files_of_earlier_versions().iter().map(|name| models.join(name)) {
+        if path.is_file() {
+            std::fs::remove_file(&path).map_err(granum_io::Error::file("remove", &path))?;
+        }
+    }
+    let (definition, methods) = (options.definition(&data), options.methods());
+    // The runs are those of the folder, wherever it is.
+    let study_plan = StudyPlan::new(&[], &[], data.dataset.digest(), definition.clone())?;
+    let kept = KeptStudy::begin(&models, &study_plan, &methods, every)?;
+    let show = Show::new(context, "networks", Kept::Study(kept));
+    let mut study = Study::train(&data.dataset, &definition, &methods, &show)
+        .map_err(|error| show.failure(error, folder.path()))?;
+    let counts = study.fits.iter().map(|fit| Ok(networks(&study, &fit.name)?.networks().len()));
+    let count_of_networks = counts.sum::<Result<usize, granum_learn::LearnError>>()?;
+    show.end(|| format!("{count_of_networks} networks and as many strain-only networks"));
+    study.runs = known(runs)?;
+    study::save(&models, &study, &data.dataset)?;
 
     // The folder is only needed until the summary contains the results.
     let sizes_folder = folder.subfolder(SIZES)?;
-    let show = Show::new(context, "sizes", &sizes_folder, every);
+    let show = Show::new(context, "sizes", Kept::Networks(KeptNetworks::new(&sizes_folder, every)));
     let sizes = size_options(arguments.quick, threads);
     let size_study =
-        SizeStudy::run(&dataset, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
+        SizeStudy::run(&data, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
     show.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
 
     let many = many::curve(context, folder, plan, all_runs, &options)?;
 
-    let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
+    let judged = data.parts.unseen.runs().first().or(data.parts.training_runs.runs().first());
     let dem_seconds = reports.get(count).and_then(|r| r.run.wall_seconds.get(TEST)).copied().unwrap_or(0.0);
     let speed = match judged {
         Some(run) => speed::measure(&study, run, dem_seconds, REPETITIONS)?,
         None => Default::default(),
     };
-    let evaluations = study.evaluate(&dataset)?;
+    let evaluations = Evaluation::of_study(&study, &data)?;
     let summary = Summary {
         dem: dem_summary(&reports, runs),
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
@@ -99,10 +110,10 @@ pub fn all(
     };
     let report = StudyReport {
         summary,
-        figures: figures(&study, &dataset)?,
+        figures: figures(&study, &data)?,
         command: arguments.options().command_line(None),
         runs: reports,
-        dataset_hash: dataset.hash()?,
+        dataset_hash: data.hash()?,
         network_seed: options.seed,
     };
     study_report(&report).write(folder.path())?;
@@ -113,19 +124,23 @@ pub fn all(
     Ok(report.summary)
 }
 
-/// Removes the networks of the study of network sizes, whose results are in the summary, also those of a reproduction with or
+/// Removes the plan of the networks, and the networks of the study of network sizes, whose results are in the summary, also those of a reproduction with or
 /// without `--quick` that this one replaced.
 pub fn tidy(folder: &OutputFolder) -> Result<(), Failure> {
     let names: Vec<String> =
         [false, true].iter().flat_map(|&quick| size_options(quick, 0).networks()).collect();
-    Ok(folder.clear_inside(SIZES, &files_of_networks(&names))?)
+    let plan = folder.file("models").join(PLAN_FILE);
+    if plan.is_file() {
+        std::fs::remove_file(&plan).map_err(granum_io::Error::file("remove", &plan))?;
+    }
+    Ok(folder.clear_inside(SIZES, &KeptNetworks::files(&names))?)
 }
 
 /// Options of the study of network sizes. Sizes are compared with the default trainer, since that of the paper would take an hour
 /// and give the same result.
 fn size_options(quick: bool, threads: usize) -> SizeStudyOptions {
     let options = SizeStudyOptions {
-        study: StudyOptions { threads, ..StudyOptions::default() },
+        study: PaperOptions { threads, ..PaperOptions::default() },
         ..SizeStudyOptions::default()
     };
     if quick { SizeStudyOptions { neurons: vec![1, 2, 4, 8, 20], seeds: 3, ..options } } else { options }

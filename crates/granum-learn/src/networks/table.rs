@@ -1,17 +1,17 @@
-//! Predictions of the networks of a mapping for whole tables, with remarks on their validity.
+//! Predictions of networks by sub-model for whole tables, with remarks on their validity.
 
 use std::collections::BTreeSet;
 
 use granum_core::{Column, Table};
 
-use super::{MappingNetworks, RowAnswer};
-use granum_learn::inference::{chosen, rows_of};
-use granum_learn::{LearnError, Result};
+use super::fitted::{RowAnswer, SubModelNetworks};
+use crate::error::{LearnError, Result};
+use crate::inference::{chosen, rows_of};
 
 /// Predictions for the rows of a table.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Batch {
+pub struct TablePrediction {
     /// The inputs, then `predicted_NAME`, then `standard_deviation`, `lower` and `upper` if the networks provide them, and
     /// last `sub_model` (from 1) and `outside` (1 if an input is outside the trained range).
     pub table: Table,
@@ -21,13 +21,13 @@ pub struct Batch {
     pub sub_models: Vec<usize>,
 }
 
-impl MappingNetworks {
-    /// Predicts every row of a table with a column for each of [`MappingNetworks::input_names`], with intervals of the given
+impl SubModelNetworks {
+    /// Predicts every row of a table with a column for each of [`SubModelNetworks::input_names`], with intervals of the given
     /// level.
     ///
     /// # Errors
     /// If a column is missing or a value is not finite; the message gives the position.
-    pub fn predict_table(&self, table: &Table, level: f64) -> Result<Batch> {
+    pub fn predict_table(&self, table: &Table, level: f64) -> Result<TablePrediction> {
         let inputs = chosen(table, &self.input_names())?;
         for column in inputs.columns() {
             if let Some(k) = column.values.iter().position(|value| !value.is_finite()) {
@@ -36,15 +36,17 @@ impl MappingNetworks {
                 return Err(LearnError::Rows(reason));
             }
         }
-        let answers = self.predict_rows(&rows_of(&inputs), level)?;
+        let answers = self.predict_single_values(&rows_of(&inputs), level)?;
         let outside = answers.iter().filter(|answer| !answer.outside.is_empty()).count();
         let mut all = inputs.columns().to_vec();
         let mut add = |name: &str, value: &dyn Fn(&RowAnswer) -> f64| {
             all.push(Column::new(name, "", answers.iter().map(value).collect()));
         };
-        add(&format!("predicted_{}", self.mapping().network_output()), &|answer| answer.value);
+        add(&format!("predicted_{}", self.mapping().output.name), &|answer| answer.value);
         if answers.iter().any(|answer| answer.interval.is_some()) {
-            add("standard_deviation", &|answer| answer.standard_deviation.unwrap_or(f64::NAN));
+            add("standard_deviation", &|answer| {
+                answer.deviation.map_or(f64::NAN, |deviation| deviation.total)
+            });
             add("lower", &|answer| answer.interval.map_or(f64::NAN, |[lower, _]| lower));
             add("upper", &|answer| answer.interval.map_or(f64::NAN, |[_, upper]| upper));
         }
@@ -52,7 +54,7 @@ impl MappingNetworks {
         add("outside", &|answer| f64::from(u8::from(!answer.outside.is_empty())));
         let table = Table::new(all)?;
         let sub_models: BTreeSet<usize> = answers.iter().map(|answer| answer.sub_model).collect();
-        Ok(Batch { table, outside, sub_models: sub_models.into_iter().collect() })
+        Ok(TablePrediction { table, outside, sub_models: sub_models.into_iter().collect() })
     }
 
     /// The numbers, counted from 1, of those of the given sub-models (counted from 0) whose networks learned a constant.

@@ -1,0 +1,36 @@
+//! Networks of one quantity, each for a range of the coordinate: the sub-models of a fit.
+//!
+//! ```text
+//! FitSpec + Dataset --> NetworkMapping --> training rows --> networks, one per sub-model --> SubModelNetworks
+//! ```
+//!
+//! A quantity is a column or a histogram. A histogram can enter the networks as a whole or point by point ([`Form`]), and a
+//! histogram that is predicted is one network with the binned variable as an input. [`training_rows`] explains which states a
+//! network learns from and how they are weighted, and [`sensor_share`] how much weight an input has.
+
+mod checkpoints;
+mod fitted;
+mod kept_networks;
+mod mapping;
+mod method;
+pub mod sensor_share;
+mod settings;
+mod sub_model;
+mod summary;
+mod table;
+mod training;
+pub mod training_rows;
+
+#[cfg(test)]
+mod tests;
+
+pub use checkpoints::{NetworkCheckpoints, NoCheckpoints};
+pub use fitted::{RowAnswer, StateAnswer, SubModelNetworks, networks_of};
+pub use kept_networks::{KeptNetworks, TIMES_FILE};
+pub use mapping::{Bins, Form, NetworkMapping, Quantity};
+pub use method::NetworksBySubModel;
+pub use settings::NetworkSettings;
+pub use sub_model::{SubModel, is_within, sub_model_at};
+pub use summary::NetworkScores;
+pub use table::TablePrediction;
+pub use training::{FEWEST_STATES, NetworkTask, network_seed};
