@@ -10,7 +10,8 @@ use granum_dem::observer::{Flow, Progress};
 use granum_dem::preparation::Phase;
 use granum_io::{OutputFolder, Reading, Result, Run, RunStatus};
 use granum_run::Laboratory;
-use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, Shares};
+use granum_run::LaboratoryError;
+use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, Shares};
 
 use crate::campaign::Campaign;
 use crate::message::{End, Message};
@@ -95,14 +96,29 @@ pub(crate) fn execute(
         Ok(queue) => queue,
         Err(error) => return End::Failed { reason: error.to_string(), lasting: true },
     };
-    let teller = Teller { flow, tell, shown: Mutex::new((Shares::new(&queue), None)) };
-    match queue.run(laboratory, &teller).pop() {
-        Some(Outcome::Finished { .. }) => End::Finished,
-        Some(Outcome::Failed(error)) => {
-            End::Failed { reason: error.to_string(), lasting: error.is_lasting() }
+    loop {
+        let teller = Teller { flow, tell, shown: Mutex::new((Shares::new(&queue), None)) };
+        match queue.run(laboratory, &teller).pop() {
+            Some(Outcome::Finished { .. }) => return End::Finished,
+            // Another process was faster by an instant, or looked whether the folder is in use.
+            Some(Outcome::Failed(error)) if is_locked(&error) && since.elapsed() < WAIT_FOR_FOLDER => {
+                thread::sleep(LOOK_EVERY);
+            }
+            Some(Outcome::Failed(error)) => {
+                return End::Failed { reason: error.to_string(), lasting: error.is_lasting() };
+            }
+            _ => return End::Interrupted,
         }
-        _ => End::Interrupted,
     }
+}
+
+/// True if another process has the folder of the run.
+fn is_locked(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::File(granum_io::Error::Locked { .. })
+            | RunError::Laboratory(LaboratoryError::File(granum_io::Error::Locked { .. }))
+    )
 }
 
 /// Tells what happens to the run.
