@@ -16,7 +16,8 @@ use granum_learn::study::StudyObserver;
 
 use crate::data::PaperData;
 use crate::mapping::Mapping;
-use crate::options::{PAPER_TRAINER, PaperOptions};
+use crate::method::PAPER_TRAINER;
+use crate::options::PaperOptions;
 
 /// Largest number of different sets of training runs of one size; their errors are averaged.
 const MOST_SETS: usize = 2;

@@ -14,10 +14,11 @@ use serde::Deserialize;
 
 use crate::data::{PaperDataOptions, check_run, learned_bins};
 use crate::mapping::{Mapping, Quantity, paper_mappings};
-use crate::options::{PAPER_TRAINER, PaperOptions};
 
 /// Name of the method.
 pub const NAME: &str = "antony2006";
+/// The trainer with the numbers of epochs of the tables; other trainers have their own stopping rule.
+pub const PAPER_TRAINER: &str = "traingdx";
 
 /// The networks of a mapping of Antony, Zhou and Wang (2006), each for a range of the deviator strain: the general networks by
 /// sub-model with the shapes of the tables. With the trainer of the paper a network learns only from the states in its range, for
@@ -47,8 +48,12 @@ pub struct MappingMethod {
 
 impl Default for MappingMethod {
     fn default() -> Self {
-        let PaperOptions { form, trainer, epoch_factor, .. } = PaperOptions::default();
-        MappingMethod { mapping: None, form, trainer, epoch_factor }
+        MappingMethod {
+            mapping: None,
+            form: Form::Point,
+            trainer: SharedTrainer::default(),
+            epoch_factor: 1.0,
+        }
     }
 }
 

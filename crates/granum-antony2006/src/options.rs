@@ -7,10 +7,7 @@ use granum_nets::trainer::SharedTrainer;
 
 use crate::data::PaperData;
 use crate::mapping::{Mapping, paper_mappings};
-use crate::method::{MappingMethod, NAME};
-
-/// The trainer with the numbers of epochs of the tables; other trainers have their own stopping rule.
-pub const PAPER_TRAINER: &str = "traingdx";
+use crate::method::{MappingMethod, NAME, PAPER_TRAINER};
 
 /// Options of the study.
 ///

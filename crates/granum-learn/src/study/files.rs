@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::definition::StudyDefinition;
 use super::member::{Member, StudyFit};
-use super::plan::old_paper_format;
+use super::names::{SCORED_FILE, STUDY_FILE, member_file, old_paper_format};
 use super::predictions::predictions;
 use super::scores::StudyScores;
 use super::training::Study;
@@ -26,10 +26,6 @@ use crate::runs::StudyRun;
 use crate::surrogate::SurrogateMethods;
 use crate::surrogate::file::{is_whole, sealed};
 
-/// File that describes a study.
-pub const STUDY_FILE: &str = "study.json";
-/// File with the predictions for the unseen runs.
-pub const SCORED_FILE: &str = "predictions.csv";
 const FORMAT: &str = "granum surrogate study";
 /// Version of the format. Version 1 had no settings of networks.
 const VERSION: u64 = 2;
@@ -80,11 +76,6 @@ pub fn is_study(folder: &Path) -> bool {
     let text = granum_core::input::read_text(&folder.join(STUDY_FILE), granum_core::input::LARGEST_INPUT)
         .unwrap_or_default();
     serde_json::from_str::<Header>(&text).is_ok_and(|header| header.format.as_deref() == Some(FORMAT))
-}
-
-/// Name of the file of a surrogate.
-pub(super) fn member_file(name: &str) -> String {
-    format!("{name}.json")
 }
 
 /// Writes a study with its scores and its predictions for the unseen runs of its data set. The files of the surrogates are

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use granum_io::Error;
 
-use super::files::member_file;
+use super::names::{member_file, network_files};
 use super::plan::StudyPlan;
 use crate::error::Result;
 use crate::networks::KeptNetworks;
@@ -67,22 +67,4 @@ fn remove(folder: &Path, names: impl IntoIterator<Item = String>) -> Result<()> 
         std::fs::remove_file(&path).map_err(Error::file("remove", &path))?;
     }
     Ok(())
-}
-
-/// The files in a folder with networks of the given surrogates, finished or not, also those that a killed process left
-/// half-written.
-pub(super) fn network_files(folder: &Path, surrogates: &[String]) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| entry.ok());
-    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let mut found: Vec<String> = names.filter(|name| surrogates.iter().any(|own| is_of(name, own))).collect();
-    found.sort();
-    found
-}
-
-/// True if a file is that of a network of a surrogate: `NAME-1.json`, `NAME-1.unfinished`.
-fn is_of(file: &str, surrogate: &str) -> bool {
-    let rest = file.strip_prefix(surrogate).and_then(|rest| rest.strip_prefix('-'));
-    let Some((number, ending)) = rest.and_then(|rest| rest.split_once('.')) else { return false };
-    let endings = ["json", "json.part", "unfinished", "unfinished.part"];
-    number.parse::<usize>().is_ok() && endings.contains(&ending)
 }

@@ -9,8 +9,7 @@ use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
 use super::definition::StudyDefinition;
-use super::files::{SCORED_FILE, STUDY_FILE, member_file};
-use super::kept_study::network_files;
+use super::names::{Head, SCORED_FILE, STUDY_FILE, member_file, network_files, old_paper_format};
 use crate::error::{LearnError, Result};
 use crate::networks::TIMES_FILE;
 use crate::surrogate::FitSpec;
@@ -21,20 +20,8 @@ const FORMAT: &str = "granum surrogate training";
 /// Version of the format. Version 1 had no settings of networks and no SHA-256.
 const VERSION: u64 = 2;
 
-#[derive(Deserialize)]
-struct Head {
-    format: String,
-    version: u64,
-}
-
 /// Format of the plans of earlier versions for the networks of the paper.
 const PAPER_FORMAT: &str = "granum training";
-
-/// The version of a file of an earlier format, which was of the paper's networks only.
-pub(super) fn old_paper_format(text: &str, format: &str) -> Option<u64> {
-    let head: Option<Head> = serde_json::from_str(text).ok();
-    head.filter(|head| head.format == format).map(|head| head.version)
-}
 
 /// The plan of a training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
