@@ -91,7 +91,7 @@ impl Registry {
     /// Adds a sensor, which a case requests by its name in `recording.sensors`, with its parameters as keys of `[recording]`.
     ///
     /// # Errors
-    /// [`RegistryError::Sensor`] as [`Sensors::with`].
+    /// [`RegistryError::Sensor`] as [`granum_sensors::Sensors::with`].
     pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<Registry, RegistryError> {
         self.vocabulary = self.vocabulary.with_sensor(sensor)?;
         Ok(self)

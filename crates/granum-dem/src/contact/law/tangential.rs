@@ -38,10 +38,10 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// Energies that it accounts for in addition to those of every tangential law.
     const CHANNELS: &'static [EnergyChannel] = &[];
     /// Number of history columns used. The first two are always the tangential force T on grain i, by its components in the
-    /// [`frame::Frame`] of the normal.
+    /// [`Frame`](crate::contact::evaluation::frame::Frame) of the normal.
     const HISTORY: usize;
     /// Number of plane vectors at the beginning of the history (the first in columns 0..2, ...); they rotate with the
-    /// contact plane, and change as described at [`swap_sides`] when the grains of a pair change roles.
+    /// contact plane, and change as described at [`swap_sides`](crate::contact::evaluation::frame::swap_sides) when the grains of a pair change roles.
     const PLANE_VECTORS: usize;
     /// True for a law that discards parts of its history that store energy.
     const DISCARDS: bool = false;
