@@ -41,7 +41,8 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// [`Frame`](crate::contact::evaluation::frame::Frame) of the normal.
     const HISTORY: usize;
     /// Number of plane vectors at the beginning of the history (the first in columns 0..2, ...); they rotate with the
-    /// contact plane, and change as described at [`swap_sides`](crate::contact::evaluation::frame::swap_sides) when the grains of a pair change roles.
+    /// contact plane, and change as described at
+    /// [`swap_sides`](crate::contact::evaluation::frame::swap_sides) when the grains of a pair change roles.
     const PLANE_VECTORS: usize;
     /// True for a law that discards parts of its history that store energy.
     const DISCARDS: bool = false;
