@@ -43,13 +43,19 @@ impl KeptStudy {
         })
     }
 
-    /// The surrogate of the given name, if it is finished.
+    /// The surrogate of the given name, if it is finished. Networks from which it was put together are removed: a process may
+    /// have been killed after it had stored the surrogate and before it had removed them.
     ///
     /// # Errors
-    /// If its file is damaged.
+    /// If its file is damaged, or a file cannot be removed.
     pub fn finished(&self, name: &str) -> Result<Option<Box<dyn Surrogate>>> {
         let path = self.folder.join(member_file(name));
-        if path.is_file() { self.methods.load(&path).map(Some) } else { Ok(None) }
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let surrogate = self.methods.load(&path)?;
+        remove(&self.folder, network_files(&self.folder, &[name.to_owned()]))?;
+        Ok(Some(surrogate))
     }
 
     /// Stores a surrogate, and removes the networks from which it was put together.

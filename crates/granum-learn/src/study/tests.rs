@@ -157,6 +157,10 @@ fn networks_by_sub_model_are_scored_in_their_ranges_and_kept_while_they_are_trai
     let going_on = AtNetwork { kept: kept(&plan), epochs: Mutex::new(0), most: u64::MAX };
     let resumed = Study::train(&dataset, &definition, &methods, &going_on).unwrap();
     assert_eq!((files(".unfinished"), files("-1.json")), (0, 0));
+    // A process may be killed between the storing of a surrogate and the removal of its networks.
+    std::fs::write(folder.path().join("y-sub-models-2.json"), "left").unwrap();
+    assert!(kept(&plan).finished("y-sub-models").unwrap().is_some());
+    assert_eq!(files("-2.json"), 0);
     let whole = Study::train(&dataset, &definition, &methods, &NoStudyObserver).unwrap();
     let networks = |study: &Study| -> Vec<String> {
         let member = study.member("y-sub-models").unwrap();
