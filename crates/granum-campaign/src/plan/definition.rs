@@ -18,7 +18,7 @@ pub(super) const PATH: &str = "path";
 ///
 /// let folder = tempfile::tempdir()?;
 /// std::fs::write(folder.path().join("sand.toml"), "[grains]\ncount = 300\n")?;
-/// let text = "case = 'sand.toml'\n[design]\nkind = 'sobol'\nruns = 8\n\
+/// let text = "case = 'sand.toml'\n[design]\nkind = 'sobol'\npoints = 8\n\
 ///             [[variable]]\nname = 'friction'\nkey = 'grains.material.friction'\nfrom = 0.1\nto = 0.8\nscale = 'log'\n";
 /// let file = folder.path().join("plan.toml");
 /// std::fs::write(&file, text)?;

@@ -13,7 +13,7 @@
 //!     Ok::<_, granum_io::Error>(RunEntry::new(name, name, case, record))
 //! };
 //! let table = RunsTable::of(&[entry("a", "0.2")?, entry("b", "0.4")?]);
-//! assert_eq!(table.column("grains.material.friction").unwrap().as_numbers().unwrap(), [0.2, 0.4]);
+//! assert_eq!(table.column("grains.material.friction").unwrap().numbers().unwrap(), [0.2, 0.4]);
 //! # Ok::<(), granum_io::Error>(())
 //! ```
 
