@@ -144,7 +144,10 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
         assert!(round < 40, "{kills}");
         let name = format!("killed-study-{round}");
         let folder = here.join(&name);
+        // A process needs some time to read what is finished: each may live a little longer, so that a slow computer ends too.
+        let mut longest = 200;
         loop {
+            longest += 20;
             let begun = folder.join("training.json").is_file();
             // The run is continued alternately with `resume` and with the original command.
             let line = if begun && kills % 2 == 1 {
@@ -152,7 +155,7 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
             } else {
                 train(&name, "2")
             };
-            if !killed(here, &line.split(' ').collect::<Vec<_>>(), random.milliseconds(200)) {
+            if !killed(here, &line.split(' ').collect::<Vec<_>>(), random.milliseconds(longest)) {
                 break;
             }
             kills += 1;
