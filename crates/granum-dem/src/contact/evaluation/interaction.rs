@@ -174,9 +174,13 @@ pub fn interact<R: Real, S: LawSet<R>>(
 
     if S::MAY_HAVE_CHANNELS && laws.has_channels() {
         let ending = touching | touched;
-        for (energies, mask) in [(of_normal, ending), (of_tangential, touching), (of_moments, ending)] {
-            for energy in energies {
-                *energy = energy.keep(mask);
+        let counts = laws.channels();
+        let laws = [(of_normal, ending), (of_tangential, touching), (of_moments, ending)];
+        for ((energies, mask), count) in laws.into_iter().zip(counts) {
+            for (k, energy) in energies.iter_mut().enumerate() {
+                if k < count {
+                    *energy = energy.keep(mask);
+                }
             }
         }
     }

@@ -37,6 +37,8 @@ pub trait LawSet<R: Real> {
     const MAY_HAVE_CHANNELS: bool;
     /// True if a law of the set has energy channels.
     fn has_channels(&self) -> bool;
+    /// Number of energy channels of the normal law, the tangential law, the moment law and the adhesion law.
+    fn channels(&self) -> [usize; LAWS];
     /// A step of the normal law to an overlap: the contact, and the losses by making and breaking it, J.
     fn normal(
         &self,
@@ -129,6 +131,10 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> LawS
     #[inline(always)]
     fn has_channels(&self) -> bool {
         <Self as LawSet<R>>::MAY_HAVE_CHANNELS
+    }
+    #[inline(always)]
+    fn channels(&self) -> [usize; LAWS] {
+        [count(N::CHANNELS), count(T::CHANNELS), count(M::CHANNELS), count(A::CHANNELS)]
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {

@@ -208,6 +208,10 @@ impl<W: Width> LawSet<W::Value> for Open<'_, W> {
         self.slots.has_channels()
     }
     #[inline(always)]
+    fn channels(&self) -> [usize; LAWS] {
+        self.slots.channels()
+    }
+    #[inline(always)]
     fn has_moments(&self) -> bool {
         self.slots.has_moments
     }
@@ -307,6 +311,10 @@ impl<W: Width, const MOMENTS: bool> LawSet<W::Value> for InPlace<'_, '_, W, MOME
     #[inline(always)]
     fn has_channels(&self) -> bool {
         self.slots.has_channels()
+    }
+    #[inline(always)]
+    fn channels(&self) -> [usize; LAWS] {
+        self.slots.channels()
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
