@@ -6,7 +6,7 @@ use std::time::Duration;
 use granum_io::Error;
 
 use super::names::{member_file, network_files};
-use super::plan::StudyPlan;
+use super::plan::{PLAN_FILE, StudyPlan};
 use crate::error::Result;
 use crate::networks::KeptNetworks;
 use crate::surrogate::{Surrogate, SurrogateMethods, save};
@@ -33,7 +33,10 @@ impl KeptStudy {
     ) -> Result<KeptStudy> {
         let known = StudyPlan::is_in(folder).then(|| StudyPlan::read(folder)).transpose()?;
         if known.as_ref().is_none_or(|known| !known.differences(plan).is_empty()) {
-            remove(folder, known.iter().chain([plan]).flat_map(|plan| plan.files_in(folder)))?;
+            // The plan is replaced last: it tells the names of the files, so that what a process leaves that is killed here is removed
+            // the next time.
+            let files = known.iter().chain([plan]).flat_map(|plan| plan.files_in(folder));
+            remove(folder, files.filter(|name| name != PLAN_FILE))?;
             plan.write(folder)?;
         }
         Ok(KeptStudy {

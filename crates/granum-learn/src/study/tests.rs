@@ -191,6 +191,32 @@ fn networks_by_sub_model_are_scored_in_their_ranges_and_kept_while_they_are_trai
     assert!(kept(&other).finished("y-ridge").unwrap().is_none());
 }
 
+/// A process may be killed while it removes the study of another plan: the next one still knows the names of its files.
+#[test]
+fn what_is_left_of_a_study_that_was_being_removed_is_removed_the_next_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |output: &str| {
+        let fit = FitSpec::new(["x"], [output]);
+        StudyPlan::new(&[], &[], "digest".into(), StudyDefinition::new([fit], ["ridge"], Split::default()))
+            .unwrap()
+    };
+    let begin = |plan: &StudyPlan| {
+        KeptStudy::begin(folder.path(), plan, &SurrogateMethods::standard(), std::time::Duration::ZERO)
+    };
+    let (old, new) = (plan("y"), plan("s"));
+    begin(&old).unwrap();
+    let [scored, surrogate] = [SCORED_FILE, "y-ridge.json"].map(|name| folder.path().join(name));
+    std::fs::write(&surrogate, "{}").unwrap();
+    // Its removal is cut short by something that cannot be removed as a file.
+    std::fs::create_dir(&scored).unwrap();
+    assert!(begin(&new).is_err());
+    assert!(surrogate.exists());
+    std::fs::remove_dir(&scored).unwrap();
+    begin(&new).unwrap();
+    assert!(!surrogate.exists());
+    assert_eq!(StudyPlan::read(folder.path()).unwrap(), new);
+}
+
 /// Keeps a study in its folder and stops after some epochs.
 struct AtNetwork {
     kept: KeptStudy,
