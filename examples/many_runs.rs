@@ -62,7 +62,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             _ => println!("{}: {}", run.name, outcome.word()),
         }
     }
-    let table = RunsTable::of(&entries);
+    let table = RunsTable::from_runs(&entries);
     granum::io::formats::csv::write_rows(&mut std::io::stdout(), &table.select(Selection::Main))?;
     // ANCHOR_END: table
     let friction = table.column("grains.material.friction").and_then(|column| column.numbers());

@@ -120,7 +120,7 @@ impl LearningCurve {
     }
 
     /// The points of one mapping, by number of training runs.
-    pub fn of<'a>(&'a self, mapping: &'a str) -> impl Iterator<Item = &'a CurvePoint> + 'a {
+    pub fn points_of<'a>(&'a self, mapping: &'a str) -> impl Iterator<Item = &'a CurvePoint> + 'a {
         self.points.iter().filter(move |point| point.mapping == mapping)
     }
 
@@ -128,7 +128,7 @@ impl LearningCurve {
     /// `None` if they never do.
     pub fn helps_from(&self, mapping: &str) -> Option<usize> {
         let mut from = None;
-        for point in self.of(mapping) {
+        for point in self.points_of(mapping) {
             from = if point.helps() { from.or(Some(point.training_runs)) } else { None };
         }
         from
@@ -140,7 +140,7 @@ impl LearningCurve {
     pub fn interpretation(&self) -> Vec<String> {
         let mut names: Vec<&str> = self.points.iter().map(|point| point.mapping.as_str()).collect();
         names.dedup();
-        let last = |name: &str| self.of(name).last().cloned();
+        let last = |name: &str| self.points_of(name).last().cloned();
         let mut sentences: Vec<String> = names
             .iter()
             .filter_map(|name| Some(helped(&last(name)?, self.helps_from(name)?, self.unseen_runs)))
@@ -211,9 +211,9 @@ mod tests {
             LearningCurve::measure(&data, 100, &options, &NoStudyObserver).unwrap()
         };
         let hidden = curve(Law::Hidden);
-        assert_eq!(hidden.of("F3").map(|point| point.training_runs).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(hidden.points_of("F3").map(|point| point.training_runs).collect::<Vec<_>>(), [1, 2]);
         assert!(hidden.helps_from("F3").is_some(), "{hidden:?}");
-        let last = hidden.of("F3").last().unwrap();
+        let last = hidden.points_of("F3").last().unwrap();
         assert!(last.network.mean < 0.5 * last.strain_only.mean);
         assert!(last.other_sensors.unwrap().mean > 2.0 * last.network.mean);
         assert_eq!(curve(Law::Blind).helps_from("F3"), None);

@@ -39,7 +39,7 @@ pub struct RunTime {
 
 impl SummaryTimes {
     /// The times that a summary holds in memory.
-    pub fn of(summary: &Summary) -> SummaryTimes {
+    pub fn from_summary(summary: &Summary) -> SummaryTimes {
         let runs = summary.dem.runs.iter().map(|run| RunTime {
             role: run.role.clone(),
             seed: run.seed,
@@ -87,7 +87,7 @@ mod tests {
         let text = serde_json::to_string(&whole).unwrap();
         assert!(!text.contains("seconds") && !text.contains("factor"), "{text}");
         let folder = tempfile::tempdir().unwrap();
-        SummaryTimes::of(&whole).write(folder.path()).unwrap();
+        SummaryTimes::from_summary(&whole).write(folder.path()).unwrap();
         let mut back: Summary = serde_json::from_str(&text).unwrap();
         SummaryTimes::read(folder.path()).unwrap().add_to(&mut back);
         assert_eq!(back, whole);

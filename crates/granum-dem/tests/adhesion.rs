@@ -313,7 +313,7 @@ fn pairs_apart_have_their_part_in_the_stress() {
     }
     let (found, scale) = (s.state().stress(), stress[0][0].abs());
     // The stress by which states are spaced is the same.
-    let measured = granum_dem::loading::MacroState::of(&assembly).stress;
+    let measured = granum_dem::loading::MacroState::from_assembly(&assembly).stress;
     for r in 0..3 {
         for c in 0..3 {
             assert!((measured[r][c] - stress[r][c]).abs() < 1e-9 * scale, "{measured:?} {stress:?}");

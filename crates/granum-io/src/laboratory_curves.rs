@@ -10,7 +10,7 @@ use std::path::Path;
 use granum_core::names::suggestion;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-use crate::case::bare_number::{Kind, Known};
+use crate::case::bare_number::{Known, NumberKind};
 use crate::error::{Error, InputError, Result};
 use crate::formats::lines::{self, Lines};
 
@@ -137,7 +137,8 @@ fn check_bare(column: &SourceColumn, values: impl Iterator<Item = f64>) -> Resul
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
     let largest = values.fold(0.0, larger);
     let name = QUANTITIES[column.quantity].0;
-    let Some(doubt) = Known::of_sample(f64::NAN).doubt(Kind::Strain, largest, &format_number(largest)) else {
+    let Some(doubt) = Known::of_sample(f64::NAN).doubt(NumberKind::Strain, largest, &format_number(largest))
+    else {
         return Ok(());
     };
     let mut error = place.clone();

@@ -28,7 +28,7 @@ fn read(files: &[(PathBuf, ReadOptions)]) -> Vec<Observation> {
 
 /// Stress of the contacts, Pa, compression positive.
 fn stress(observation: &Observation) -> Matrix {
-    MacroState::of(&observation.assembly).stress
+    MacroState::from_assembly(&observation.assembly).stress
 }
 
 fn lammps(columns: &str) -> Vec<Observation> {

@@ -29,7 +29,7 @@ fn printed(what: &str) -> Vec<f64> {
 }
 
 fn stress(observation: &Observation) -> Matrix {
-    MacroState::of(&observation.assembly).stress
+    MacroState::from_assembly(&observation.assembly).stress
 }
 
 /// Without friction the recorder holds all of the forces. YADE's stress has tension positive.

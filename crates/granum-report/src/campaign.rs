@@ -136,7 +136,7 @@ pub struct CampaignRuns {
 
 /// Writes the report of a campaign.
 pub fn report(campaign: &CampaignRuns) -> Document {
-    let drawn = Drawn { campaign, scale: Scale::of(campaign) };
+    let drawn = Drawn { campaign, scale: Scale::from_runs(campaign) };
     let mut page = Page::default();
     let tiles = drawn.tiles();
     let curves = drawn.curves();
@@ -193,7 +193,7 @@ enum Scale {
 }
 
 impl Scale {
-    fn of(campaign: &CampaignRuns) -> Scale {
+    fn from_runs(campaign: &CampaignRuns) -> Scale {
         let values = || campaign.runs.iter().filter_map(|run| run.values.get(campaign.coloured_by));
         let numbers: Vec<f64> = values()
             .filter_map(|value| match value {

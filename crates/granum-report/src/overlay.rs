@@ -45,7 +45,7 @@ pub fn report(runs: &[RunReport]) -> Document {
         "Stress, volume, contacts and forces",
         html! { @for figure in figures { (figure) } },
     );
-    let table = RunsTable::of(&entries).select(Selection::Main);
+    let table = RunsTable::from_runs(&entries).select(Selection::Main);
     let label = page.own_table_label();
     let mut of_all =
         html! { (results(&label, "The runs, the keys that differ, and their main results.", &table).html()) };

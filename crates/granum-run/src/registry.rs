@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use granum_dem::contact::choice::registry::{Law, RegisterError as LawError};
-use granum_dem::loading::preset::{Preset, RegisterError as PathError};
+use granum_dem::contact::choice::registry::{Law, LawError};
+use granum_dem::loading::preset::{PathError, Preset};
 use granum_io::case::Vocabulary;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
 use granum_io::{Case, Formats, Reading, Run};

@@ -49,7 +49,7 @@ impl Sensor for Anisotropies {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let Anisotropy { contacts, normal, tangential } = Anisotropy::of(observation);
+        let Anisotropy { contacts, normal, tangential } = Anisotropy::from_observation(observation);
         values.extend([contacts, normal, tangential, 0.4 * (contacts + normal + 1.5 * tangential)]);
     }
 }
@@ -67,7 +67,7 @@ pub struct Anisotropy {
 
 impl Anisotropy {
     /// Computes the anisotropies; all 0 without contacts, those of the forces also where the mean normal force is not positive.
-    pub fn of(observation: &Observation) -> Anisotropy {
+    pub fn from_observation(observation: &Observation) -> Anisotropy {
         let stress = deviator(&observation.stress.tensor());
         let contacts = &observation.assembly.contacts;
         let density = scaled(&deviator(&fabric(observation, |_| true).0), 7.5);
@@ -154,7 +154,7 @@ mod tests {
             for axis in [0, 2] {
                 let assembly = expansion(given, axis);
                 let observation = Observation::new(&assembly);
-                let found = Anisotropy::of(&observation);
+                let found = Anisotropy::from_observation(&observation);
                 for (value, wanted) in [found.contacts, found.normal, found.tangential].iter().zip(given) {
                     assert!((value - wanted).abs() < 2e-4, "{found:?}");
                 }

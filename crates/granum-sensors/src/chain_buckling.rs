@@ -58,7 +58,7 @@ impl Sensor for ChainBuckling {
         let share = memory.get(3..).map_or(0.0, |segments| bent(observation.assembly, segments));
         memory.clear();
         memory.extend([arc_length, share, 0.0]);
-        for chain in Chains::of(observation).chains {
+        for chain in Chains::from_observation(observation).chains {
             for grains in chain.windows(3) {
                 if let Some(angle) = inner_angle(observation.assembly, [grains[0], grains[1], grains[2]]) {
                     memory.extend(grains.iter().map(|&grain| grain as f64));

@@ -51,7 +51,7 @@ impl Sensor for CoordinationNumbers {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let z = Coordination::of(observation);
+        let z = Coordination::from_observation(observation);
         values.extend([
             z.all,
             z.mechanical,
@@ -80,7 +80,7 @@ pub struct Coordination {
 
 impl Coordination {
     /// Computes the coordination numbers; 0 where there is no grain to divide by.
-    pub fn of(observation: &Observation) -> Self {
+    pub fn from_observation(observation: &Observation) -> Self {
         let grains = observation.assembly.grains.len();
         // A contact with a grain that does not exist (in a file of another code) is not counted.
         let of_grains = |contact: &&Contact| contact.i.max(contact.j) < grains;
@@ -139,7 +139,7 @@ mod tests {
             (lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), 6.0),
             (lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4), 12.0),
         ] {
-            let c = Coordination::of(&Observation::new(&assembly));
+            let c = Coordination::from_observation(&Observation::new(&assembly));
             assert_eq!(
                 c,
                 Coordination { all: z, mechanical: z, compressive: z, backbone: z, rattler_fraction: 0.0 }
@@ -158,7 +158,7 @@ mod tests {
             ..Default::default()
         });
         let assembly = Assembly { grains, contacts: contacts.to_vec(), ..Default::default() };
-        let c = Coordination::of(&Observation::new(&assembly));
+        let c = Coordination::from_observation(&Observation::new(&assembly));
         assert!((c.all - 10.0 / 6.0).abs() < 1e-15);
         assert!((c.mechanical - 9.0 / 4.0).abs() < 1e-15, "grains 0 to 3 have 2, 2, 3 and 2 contacts");
         assert!((c.compressive - 8.0 / 6.0).abs() < 1e-15);

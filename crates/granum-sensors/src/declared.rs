@@ -22,7 +22,7 @@ pub struct DeclaredParameter {
 }
 
 /// The parameters of these sensors, each with true if it is recorded in every test, and with true if it comes with granum.
-pub(crate) fn of<'a>(
+pub(crate) fn declared_parameters<'a>(
     sensors: impl Iterator<Item = (&'a SensorDescription, bool, bool)>,
 ) -> Vec<DeclaredParameter> {
     let mut found: Vec<DeclaredParameter> = Vec::new();

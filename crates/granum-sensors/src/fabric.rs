@@ -127,7 +127,7 @@ mod tests {
     fn the_rose_gives_the_same_fabric() {
         let assembly = lattice::random_contacts(400, 7);
         let observation = Observation::new(&assembly);
-        let rose = crate::rose::Rose::of(&observation);
+        let rose = crate::rose::Rose::from_observation(&observation);
         let by_rose: f64 = (0..crate::rose::BINS)
             .map(|b| {
                 let (high, low) = (crate::rose::EDGE_COSINES[b], crate::rose::EDGE_COSINES[b + 1]);

@@ -41,7 +41,7 @@ impl Sensor for ForceChains {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let found = Chains::of(observation);
+        let found = Chains::from_observation(observation);
         let grains = observation.assembly.grains.len();
         let members: usize = found.chains.iter().map(Vec::len).sum();
         values.extend([
@@ -60,7 +60,7 @@ impl Sensor for ForceChains {
 /// use granum_core::Assembly;
 /// use granum_sensors::{Observation, force_chains::Chains};
 ///
-/// assert!(Chains::of(&Observation::new(&Assembly::default())).chains.is_empty());
+/// assert!(Chains::from_observation(&Observation::new(&Assembly::default())).chains.is_empty());
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chains {
@@ -72,7 +72,7 @@ pub struct Chains {
 
 impl Chains {
     /// Finds the chains.
-    pub fn of(observation: &Observation) -> Chains {
+    pub fn from_observation(observation: &Observation) -> Chains {
         let stresses = grain_stresses(observation);
         let major: Vec<(f64, Vector)> = stresses.iter().map(|stress| principal(stress)[0]).collect();
         let limit = mean(major.iter().map(|(stress, _)| stress).sum(), major.len());
@@ -191,7 +191,7 @@ pub(crate) mod tests {
         let places: Vec<Vector> =
             (0..10).map(|k| [2.0 * (k % 5) as f64, 2.0 * (k / 5) as f64, 0.0]).collect();
         let assembly = grains_at(&places, |i, j| if i < 5 && j < 5 { 10.0 } else { 0.5 });
-        let found = Chains::of(&Observation::new(&assembly));
+        let found = Chains::from_observation(&Observation::new(&assembly));
         assert_eq!(found, Chains { chains: vec![vec![0, 1, 2, 3, 4]], highly_stressed: 5 });
         assert_eq!(measured(&ForceChains, &assembly), [1.0, 0.5, 5.0, 5.0, 0.5]);
     }
@@ -213,7 +213,7 @@ pub(crate) mod tests {
                 [60.0; 3],
                 [70.0; 3],
             ];
-            Chains::of(&Observation::new(&grains_at(&places, |_, _| 1.0))).chains
+            Chains::from_observation(&Observation::new(&grains_at(&places, |_, _| 1.0))).chains
         };
         assert_eq!(bent(60.0), [vec![0, 1, 2, 3, 4]]);
         assert!(bent(100.0).iter().all(|chain| chain.len() < 5));
@@ -234,7 +234,7 @@ pub(crate) mod tests {
                 1.0
             };
         }
-        let found = Chains::of(&Observation::new(&assembly));
+        let found = Chains::from_observation(&Observation::new(&assembly));
         assert_eq!((found.chains.len(), found.highly_stressed), (8, 32));
         assert!(found.chains.iter().all(|chain| chain.len() == 4));
     }

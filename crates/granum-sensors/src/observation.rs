@@ -30,7 +30,7 @@ impl<'a> Observation<'a> {
     pub fn new(assembly: &'a Assembly) -> Self {
         let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
         let (mean_normal_force, volume) = (mean(sum, assembly.contacts.len()), assembly.volume());
-        let stress = Stress::of(assembly, mean_normal_force, volume);
+        let stress = Stress::from_assembly(assembly, mean_normal_force, volume);
         Observation { assembly, mean_normal_force, volume, stress, recording: &USUAL }
     }
 

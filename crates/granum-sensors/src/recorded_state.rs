@@ -34,7 +34,7 @@ pub struct RecordedState {
 
 impl RecordedState {
     /// A state from a record of one row.
-    pub(crate) fn of(record: Record) -> RecordedState {
+    pub(crate) fn from_record(record: Record) -> RecordedState {
         let value = |column: &Column| NamedValue {
             name: column.name.clone().into(),
             value: column.values.first().copied().unwrap_or(f64::NAN),

@@ -64,7 +64,7 @@ impl Sensor for RoseOfContacts {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let rose = Rose::of(observation);
+        let rose = Rose::from_observation(observation);
         values.extend((0..BINS).map(|b| rose.density(b)));
         values.extend(
             (0..BINS).map(|b| ratio(mean(rose.force_sums[b], rose.counts[b]), observation.mean_normal_force)),
@@ -83,7 +83,7 @@ pub struct Rose {
 
 impl Rose {
     /// Counts the contacts.
-    pub fn of(observation: &Observation) -> Self {
+    pub fn from_observation(observation: &Observation) -> Self {
         let mut rose = Rose::default();
         for contact in &observation.assembly.contacts {
             let cosine = contact.normal[0].abs();
@@ -129,7 +129,7 @@ mod tests {
     fn a_random_assembly_is_round_and_normalised() {
         let assembly = lattice::random_contacts(4000, 11);
         let observation = Observation::new(&assembly);
-        let rose = Rose::of(&observation);
+        let rose = Rose::from_observation(&observation);
         let total: f64 = (0..BINS).map(|b| rose.density(b) * (EDGE_COSINES[b] - EDGE_COSINES[b + 1])).sum();
         assert!((total - 1.0).abs() < 1e-12);
         for b in 2..BINS {

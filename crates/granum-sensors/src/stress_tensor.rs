@@ -24,7 +24,7 @@ impl Stress {
     /// Computes the stress; all zero for a cell without a volume. Users find it in [`Observation::stress`](crate::Observation::stress).
     ///
     /// The network is strong where the normal force exceeds `mean_normal_force`, N; `volume` is that of the cell, m3.
-    pub(crate) fn of(assembly: &Assembly, mean_normal_force: f64, volume: f64) -> Self {
+    pub(crate) fn from_assembly(assembly: &Assembly, mean_normal_force: f64, volume: f64) -> Self {
         let mut stress = Stress::default();
         if volume == 0.0 {
             return stress;

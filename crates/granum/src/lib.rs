@@ -4,7 +4,7 @@ pub mod prelude;
 
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
-    pub use granum_dem::contact::choice::registry::{Law, Laws, RegisterError};
+    pub use granum_dem::contact::choice::registry::{Law, LawError, Laws};
     pub use granum_dem::contact::{
         AdhesionLaw, AdhesionLosses, Attraction, EnergyChannel, EnergyFate, LawConstants, LawDescription,
         LawEnergies, LawParameter, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
@@ -21,8 +21,8 @@ pub mod gallery;
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{
-        Default, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, Paths, Preset, RegisterError, STATES, Values,
-        deviator, number, optional, stress, word,
+        INERTIAL_NUMBER, INTERVAL, PathError, PathParameter, PathParameterDefault, PathParameterKind,
+        PathValues, Paths, Preset, STATES, deviator, number, optional, stress, word,
     };
     pub use granum_dem::loading::{
         Constraint, Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Target, Turns, Until,

@@ -12,7 +12,7 @@ pub const BIAXIAL: Preset = Preset::new(
         let (free, fixed) = (Drive::Free, Drive::Fixed);
         let mean = Constraint::stresses([0.5, 0.5, 0.0, 0.0, 0.0, 0.0], Target::current());
         let control =
-            Control::of(values.speed(), [Drive::Rate(1.0), free, fixed, fixed, fixed, fixed]).with(mean);
+            Control::new(values.speed(), [Drive::Rate(1.0), free, fixed, fixed, fixed, fixed]).with(mean);
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
         let record = RecordedStates::equal(Measure::Strain(0), values.states(), end);
         let stage = Stage::new("biaxial compression", control, vec![until]).recording(record);

@@ -51,11 +51,11 @@ fn figure(curve: &LearningCurve) -> (Figure, String) {
 
 fn plot(curve: &LearningCurve, name: &str) -> Plot {
     let line = |value: &dyn Fn(&CurvePoint) -> Option<MeanError>| -> Vec<[f64; 2]> {
-        let points = curve.of(name);
+        let points = curve.points_of(name);
         points.filter_map(|p| Some([p.training_runs as f64, 100.0 * value(p)?.mean])).collect()
     };
     let band: Vec<[f64; 3]> = curve
-        .of(name)
+        .points_of(name)
         .map(|p| {
             let MeanError { mean, standard_error, .. } = p.network;
             [p.training_runs as f64, 100.0 * (mean - standard_error), 100.0 * (mean + standard_error)]
@@ -63,7 +63,7 @@ fn plot(curve: &LearningCurve, name: &str) -> Plot {
         .collect();
     let network = line(&|p| Some(p.network));
     let other = line(&|p| p.other_sensors);
-    let formula = curve.of(name).next().map_or(String::new(), |point| symbols::markup(&point.formula));
+    let formula = curve.points_of(name).next().map_or(String::new(), |point| symbols::markup(&point.formula));
     let x = Axis::new("Training runs").logarithmic();
     let y = Axis::new(&format!("{formula}, error (%)"));
     Plot::new(x, y)

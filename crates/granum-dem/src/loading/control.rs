@@ -199,7 +199,7 @@ impl Default for Control {
 
 impl Control {
     /// The control of a stage whose components have these drives.
-    pub fn of(speed: Speed, components: [Drive; 6]) -> Control {
+    pub fn new(speed: Speed, components: [Drive; 6]) -> Control {
         Control { speed, components, ..Control::default() }
     }
 
@@ -322,7 +322,7 @@ impl Control {
     /// use granum_dem::loading::{Control, Drive, Speed, Target};
     ///
     /// let (held, fixed) = (Drive::Stress(Target::current()), Drive::Fixed);
-    /// let control = Control::of(Speed::StrainRate(5.0), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
+    /// let control = Control::new(Speed::StrainRate(5.0), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
     /// let cell = control.per_speed(1e8)?;
     /// assert_eq!(cell.rate[0][0], 1.0);
     /// assert!(cell.rows().all(|row| row.target.is_nan() && row.stress[1] == 1.0));

@@ -19,14 +19,14 @@ fn constant_mean_stress_is_a_case_of_the_law() {
     let speed = Speed::StrainRate(10.0);
     let fixed = Drive::Fixed;
     let rates = [Drive::Rate(1.0), Drive::Rate(-0.5), Drive::Rate(-0.5), fixed, fixed, fixed];
-    let moving = Control { response: servo::RESPONSE, ..Control::of(speed, rates) }
+    let moving = Control { response: servo::RESPONSE, ..Control::new(speed, rates) }
         .with(Constraint::mean_stress(held(2e4)).moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
     let paper = servo::CellControl::constant_mean_stress(0, 10.0, 2e4, 300.0);
     assert_eq!(solved(&moving), paper);
     // From the equations alone: the lateral strain rates are equal, and p is controlled through them.
     let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, fixed, fixed, fixed];
     let found = solved(
-        &Control::of(speed, free)
+        &Control::new(speed, free)
             .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
             .with(Constraint::mean_stress(held(2e4))),
     );
@@ -43,7 +43,7 @@ fn constant_mean_stress_is_a_case_of_the_law() {
 fn two_constraints_are_held_on_an_elastic_solid() {
     let b = 0.5;
     let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
-    let control = Control::of(Speed::StrainRate(10.0), free)
+    let control = Control::new(Speed::StrainRate(10.0), free)
         .with(Constraint::stresses(MEAN, held(2e4)))
         .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], held(0.0)));
     let drive = solved(&control);
@@ -68,7 +68,7 @@ fn a_moving_target_is_not_lagged_behind() {
     let stress = Drive::Stress(target);
     let fixed = Drive::Fixed;
     for softness in [1.0, 0.2] {
-        let control = Control::of(
+        let control = Control::new(
             Speed::StrainRate(10.0),
             [stress, Drive::Stress(held(2e4)), Drive::Stress(held(2e4)), fixed, fixed, fixed],
         );
@@ -117,7 +117,7 @@ fn follow(drive: &servo::CellControl, stiff: impl Fn(usize, usize) -> f64, steps
 #[test]
 fn equations_that_do_not_determine_the_rates_are_named() {
     let free = [Drive::Free, Drive::Free, Drive::Rate(1.0), Drive::Fixed, Drive::Fixed, Drive::Fixed];
-    let few = Control::of(Speed::StrainRate(1.0), free).with(Constraint::mean_stress(held(1e4)));
+    let few = Control::new(Speed::StrainRate(1.0), free).with(Constraint::mean_stress(held(1e4)));
     let text = few.check().unwrap_err().to_string();
     assert!(text.contains("5 equations") && text.contains("constraint 1"), "{text}");
     let twice = few.with(Constraint::stresses([2.0, 2.0, 2.0, 0.0, 0.0, 0.0], held(3e4)));
@@ -134,7 +134,7 @@ fn stresses_and_strains_can_stand_in_one_constraint() {
     let fluid = 2e8;
     let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
     let third = 1.0 / 3.0;
-    let control = Control::of(Speed::StrainRate(10.0), free)
+    let control = Control::new(Speed::StrainRate(10.0), free)
         .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
         .with(Constraint {
             strain: [fluid, fluid, fluid, 0.0, 0.0, 0.0],

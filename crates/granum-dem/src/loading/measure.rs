@@ -22,7 +22,7 @@ pub struct MacroState {
 impl MacroState {
     /// The state of an assembly, with the stress computed from all its contacts and from pairs that attract each other without
     /// touching.
-    pub fn of(assembly: &Assembly) -> MacroState {
+    pub fn from_assembly(assembly: &Assembly) -> MacroState {
         let mut stress = [[0.0; 3]; 3];
         for contact in assembly.contacts.iter().chain(&assembly.apart) {
             let force = contact.force();
@@ -139,7 +139,7 @@ impl Measure {
     }
 
     /// Its value.
-    pub fn of(self, macro_state: &MacroState) -> f64 {
+    pub fn value(self, macro_state: &MacroState) -> f64 {
         match self {
             Measure::ArcLength => macro_state.arc_length,
             Measure::Time => macro_state.time,
@@ -175,7 +175,7 @@ pub struct Event {
 impl Event {
     /// True if the value has been reached or passed.
     pub fn has_come(&self, macro_state: &MacroState) -> bool {
-        let here = self.measure.of(macro_state) - self.origin;
+        let here = self.measure.value(macro_state) - self.origin;
         if self.rising { here >= self.value } else { here <= self.value }
     }
 }

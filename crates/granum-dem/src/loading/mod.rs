@@ -41,7 +41,7 @@ const START_UP: f64 = 1.0 / 300.0;
 /// // Drained triaxial compression to an axial strain of 0.1.
 /// let (held, fixed) = (Drive::Stress(Target::current()), Drive::Fixed);
 /// let speed = Speed::InertialNumber { number: 1e-3, at: None };
-/// let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
+/// let control = Control::new(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
 /// let end = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
 /// let stage = Stage::new("shear", control, vec![end]);
 /// assert!(stage.control.check().is_ok() && !stage.resets);
@@ -121,7 +121,7 @@ impl Stage {
     /// ```
     /// use granum_dem::loading::{Control, Drive, Measure, Speed, Stage, Until};
     ///
-    /// let control = Control::of(Speed::StrainRate(1.0), [Drive::Rate(1.0); 6]);
+    /// let control = Control::new(Speed::StrainRate(1.0), [Drive::Rate(1.0); 6]);
     /// let end = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
     /// let stage = Stage::new("strain", control, vec![end]).with(|stage| stage.resets = true);
     /// assert!(stage.resets);
@@ -176,8 +176,8 @@ impl Stage {
     pub fn fraction(&self, stage_progress: &StageProgress, simulation: &Simulation) -> Option<f64> {
         self.until.iter().find_map(|until| {
             let Until::Reaches { measure, value } = *until else { return None };
-            let start = measure.of(&stage_progress.start);
-            let here = measure.of(&simulation.state().macro_state());
+            let start = measure.value(&stage_progress.start);
+            let here = measure.value(&simulation.state().macro_state());
             let way = value + stage_progress.origin(measure) - start;
             (way != 0.0).then(|| ((here - start) / way).clamp(0.0, 1.0))
         })
@@ -210,7 +210,7 @@ pub struct StageEnd {
 
 impl StageEnd {
     /// The record of a stage that has just ended.
-    pub fn of(
+    pub fn new(
         stage: &Stage,
         stage_progress: &StageProgress,
         reason: Reason,
@@ -268,7 +268,7 @@ pub fn follow(
     let mut between = !since.is_multiple_of(STRIDE) && !slices::has_come(&events, simulation);
     loop {
         if !std::mem::take(&mut between) {
-            let here = measure.of(&simulation.state().macro_state()) - origin;
+            let here = measure.value(&simulation.state().macro_state()) - origin;
             while observer.next_observation() <= here {
                 let due = observer.next_observation();
                 observer.observe(simulation);

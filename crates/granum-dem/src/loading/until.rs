@@ -201,7 +201,7 @@ impl StageProgress {
 
     /// The value from which a measure is counted.
     pub fn origin(&self, measure: Measure) -> f64 {
-        if measure.counts_from_stage() { measure.of(&self.start) } else { 0.0 }
+        if measure.counts_from_stage() { measure.value(&self.start) } else { 0.0 }
     }
 
     /// Checks the end conditions on a state and updates their run state; returns the reason if one is met.
@@ -271,13 +271,13 @@ impl StageProgress {
 
     /// The events that a measure has changed by `value` since the last reversal, in either direction.
     fn span(&self, measure: Measure, value: f64) -> Option<[Event; 2]> {
-        let origin = measure.of(self.turned.as_ref()?);
+        let origin = measure.value(self.turned.as_ref()?);
         Some([(value, true), (-value, false)].map(|(value, rising)| Event { measure, origin, value, rising }))
     }
 
     fn event(&self, measure: Measure, value: f64) -> Event {
         let origin = self.origin(measure);
-        Event { measure, origin, value, rising: value >= measure.of(&self.start) - origin }
+        Event { measure, origin, value, rising: value >= measure.value(&self.start) - origin }
     }
 
     fn rests(&mut self, unbalanced_force: f64, state: &State) -> bool {
@@ -301,7 +301,8 @@ impl StageProgress {
             return;
         }
         self.marked += 1;
-        self.history.push_back([Measure::StressRatio, Measure::VolumetricStrain].map(|m| m.of(macro_state)));
+        self.history
+            .push_back([Measure::StressRatio, Measure::VolumetricStrain].map(|m| m.value(macro_state)));
         if self.history.len() > PARTS + 1 {
             self.history.pop_front();
         }

@@ -39,8 +39,8 @@ pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, closer, repeats};
 pub use self::progress::{Sample, Trial};
 pub use self::specification::SampleSpecification;
+use self::state::PhaseState;
 pub use self::state::PreparationState;
-use self::state::Stage;
 use crate::cell::Cell;
 use crate::config::Preparation;
 use crate::initial_sphere::InitialSphere;
@@ -88,7 +88,7 @@ pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
 }
 
 /// Result of [`Preparing::go_on`].
-pub enum Outcome {
+pub enum PreparationOutcome {
     /// The finished sample.
     Sample(Box<Sample>),
     /// The initial packing is needed again, for the next trial ([`Preparing::compacting`]).
@@ -127,10 +127,10 @@ fn complete(
     observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
     match preparing.go_on(specification, observer)? {
-        Outcome::Sample(sample) => Ok(*sample),
-        Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.progress.phase() }),
+        PreparationOutcome::Sample(sample) => Ok(*sample),
+        PreparationOutcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.progress.phase() }),
         // Only the compaction of a packing requires its initial state again, and no caller of this function starts one.
-        Outcome::Again(_) => Err(PreparationError::Stopped { phase: Phase::Compaction }),
+        PreparationOutcome::Again(_) => Err(PreparationError::Stopped { phase: Phase::Compaction }),
     }
 }
 
@@ -157,20 +157,24 @@ impl Preparing {
 
     /// The start of the relaxation of a packing, see [`settle`].
     pub fn settling(simulation: Simulation, specification: &SampleSpecification) -> Preparing {
-        Preparing::resting(simulation, specification, Stage::Relaxation)
+        Preparing::resting(simulation, specification, PhaseState::Relaxation)
     }
 
     /// The start of the consolidation of a sample to the mean stress of the specification, which differs from its own. At the end
     /// the sample is at rest there, as after [`settle`], or the limit of steps was reached.
     pub fn consolidating(simulation: Simulation, specification: &SampleSpecification) -> Preparing {
-        let mut preparing = Preparing::resting(simulation, specification, Stage::Relaxation);
+        let mut preparing = Preparing::resting(simulation, specification, PhaseState::Relaxation);
         let (s, p) = (&preparing.simulation, &specification.preparation);
         let limit = most_steps(s, s.strain_rate(p.inertial_number, p.mean_stress));
-        preparing.progress.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
+        preparing.progress.stage = PhaseState::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
         preparing
     }
 
-    fn resting(mut simulation: Simulation, specification: &SampleSpecification, stage: Stage) -> Preparing {
+    fn resting(
+        mut simulation: Simulation,
+        specification: &SampleSpecification,
+        stage: PhaseState,
+    ) -> Preparing {
         let p = &specification.preparation;
         let s = &mut simulation;
         s.set_time_step_factor(specification.time_step_factor);
@@ -200,7 +204,7 @@ impl Preparing {
         let loaded = simulation.state().mean_stress() > LOADED * next.procedure.mean_stress;
         let mut preparing = Preparing::compaction(simulation, specification, next, diameter);
         preparing.progress.packing = true;
-        if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.progress.stage) {
+        if let (true, PhaseState::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.progress.stage) {
             *loaded = true;
             preparing.simulation.set_rate_limit(*slow);
         }
@@ -232,7 +236,7 @@ impl Preparing {
         damp_globally(&mut s, specification);
         let slow = s.strain_rate(p.inertial_number, procedure.mean_stress);
         s.set_control(CellControl::isotropic(procedure.mean_stress, LOOSE_COMPRESSION * slow));
-        let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
+        let stage = PhaseState::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
         let progress = PreparationState {
             trials,
             steps,
@@ -255,13 +259,13 @@ impl Preparing {
         mut self,
         specification: &SampleSpecification,
         observer: &mut dyn Observer,
-    ) -> Result<Outcome, PreparationError> {
+    ) -> Result<PreparationOutcome, PreparationError> {
         self.simulation.set_hardware(specification.hardware);
         loop {
-            if matches!(self.progress.stage, Stage::Loading { .. }) {
+            if matches!(self.progress.stage, PhaseState::Loading { .. }) {
                 match self.follow_stage(specification, observer)? {
                     Flow::Continue => continue,
-                    Flow::Stop => return Ok(Outcome::Stopped(Box::new(self))),
+                    Flow::Stop => return Ok(PreparationOutcome::Stopped(Box::new(self))),
                 }
             }
             let settled = match self.rested() {
@@ -269,19 +273,21 @@ impl Preparing {
                 Some(settled) => Some(settled),
                 None => match self.advance_to_check(observer)? {
                     Flow::Continue => self.check(specification)?,
-                    Flow::Stop => return Ok(Outcome::Stopped(Box::new(self))),
+                    Flow::Stop => return Ok(PreparationOutcome::Stopped(Box::new(self))),
                 },
             };
             let Some(settled) = settled else { continue };
             let (trials, next) = self.end_trial(specification);
             let Some(next) = next else {
-                return Ok(Outcome::Sample(Box::new(self.sample(specification, trials, settled))));
+                return Ok(PreparationOutcome::Sample(Box::new(self.sample(specification, trials, settled))));
             };
             if self.progress.packing {
-                return Ok(Outcome::Again(next));
+                return Ok(PreparationOutcome::Again(next));
             }
             let placed = match place(specification, observer) {
-                Err(PreparationError::Stopped { .. }) => return Ok(Outcome::Stopped(Box::new(self))),
+                Err(PreparationError::Stopped { .. }) => {
+                    return Ok(PreparationOutcome::Stopped(Box::new(self)));
+                }
                 placed => placed?,
             };
             // Memory may not hold two large simulations.
@@ -300,17 +306,17 @@ impl Preparing {
         }
         let Preparing { simulation, progress } = self;
         let left = CHECK_EVERY - since;
-        slices::advance(simulation, &[], left, observer, |simulation| progress.of(simulation))
+        slices::advance(simulation, &[], left, observer, |simulation| progress.progress(simulation))
     }
 
     /// Checks the present phase, and begins the next one if it is over; for a sample that is complete, whether it has come to rest.
     fn check(&mut self, specification: &SampleSpecification) -> Result<Option<bool>, PreparationError> {
         self.check_overlap(specification)?;
         match self.progress.stage {
-            Stage::Compaction { .. } => self.check_compaction(specification)?,
+            PhaseState::Compaction { .. } => self.check_compaction(specification)?,
             // Executed by itself.
-            Stage::Loading { .. } => {}
-            Stage::Relaxation | Stage::Consolidation { .. } => {
+            PhaseState::Loading { .. } => {}
+            PhaseState::Relaxation | PhaseState::Consolidation { .. } => {
                 return Ok(self.check_relaxation(&specification.preparation));
             }
         }
@@ -328,7 +334,7 @@ impl Preparing {
     }
 
     fn progress(&self) -> Progress<'_> {
-        self.progress.of(&self.simulation)
+        self.progress.progress(&self.simulation)
     }
 
     /// Reduces the rate once load is carried; starts the stages or the relaxation once the stress is reached and steady.
@@ -336,7 +342,7 @@ impl Preparing {
         let p = &specification.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
         let Some(procedure) = progress.procedure else { return Ok(()) };
-        let Stage::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
+        let PhaseState::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
         let ratio = s.state().mean_stress() / procedure.mean_stress;
         if !*loaded && ratio > LOADED {
             *loaded = true;
@@ -374,7 +380,7 @@ impl Preparing {
             damp_globally(s, specification);
         }
         begin_relaxation(s, &specification.preparation);
-        progress.stage = Stage::Relaxation;
+        progress.stage = PhaseState::Relaxation;
         Ok(())
     }
 
@@ -390,9 +396,9 @@ impl Preparing {
     /// Whether the checks so far found the sample at rest; `None` as long as this is not decided.
     fn rested(&self) -> Option<bool> {
         let limit = match self.progress.stage {
-            Stage::Relaxation => MOST_RELAXATION_STEPS,
-            Stage::Consolidation { limit } => limit,
-            Stage::Compaction { .. } | Stage::Loading { .. } => return None,
+            PhaseState::Relaxation => MOST_RELAXATION_STEPS,
+            PhaseState::Consolidation { limit } => limit,
+            PhaseState::Compaction { .. } | PhaseState::Loading { .. } => return None,
         };
         if self.progress.converged_checks >= CHECKS_TO_CONVERGE {
             return Some(true);

@@ -44,12 +44,12 @@ impl SampleSpecification {
     ///
     /// ```
     /// use granum_dem::config::{ContactModel, Grains, Preparation};
-    /// use granum_dem::loading::preset::{self, Given, Value};
+    /// use granum_dem::loading::preset::{self, Given, PathValue};
     /// use granum_dem::preparation::SampleSpecification;
     ///
     /// let (grains, contact, preparation) = (Grains::default(), ContactModel::default(), Preparation::default());
     /// // The sample is consolidated in an oedometer, and the relaxation unloads it to the mean stress of the preparation.
-    /// let stress = Given::from([("axial_stress".to_string(), Value::Number(200e3))]);
+    /// let stress = Given::from([("axial_stress".to_string(), PathValue::Number(200e3))]);
     /// let stages = preset::named("oedometer").map_or_else(Vec::new, |path| path.expand(&stress));
     /// let specification = SampleSpecification::new(&grains, &contact, &preparation).with_stages(stages);
     /// assert_eq!(specification.stages.len(), 1);

@@ -5,7 +5,7 @@ use super::*;
 use crate::config::{Grains, NormalKind, TangentialKind};
 use crate::contact::choice::contact_model::ContactModel;
 use crate::loading;
-use crate::loading::preset::{self, Given, Value};
+use crate::loading::preset::{self, Given, PathValue};
 use crate::loading::{
     Constraint, Control, Drive, Measure, Reason, RecordedStates, Speed, Start, Target, Turns, Until,
 };
@@ -17,7 +17,7 @@ fn contact() -> ContactModel {
 }
 
 fn path(name: &str, numbers: &[(&str, f64)]) -> Vec<loading::Stage> {
-    let given: Given = numbers.iter().map(|(key, x)| (key.to_string(), Value::Number(*x))).collect();
+    let given: Given = numbers.iter().map(|(key, x)| (key.to_string(), PathValue::Number(*x))).collect();
     preset::named(name).unwrap().expand(&given)
 }
 
@@ -33,7 +33,7 @@ fn oedometer(loading: f64, unloading: f64) -> Vec<loading::Stage> {
 fn cyclic(amplitude: f64, reversals: u64) -> loading::Stage {
     let (held, fixed) = (Drive::Stress(Target::current()), Drive::Fixed);
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
-    let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
+    let control = Control::new(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
     loading::Stage::new("cyclic", control, vec![Until::Reversals(reversals)]).with(|stage| {
         stage.turns = Some(Turns { measure: Measure::Strain(0), high: amplitude, low: -amplitude });
     })
@@ -97,7 +97,7 @@ fn consolidation_in_an_oedometer_leaves_a_denser_sample_at_an_isotropic_stress()
     let mut named = false;
     let sample = prepare(&consolidated, &mut |progress: &Progress| {
         if progress.phase == Phase::PreparationStage {
-            ratios.push(Measure::StressRatio.of(&progress.simulation.state().macro_state()));
+            ratios.push(Measure::StressRatio.value(&progress.simulation.state().macro_state()));
             named |= progress.stage == Some("loading") && progress.steps > progress.simulation.state().step();
             assert_eq!(progress.simulation.properties().material.friction, 0.3);
         }

@@ -5,7 +5,7 @@
 //! with the properties of the compaction and with the global damping of the preparation. Nothing is recorded.
 
 use super::{
-    PreparationError, PreparationState, Preparing, Procedure, SampleSpecification, Stage, StageFault,
+    PhaseState, PreparationError, PreparationState, Preparing, Procedure, SampleSpecification, StageFault,
     damp_globally,
 };
 use crate::config::Preparation;
@@ -24,7 +24,7 @@ fn cycles(p: &Preparation, procedure: Procedure) -> Option<loading::Stage> {
     let speed = Speed::InertialNumber { number: p.inertial_number, at: Some(procedure.mean_stress) };
     let (lateral, fixed) = (Drive::Rate(-0.5), Drive::Fixed);
     let mean_stress = Constraint::mean_stress(Target::held(procedure.mean_stress));
-    let control = Control::of(speed, [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed])
+    let control = Control::new(speed, [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed])
         .with(mean_stress.moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
     let ends = vec![Until::Reversals(procedure.cycles.saturating_mul(2))];
     Some(loading::Stage::new("cycles", control, ends).with(|stage| {
@@ -97,7 +97,7 @@ impl Preparing {
             s.set_properties(properties)?;
         }
         match loading::begin(&stage, s) {
-            Ok(begun) => progress.stage = Stage::Loading { index, progress: Box::new(begun) },
+            Ok(begun) => progress.stage = PhaseState::Loading { index, progress: Box::new(begun) },
             Err(error) => return Err(progress.fault(specification, index, stage, error.into())),
         }
         damp_globally(s, specification);
@@ -110,7 +110,7 @@ impl Preparing {
         specification: &SampleSpecification,
         observer: &mut dyn Observer,
     ) -> Result<Flow, PreparationError> {
-        let Stage::Loading { index, .. } = self.progress.stage else { return Ok(Flow::Continue) };
+        let PhaseState::Loading { index, .. } = self.progress.stage else { return Ok(Flow::Continue) };
         let Some(stage) = self.progress.stage_at(specification, index) else {
             self.relax(specification, true)?;
             return Ok(Flow::Continue);
@@ -124,7 +124,9 @@ impl Preparing {
             stage: (phase == Phase::PreparationStage).then_some(stage.name.as_str()),
             observer,
         };
-        let Stage::Loading { progress, .. } = &mut self.progress.stage else { return Ok(Flow::Continue) };
+        let PhaseState::Loading { progress, .. } = &mut self.progress.stage else {
+            return Ok(Flow::Continue);
+        };
         match loading::follow(&stage, progress, &mut self.simulation, &mut observer)? {
             Ending::Stopped => return Ok(Flow::Stop),
             Ending::Complete(reason) if !reason.is_asked_for() => {

@@ -22,7 +22,7 @@ pub struct PreparationState {
     pub(super) procedure: Option<Procedure>,
     /// Its position in the search.
     pub(super) position: f64,
-    pub(super) stage: Stage,
+    pub(super) stage: PhaseState,
     /// Number of checks in a row that found the goal of the phase reached.
     pub(super) converged_checks: u32,
     /// True if it started from a packing instead of random insertion.
@@ -33,7 +33,7 @@ pub struct PreparationState {
 /// A phase, with its run state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub(super) enum Stage {
+pub(super) enum PhaseState {
     /// Isotropic compression.
     Compaction {
         /// Rate limit once load is carried, 1/s.
@@ -63,10 +63,10 @@ impl PreparationState {
     /// The phase.
     pub fn phase(&self) -> Phase {
         match self.stage {
-            Stage::Compaction { .. } => Phase::Compaction,
-            Stage::Relaxation => Phase::Relaxation,
-            Stage::Consolidation { .. } => Phase::Consolidation,
-            Stage::Loading { index, .. } => self.phase_of_stage(index),
+            PhaseState::Compaction { .. } => Phase::Compaction,
+            PhaseState::Relaxation => Phase::Relaxation,
+            PhaseState::Consolidation { .. } => Phase::Consolidation,
+            PhaseState::Loading { index, .. } => self.phase_of_stage(index),
         }
     }
 
@@ -86,7 +86,7 @@ impl PreparationState {
     }
 
     /// The progress as observers see it.
-    pub(super) fn of<'a>(&self, simulation: &'a Simulation) -> Progress<'a> {
+    pub(super) fn progress<'a>(&self, simulation: &'a Simulation) -> Progress<'a> {
         let state = simulation.state();
         let steps = self.steps.saturating_add(state.step());
         let time = self.time + state.time();

@@ -46,9 +46,11 @@ pub(super) fn in_pieces(
             if left == 0 { Flow::Stop } else { Flow::Continue }
         };
         match preparing.go_on(specification, &mut observer).unwrap() {
-            Outcome::Sample(sample) => return (*sample, stops, seen),
-            Outcome::Stopped(at) => preparing = *at,
-            Outcome::Again(next) => panic!("an initial state or a sample needs no packing: {next:?}"),
+            PreparationOutcome::Sample(sample) => return (*sample, stops, seen),
+            PreparationOutcome::Stopped(at) => preparing = *at,
+            PreparationOutcome::Again(next) => {
+                panic!("an initial state or a sample needs no packing: {next:?}")
+            }
         }
         stops += 1;
     }
@@ -123,9 +125,9 @@ fn a_preparation_that_is_stopped_between_its_checks_makes_the_same_sample() {
     let sample = loop {
         preparing = written_and_read(&preparing);
         match preparing.go_on(&specification, &mut observer).unwrap() {
-            Outcome::Sample(sample) => break *sample,
-            Outcome::Stopped(at) => preparing = *at,
-            Outcome::Again(next) => panic!("an initial state needs no packing: {next:?}"),
+            PreparationOutcome::Sample(sample) => break *sample,
+            PreparationOutcome::Stopped(at) => preparing = *at,
+            PreparationOutcome::Again(next) => panic!("an initial state needs no packing: {next:?}"),
         }
         stops += 1;
     };
@@ -182,9 +184,9 @@ fn compacted(
         assert!(is_loose(&simulation, &specification.preparation));
         let preparing = Preparing::compacting(simulation, specification, next);
         match preparing.go_on(specification, &mut |_: &Progress| Flow::Continue).unwrap() {
-            Outcome::Sample(sample) => return *sample,
-            Outcome::Again(again) => next = again,
-            Outcome::Stopped(_) => panic!("nobody stopped it"),
+            PreparationOutcome::Sample(sample) => return *sample,
+            PreparationOutcome::Again(again) => next = again,
+            PreparationOutcome::Stopped(_) => panic!("nobody stopped it"),
         }
     }
 }
@@ -221,7 +223,7 @@ fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
         let specification = SampleSpecification::new(&grains, &contact, &other);
         let start = || Preparing::consolidating(sample.clone(), &specification);
         assert_eq!(start().progress.phase(), Phase::Consolidation);
-        let Outcome::Sample(straight) =
+        let PreparationOutcome::Sample(straight) =
             start().go_on(&specification, &mut |_: &Progress| Flow::Continue).unwrap()
         else {
             panic!("nobody stopped it")

@@ -2,7 +2,7 @@
 
 use libm::{cbrt, log};
 
-use super::{Description, Grains, SizeDistribution, SizeError, Sizes};
+use super::{Grains, SizeDescription, SizeDistribution, SizeError, Sizes};
 
 /// Points (diameter, share of the mass that is finer). Between two points the mass is uniform in the logarithm of the diameter, as
 /// on the paper on which such curves are drawn. An interval from a to b with the mass share w has a number of grains proportional
@@ -80,8 +80,8 @@ pub fn check_curve(curve: &[[f64; 2]]) -> Result<(), (Option<usize>, String)> {
 }
 
 impl SizeDistribution for SieveCurve {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "sieve-curve",
             help: "the sieve curve of sieve_curve, by mass",
             parameters: &[],

@@ -1,13 +1,13 @@
 //! Equal grains.
 
-use super::{Description, Grains, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution};
 
 /// All grains have the diameter of the case.
 pub struct Equal;
 
 impl SizeDistribution for Equal {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "equal",
             help: "all grains have the same diameter",
             parameters: &[],

@@ -2,13 +2,13 @@
 
 use libm::pow;
 
-use super::{Description, Grains, Parameter, SizeDistribution, SizeError};
+use super::{Grains, SizeDescription, SizeDistribution, SizeError, SizeParameter};
 
 /// Number of grains larger than x proportional to `x^-D` between the cuts a and b:
 /// `F(x) = (a^-D - x^-D) / (a^-D - b^-D)`. With D = 3 each interval of ln x has the same mass.
 pub struct Fractal;
 
-const DIMENSION: Parameter = Parameter {
+const DIMENSION: SizeParameter = SizeParameter {
     key: "fractal_dimension",
     default: 2.5,
     bounds: [0.1, 4.0],
@@ -23,8 +23,8 @@ fn powers(grains: &Grains) -> Option<[f64; 3]> {
 }
 
 impl SizeDistribution for Fractal {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "fractal",
             help: "number of larger grains by a power of the diameter, fractal_dimension, between smallest and largest",
             parameters: &[DIMENSION],

@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::{Description, LARGEST_RATIO, SizeDistribution, SizeError, SizeKind, Sizes};
+use super::{LARGEST_RATIO, SizeDescription, SizeDistribution, SizeError, SizeKind, Sizes};
 use crate::material::Material;
 use crate::mixture::Mixture;
 
@@ -70,7 +70,7 @@ impl Grains {
     pub fn check_sizes(&self) -> Result<(), SizeError> {
         let sizes = &self.sizes;
         let distribution = sizes.distribution.distribution();
-        let Description { name, parameters, can_be_cut, .. } = *distribution.description();
+        let SizeDescription { name, parameters, can_be_cut, .. } = *distribution.description();
         for (key, value) in &sizes.values {
             let known = super::parameters().into_iter().find(|known| known.key == key);
             let Some(known) = known else {

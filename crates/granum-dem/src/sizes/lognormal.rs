@@ -3,7 +3,7 @@
 use libm::{exp, log, sqrt};
 
 use super::normal::{DEVIATION, normal_quantile, normal_share};
-use super::{Description, Grains, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution};
 
 /// `ln x` is normal with the variance `s² = ln(1 + c²)` and the mean `ln d - s²/2`, so that the diameters have the mean d and the
 /// relative deviation c.
@@ -17,8 +17,8 @@ fn logarithm(grains: &Grains) -> [f64; 2] {
 }
 
 impl SizeDistribution for Lognormal {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "lognormal",
             help: "lognormal distribution by number, with the relative deviation size_deviation",
             parameters: &[DEVIATION],

@@ -43,7 +43,7 @@ pub const LARGEST_RATIO: f64 = 50.0;
 
 /// A parameter of a distribution, a pure number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
+pub struct SizeParameter {
     /// Key in the section `[grains]` of a case file.
     pub key: &'static str,
     /// Default value.
@@ -56,13 +56,13 @@ pub struct Parameter {
 
 /// Description of a distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Description {
+pub struct SizeDescription {
     /// Name in case files, e.g. `lognormal`.
     pub name: &'static str,
     /// What it is, in a few words.
     pub help: &'static str,
     /// Its parameters.
-    pub parameters: &'static [Parameter],
+    pub parameters: &'static [SizeParameter],
     /// True if `grains.diameter` is its mean (before a cut); otherwise the cuts or the curve decide.
     pub has_mean: bool,
     /// True if it can be cut at a smallest and a largest diameter.
@@ -89,7 +89,7 @@ impl SizeError {
 /// A size distribution.
 pub trait SizeDistribution: Sync {
     /// Its name, meaning and parameters.
-    fn description(&self) -> &'static Description;
+    fn description(&self) -> &'static SizeDescription;
 
     /// Share of the grains, by number, whose diameter is below `diameter`, m, before any cut.
     fn share_below(&self, grains: &Grains, diameter: f64) -> f64;
@@ -168,8 +168,8 @@ impl SizeKind {
 }
 
 /// The parameters of all distributions, each key once.
-pub fn parameters() -> Vec<&'static Parameter> {
-    let mut all: Vec<&'static Parameter> = Vec::new();
+pub fn parameters() -> Vec<&'static SizeParameter> {
+    let mut all: Vec<&'static SizeParameter> = Vec::new();
     for parameter in ALL.iter().flat_map(|kind| kind.0.description().parameters) {
         if all.iter().all(|known| known.key != parameter.key) {
             all.push(parameter);
@@ -275,7 +275,7 @@ impl Sizes {
     }
 
     /// The value of a parameter.
-    pub fn value(&self, parameter: &Parameter) -> f64 {
+    pub fn value(&self, parameter: &SizeParameter) -> f64 {
         self.values.get(parameter.key).copied().unwrap_or(parameter.default)
     }
 }

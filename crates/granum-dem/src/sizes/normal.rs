@@ -2,13 +2,13 @@
 
 use libm::{erfc, sqrt};
 
-use super::{Description, Grains, Parameter, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution, SizeParameter};
 
 /// Diameters `d (1 + c z)` with z of the standard normal distribution and the relative deviation c.
 pub struct Normal;
 
 /// Standard deviation over mean, of the normal and the lognormal distribution.
-pub(super) const DEVIATION: Parameter = Parameter {
+pub(super) const DEVIATION: SizeParameter = SizeParameter {
     key: "size_deviation",
     default: 0.2,
     bounds: [0.001, 2.0],
@@ -31,8 +31,8 @@ pub(super) fn normal_quantile(share: f64) -> f64 {
 }
 
 impl SizeDistribution for Normal {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "normal",
             help: "normal distribution by number, with the relative deviation size_deviation",
             parameters: &[DEVIATION],

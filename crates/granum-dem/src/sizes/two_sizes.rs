@@ -1,18 +1,18 @@
 //! Grains of two sizes.
 
-use super::{Description, Grains, Parameter, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution, SizeParameter};
 
 /// Coarse and fine grains. With the ratio r of their diameters and the share w of the fine grains by mass, the fine grains are the
 /// share `n = w r³ / (w r³ + 1 - w)` by number, and the mean diameter d gives the diameter `d / (n + (1 - n) r)` of the fine ones.
 pub struct TwoSizes;
 
-const RATIO: Parameter = Parameter {
+const RATIO: SizeParameter = SizeParameter {
     key: "size_ratio",
     default: 2.0,
     bounds: [1.0, 50.0],
     meaning: "Diameter of the coarse grains over that of the fine grains.",
 };
-const FINE_SHARE: Parameter = Parameter {
+const FINE_SHARE: SizeParameter = SizeParameter {
     key: "fine_share",
     default: 0.3,
     bounds: [0.0, 1.0],
@@ -29,8 +29,8 @@ fn content(grains: &Grains) -> (f64, [f64; 2]) {
 }
 
 impl SizeDistribution for TwoSizes {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "two-sizes",
             help: "fine and coarse grains, with size_ratio and fine_share",
             parameters: &[RATIO, FINE_SHARE],

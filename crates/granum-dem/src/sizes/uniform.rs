@@ -2,15 +2,15 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use super::{Description, Grains, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution};
 use crate::random::unit;
 
 /// Uniform by number, `F(x) = (x - d (1 - s)) / (2 d s)` with the spread s; each radius is a random number of the seed.
 pub struct Uniform;
 
 impl SizeDistribution for Uniform {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "uniform",
             help: "radii drawn uniformly around the mean, as wide as spread says; equal grains with spread = 0",
             parameters: &[],

@@ -2,12 +2,12 @@
 
 use libm::{exp, log1p, pow, tgamma};
 
-use super::{Description, Grains, Parameter, SizeDistribution};
+use super::{Grains, SizeDescription, SizeDistribution, SizeParameter};
 
 /// `F(x) = 1 - exp(-(x/l)^m)` with the modulus m; the scale `l = d / Gamma(1 + 1/m)` gives the mean d.
 pub struct Weibull;
 
-const MODULUS: Parameter = Parameter {
+const MODULUS: SizeParameter = SizeParameter {
     key: "size_modulus",
     default: 3.0,
     bounds: [0.5, 100.0],
@@ -21,8 +21,8 @@ fn parameters(grains: &Grains) -> [f64; 2] {
 }
 
 impl SizeDistribution for Weibull {
-    fn description(&self) -> &'static Description {
-        &Description {
+    fn description(&self) -> &'static SizeDescription {
+        &SizeDescription {
             name: "weibull",
             help: "Weibull distribution by number, with the modulus size_modulus",
             parameters: &[MODULUS],

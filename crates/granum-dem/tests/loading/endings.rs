@@ -52,7 +52,7 @@ fn a_stage_that_is_stopped_between_its_checks_goes_on_with_the_same_bits() {
 #[test]
 fn a_stage_ends_where_grains_overlap_too_far() {
     let speed = Speed::StrainRate(3e3);
-    let control = Control::of(
+    let control = Control::new(
         speed,
         [Drive::Rate(1.0), Drive::Rate(1.0), Drive::Rate(1.0), Drive::Fixed, Drive::Fixed, Drive::Fixed],
     );
@@ -79,7 +79,7 @@ fn no_stage_can_hang() {
     let fixed = Drive::Fixed;
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
     let until = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
-    let hold = Control::of(speed, [held, held, held, fixed, fixed, fixed]);
+    let hold = Control::new(speed, [held, held, held, fixed, fixed, fixed]);
     let mut stage = Stage::new("hold", hold, vec![until]);
     stage.most_arc_length = Some(1e-3);
     let (ends, _) = run(&mut s, &[stage]);
@@ -107,7 +107,7 @@ fn a_sample_that_carries_nothing_ends_a_stage() {
     let held = Drive::Stress(Target::held(-50e3));
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
     let until = Until::Reaches { measure: Measure::Strain(0), value: -0.1 };
-    let control = Control::of(speed, [pull, held, held, fixed, fixed, fixed]);
+    let control = Control::new(speed, [pull, held, held, fixed, fixed, fixed]);
     let (ends, _) = run(&mut s, &[Stage::new("pull", control, vec![until])]);
     assert!(ends[0].reason.to_string().contains("no longer carries stress"), "{}", ends[0].reason);
 }

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use granum_dem::assembly::Matrix;
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::invariants;
-use granum_dem::loading::preset::{Given, Value};
+use granum_dem::loading::preset::{Given, PathValue};
 use granum_dem::loading::{
     Control, Drive, Ending, History, Measure, Quantity, Ramp, Reason, Speed, Stage, StageEnd, StageProgress,
     Start, Target, Turns, Until, begin, follow, preset,
@@ -83,7 +83,7 @@ fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) 
         else {
             panic!("{} was stopped", stage.name)
         };
-        let end = StageEnd::of(stage, &stage_progress, reason, simulation);
+        let end = StageEnd::new(stage, &stage_progress, reason, simulation);
         let error = &end.servo_error;
         println!(
             "{}: {reason}; {} steps, servo rms {:.4} % largest {:.4} %",
@@ -225,7 +225,7 @@ fn a_stress_rate_is_followed() {
     let rate = 0.5 * p / (60_000.0 * s.state().time_step());
     let rising = Drive::Stress(Target::current().moving(rate));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
-    let control = Control::of(speed, [rising, held, held, fixed, fixed, fixed]);
+    let control = Control::new(speed, [rising, held, held, fixed, fixed, fixed]);
     let until = Until::Reaches { measure: Measure::Stress(0), value: 1.4 * p };
     let (ends, _) = run(&mut s, &[Stage::new("stress rate", control, vec![until])]);
     assert_held(&ends[0]);
@@ -238,7 +238,7 @@ fn shear_stresses_are_held_too() {
     let held = Drive::Stress(Target::default());
     let zero = Drive::Stress(Target::held(0.0));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
-    let control = Control::of(speed, [Drive::Rate(1.0), held, held, zero, zero, zero]);
+    let control = Control::new(speed, [Drive::Rate(1.0), held, held, zero, zero, zero]);
     let until = Until::Reaches { measure: Measure::Strain(0), value: 0.01 };
     let (ends, notes) = run(&mut s, &[Stage::new("no shear", control, vec![until])]);
     assert_held(&ends[0]);
@@ -253,7 +253,7 @@ fn a_cyclic_stage_turns_round_and_counts() {
     let (held, fixed) = (Drive::Stress(Target::default()), Drive::Fixed);
     // When the strain rate reverses abruptly, the lateral stresses jump, but the less, the lower the rate.
     let speed = Speed::InertialNumber { number: 1e-4, at: None };
-    let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
+    let control = Control::new(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
     let turns = Turns { measure: Measure::Strain(0), high: 1e-3, low: -1e-3 };
     let mut stage = Stage::new("cyclic", control, vec![Until::Reversals(4)]);
     stage.turns = Some(turns);
@@ -389,7 +389,7 @@ fn unloading_loops_take_the_deviator_stress_off_and_put_it_on() {
     // So few grains jump too far where the strain rate turns round at 1e-3; an unloading is over in a few hundred steps.
     let numbers = [("axial_strain", 0.012), ("inertial_number", 3e-4)];
     let mut given: Given = numbers.map(|(key, value)| (key.to_string(), value.into())).into();
-    given.insert("at".into(), Value::List(vec![0.005, 0.008, 0.5]));
+    given.insert("at".into(), PathValue::List(vec![0.005, 0.008, 0.5]));
     let stages = preset::named("unload-reload").unwrap().expand(&given);
     assert_eq!(stages.len(), 5);
     let mut deviators = Vec::new();
@@ -428,7 +428,7 @@ fn a_history_is_followed_row_by_row() {
     let columns = vec![Quantity::Strain(0), Quantity::Stress(1), Quantity::Stress(2)];
     let rows = vec![vec![0.0, -20e3, -20e3], vec![-0.004, -24e3, -24e3], vec![-0.003, -22e3, -26e3]];
     let mut given = Given::from([("compression".into(), "negative".into())]);
-    given.insert("file".into(), Value::History(History { columns, rows }));
+    given.insert("file".into(), PathValue::History(History { columns, rows }));
     let stages = preset::named("history").unwrap().expand(&given);
     for (k, wanted) in [(1, [0.004, 24e3, 24e3]), (2, [0.003, 22e3, 26e3])] {
         let part = if k == 1 { &stages[..2] } else { &stages[2..] };
@@ -478,7 +478,7 @@ fn ramps_of_stress_arrive_together() {
     let fixed = Drive::Fixed;
     let to = |value: f64| Drive::Stress(Target::ramp(Ramp::To(value)));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
-    let control = Control::of(
+    let control = Control::new(
         speed,
         [to(26e3), to(22e3), Drive::Stress(Target::ramp(Ramp::By(1e3))), fixed, fixed, fixed],
     );

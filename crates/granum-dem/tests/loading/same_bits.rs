@@ -22,11 +22,11 @@ fn short(name: &str) -> Given {
     let mut given: Given = numbers.iter().map(|(key, value)| (key.to_string(), (*value).into())).collect();
     match name {
         "proportional" => drop(given.insert("ratios_of".into(), "stress".into())),
-        "unload-reload" => drop(given.insert("at".into(), Value::List(vec![1e-3]))),
+        "unload-reload" => drop(given.insert("at".into(), PathValue::List(vec![1e-3]))),
         "history" => {
             let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
             let rows = vec![vec![1e-3, 22e3], vec![5e-4, 21e3]];
-            given.insert("file".into(), Value::History(History { columns, rows }));
+            given.insert("file".into(), PathValue::History(History { columns, rows }));
         }
         _ => {}
     }

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
-use granum_dem::loading::preset::{Kind as ParameterKind, Parameter, Paths};
+use granum_dem::loading::preset::{PathParameter, PathParameterKind, Paths};
 use granum_dem::loading::{Measure, Quantity};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
@@ -36,7 +36,7 @@ const SAMPLE_STRESS: &str = "preparation.mean_stress";
 
 /// What a number stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum NumberKind {
     /// The mean stress of the sample.
     OfSample,
     /// Another stress.
@@ -45,54 +45,56 @@ pub(crate) enum Kind {
     Strain,
 }
 
-impl Kind {
+impl NumberKind {
     fn dimension(self) -> Dimension {
-        if self == Kind::Strain { Dimension::NUMBER } else { Dimension::STRESS }
+        if self == NumberKind::Strain { Dimension::NUMBER } else { Dimension::STRESS }
     }
 
     /// The kind of a key outside the tables of stages.
-    fn of_field(path: &str) -> Option<Kind> {
+    fn of_field(path: &str) -> Option<NumberKind> {
         match path {
-            SAMPLE_STRESS => Some(Kind::OfSample),
-            "preparation.compaction_stress" | "shear.mean_stress" => Some(Kind::Stress),
-            "shear.deviator_strain" => Some(Kind::Strain),
+            SAMPLE_STRESS => Some(NumberKind::OfSample),
+            "preparation.compaction_stress" | "shear.mean_stress" => Some(NumberKind::Stress),
+            "shear.deviator_strain" => Some(NumberKind::Strain),
             _ => None,
         }
     }
 
     /// The kind of a parameter of a path.
-    fn of_parameter(parameter: &Parameter) -> Option<Kind> {
-        let Parameter { key, unit, kind, .. } = parameter;
-        if !matches!(kind, ParameterKind::Number | ParameterKind::List) {
+    fn of_parameter(parameter: &PathParameter) -> Option<NumberKind> {
+        let PathParameter { key, unit, kind, .. } = parameter;
+        if !matches!(kind, PathParameterKind::Number | PathParameterKind::List) {
             return None;
         }
         match *unit {
-            "Pa" if key.contains("stress") => Some(Kind::Stress),
-            "1" if key.contains("strain") || ["at", "double_amplitude"].contains(key) => Some(Kind::Strain),
+            "Pa" if key.contains("stress") => Some(NumberKind::Stress),
+            "1" if key.contains("strain") || ["at", "double_amplitude"].contains(key) => {
+                Some(NumberKind::Strain)
+            }
             _ => None,
         }
     }
 
     /// The kind of a measure; the arc length grows beyond 1 in many cycles and is no strain in this sense.
-    fn of_measure(measure: Measure) -> Option<Kind> {
+    fn of_measure(measure: Measure) -> Option<NumberKind> {
         match measure.unit() {
-            "Pa" => Some(Kind::Stress),
-            _ if measure.name().ends_with("strain") => Some(Kind::Strain),
+            "Pa" => Some(NumberKind::Stress),
+            _ if measure.name().ends_with("strain") => Some(NumberKind::Strain),
             _ => None,
         }
     }
 
-    fn of_quantity(quantity: Quantity) -> Kind {
-        if matches!(quantity, Quantity::Stress(_)) { Kind::Stress } else { Kind::Strain }
+    fn of_quantity(quantity: Quantity) -> NumberKind {
+        if matches!(quantity, Quantity::Stress(_)) { NumberKind::Stress } else { NumberKind::Strain }
     }
 }
 
 /// What was probably meant by a strain out of bounds whose number would be within them in per cent.
-pub(super) fn in_per_cent_instead(parameter: &Parameter, value: f64, text: &str) -> Option<String> {
+pub(super) fn in_per_cent_instead(parameter: &PathParameter, value: f64, text: &str) -> Option<String> {
     let [low, high] = parameter.bounds;
     let fits = is_bare(text) && value.abs() > LARGEST_STRAIN && (low..=high).contains(&(value / 100.0));
     let text = text.trim();
-    (fits && Kind::of_parameter(parameter) == Some(Kind::Strain))
+    (fits && NumberKind::of_parameter(parameter) == Some(NumberKind::Strain))
         .then(|| format!("if {text} % is meant, write \"{text} %\""))
 }
 
@@ -125,19 +127,19 @@ impl Known {
     }
 
     /// What a number without a unit is understood as and what was probably meant, if it is in doubt; the text is that of the number.
-    pub(crate) fn doubt(&mut self, kind: Kind, value: f64, text: &str) -> Option<Doubt> {
+    pub(crate) fn doubt(&mut self, kind: NumberKind, value: f64, text: &str) -> Option<Doubt> {
         let text = text.trim();
         let exact = |unit: &'static str| WithUnit { text: format!("{text} {unit}"), unit };
         let guess = |unit| Some(exact(unit));
         match kind {
-            Kind::OfSample if value.abs() < SMALLEST_SAMPLE_STRESS => {
+            NumberKind::OfSample if value.abs() < SMALLEST_SAMPLE_STRESS => {
                 let said = format!(
                     "is understood as {}, which is less than most tests can be run at",
                     stress(value)
                 );
                 Some(Doubt { said, guess: guess("kPa"), exact: exact("Pa") })
             }
-            Kind::Stress if value != 0.0 && !self.is_near(value) => {
+            NumberKind::Stress if value != 0.0 && !self.is_near(value) => {
                 let sample = self.sample_stress();
                 let said = format!(
                     "is understood as {}, {} the sample's mean stress of {}",
@@ -149,16 +151,16 @@ impl Known {
                     [("kPa", 1e3), ("MPa", 1e6)].into_iter().find(|(_, size)| self.is_near(value * size));
                 Some(Doubt { said, guess: meant.and_then(|(unit, _)| guess(unit)), exact: exact("Pa") })
             }
-            Kind::Strain if value.abs() > LARGEST_STRAIN => {
+            NumberKind::Strain if value.abs() > LARGEST_STRAIN => {
                 let exact = in_per_cent(value);
                 let said = format!("is understood as a strain of {exact}");
                 Some(Doubt { said, guess: guess("%"), exact: WithUnit { text: exact, unit: "1" } })
             }
-            Kind::Stress => {
+            NumberKind::Stress => {
                 self.add(value);
                 None
             }
-            Kind::OfSample | Kind::Strain => None,
+            NumberKind::OfSample | NumberKind::Strain => None,
         }
     }
 }
@@ -245,7 +247,7 @@ fn in_per_cent(value: f64) -> String {
 struct Found {
     /// What is shown of its key, e.g. `stage.1.lateral_stress`.
     name: String,
-    kind: Kind,
+    kind: NumberKind,
     text: String,
     span: Range<usize>,
     /// The numbers of one column of a history are judged by the largest of them.
@@ -266,14 +268,14 @@ impl Finder<'_> {
         Finder { paths, found: Vec::new(), columns: 0, files: Vec::new() }
     }
 
-    fn number(&mut self, name: String, kind: Kind, value: &Node<'_>, column: Option<usize>) {
+    fn number(&mut self, name: String, kind: NumberKind, value: &Node<'_>, column: Option<usize>) {
         if let Ok(text) = scalar(value) {
             self.found.push(Found { name, kind, text, span: value.span(), column });
         }
     }
 
     /// A value by its key in a table, or each value of a list.
-    fn key(&mut self, table: &DeTable<'_>, name: &str, key: &str, kind: Kind) {
+    fn key(&mut self, table: &DeTable<'_>, name: &str, key: &str, kind: NumberKind) {
         match table.get(key).map(|value| (value, value.get_ref())) {
             Some((_, DeValue::Array(items))) => {
                 for item in items {
@@ -289,7 +291,7 @@ impl Finder<'_> {
         for section in ["preparation", "shear"] {
             let Some(DeValue::Table(inner)) = table.get(section).map(Spanned::get_ref) else { continue };
             for key in inner.keys() {
-                if let Some(kind) = Kind::of_field(&format!("{section}.{}", key.get_ref())) {
+                if let Some(kind) = NumberKind::of_field(&format!("{section}.{}", key.get_ref())) {
                     self.key(inner, section, key.get_ref(), kind);
                 }
             }
@@ -318,11 +320,11 @@ impl Finder<'_> {
     fn path(&mut self, table: &DeTable<'_>, name: &str, path: &str) {
         let Some(preset) = self.paths.named(path) else { return };
         for parameter in preset.parameters() {
-            if let Some(kind) = Kind::of_parameter(parameter) {
+            if let Some(kind) = NumberKind::of_parameter(parameter) {
                 self.key(table, name, parameter.key, kind);
             }
         }
-        if preset.parameters().any(|parameter| parameter.kind == ParameterKind::History) {
+        if preset.parameters().any(|parameter| parameter.kind == PathParameterKind::History) {
             self.history(table, name);
         }
     }
@@ -340,7 +342,7 @@ impl Finder<'_> {
             let DeValue::Array(cells) = row.get_ref() else { continue };
             for ((k, cell), quantity) in cells.iter().enumerate().zip(&quantities) {
                 let name = format!("{name}.rows ({})", quantity.name());
-                self.number(name, Kind::of_quantity(*quantity), cell, Some(self.columns + k));
+                self.number(name, NumberKind::of_quantity(*quantity), cell, Some(self.columns + k));
             }
         }
         self.columns += quantities.len();
@@ -352,10 +354,10 @@ impl Finder<'_> {
             let Some(DeValue::Table(drive)) = table.get(component).map(Spanned::get_ref) else { continue };
             let name = format!("{name}.{component}");
             for key in ["stress", "stress_to", "stress_by"] {
-                self.key(drive, &name, key, Kind::Stress);
+                self.key(drive, &name, key, NumberKind::Stress);
             }
             for key in ["strain_to", "strain_by"] {
-                self.key(drive, &name, key, Kind::Strain);
+                self.key(drive, &name, key, NumberKind::Strain);
             }
         }
         if let Some(DeValue::Array(items)) = table.get("constraint").map(Spanned::get_ref) {
@@ -363,7 +365,7 @@ impl Finder<'_> {
                 // Values are given for combinations of stresses only.
                 let DeValue::Table(constraint) = item.get_ref() else { continue };
                 for key in ["value", "value_to", "value_by"] {
-                    self.key(constraint, &format!("{name}.constraint.{}", k + 1), key, Kind::Stress);
+                    self.key(constraint, &format!("{name}.constraint.{}", k + 1), key, NumberKind::Stress);
                 }
             }
         }
@@ -377,7 +379,7 @@ impl Finder<'_> {
 
     fn ends(&mut self, until: &DeTable<'_>, name: &str) {
         for (_, _, measure) in Measure::ALL {
-            if let Some(kind) = Kind::of_measure(measure) {
+            if let Some(kind) = NumberKind::of_measure(measure) {
                 self.key(until, name, measure.name(), kind);
             }
         }
@@ -389,7 +391,7 @@ impl Finder<'_> {
     /// Values of the measure that the table names.
     fn measured(&mut self, table: &DeTable<'_>, name: &str, keys: &[&str]) {
         let Some(DeValue::String(measure)) = table.get("measure").map(Spanned::get_ref) else { return };
-        if let Some(kind) = Measure::named(measure).and_then(Kind::of_measure) {
+        if let Some(kind) = Measure::named(measure).and_then(NumberKind::of_measure) {
             for key in keys {
                 self.key(table, name, key, kind);
             }
@@ -401,7 +403,8 @@ impl Finder<'_> {
 fn doubts(finder: &mut Finder, known: &mut Known) -> Vec<(String, Range<usize>, String, Doubt)> {
     finder.found.sort_by_key(|found| found.span.start);
     let value = |found: &Found| parse_quantity(&found.text, found.kind.dimension()).ok();
-    for found in finder.found.iter().filter(|found| found.kind == Kind::Stress && !is_bare(&found.text)) {
+    for found in finder.found.iter().filter(|found| found.kind == NumberKind::Stress && !is_bare(&found.text))
+    {
         known.add(value(found).unwrap_or(0.0));
     }
     // Of the column of a history the largest stress decides: a path may begin at zero.
@@ -413,7 +416,9 @@ fn doubts(finder: &mut Finder, known: &mut Known) -> Vec<(String, Range<usize>, 
     let mut all = Vec::new();
     for found in bare() {
         let Some(value) = value(found) else { continue };
-        if found.kind == Kind::Stress && found.column.is_some_and(|column| known.is_near(largest[column])) {
+        if found.kind == NumberKind::Stress
+            && found.column.is_some_and(|column| known.is_near(largest[column]))
+        {
             known.add(largest[found.column.unwrap_or(0)]);
             continue;
         }
@@ -462,7 +467,7 @@ pub(super) fn check(
 /// [`Error::Input`] at the name of the column; as for [`history::read`].
 fn history_in_doubt(path: &Path, known: &mut Known) -> Result<()> {
     history::check_bare(path, |quantity, largest| {
-        known.doubt(Kind::of_quantity(quantity), largest, &format_number(largest))
+        known.doubt(NumberKind::of_quantity(quantity), largest, &format_number(largest))
     })
 }
 
@@ -503,18 +508,18 @@ impl Case {
         if let Ok(document) = DeTable::parse(&text) {
             let mut finder = Finder::new(self.vocabulary.paths());
             finder.document(document.get_ref());
-            for found in finder.found.iter().filter(|found| found.kind == Kind::Stress) {
+            for found in finder.found.iter().filter(|found| found.kind == NumberKind::Stress) {
                 known.add(parse_quantity(&found.text, Dimension::STRESS).unwrap_or(0.0));
             }
         }
         let kind = |key: &SetKey| self.kind_of(key.path);
-        let numbers: Vec<(&SetKey, Kind, &str)> = keys
+        let numbers: Vec<(&SetKey, NumberKind, &str)> = keys
             .iter()
             .filter_map(|key| Some((key, kind(key)?)))
             .flat_map(|(key, kind)| key.text.split(',').map(move |text| (key, kind, text.trim())))
             .collect();
         for (_, kind, text) in
-            numbers.iter().filter(|(_, kind, text)| *kind == Kind::Stress && !is_bare(text))
+            numbers.iter().filter(|(_, kind, text)| *kind == NumberKind::Stress && !is_bare(text))
         {
             known.add(parse_quantity(text, kind.dimension()).unwrap_or(0.0));
         }
@@ -532,14 +537,14 @@ impl Case {
     }
 
     /// The kind of a key.
-    fn kind_of(&self, path: &str) -> Option<Kind> {
+    fn kind_of(&self, path: &str) -> Option<NumberKind> {
         match self.parameter_of(path) {
-            Some(parameter) => Kind::of_parameter(parameter),
-            None => Kind::of_field(path),
+            Some(parameter) => NumberKind::of_parameter(parameter),
+            None => NumberKind::of_field(path),
         }
     }
 
     fn is_history(&self, path: &str) -> bool {
-        self.parameter_of(path).is_some_and(|parameter| parameter.kind == ParameterKind::History)
+        self.parameter_of(path).is_some_and(|parameter| parameter.kind == PathParameterKind::History)
     }
 }

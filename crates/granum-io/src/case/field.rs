@@ -41,7 +41,7 @@ pub(super) fn any_of(names: &[String]) -> String {
 const LONGEST_LIST: usize = 100_000;
 
 /// The kind of a field's value, with its bounds and access functions.
-pub(super) enum Kind {
+pub(super) enum FieldKind {
     Number {
         dimension: Dimension,
         /// Smallest and largest value, as quantities.
@@ -83,7 +83,7 @@ pub(super) enum Kind {
     /// A parameter of contact laws, in use where one of the chosen laws has it.
     Law(&'static LawParameter),
     /// A parameter of size distributions, in use where the chosen one has it.
-    Size(&'static sizes::Parameter),
+    Size(&'static sizes::SizeParameter),
     /// A parameter of sensors, with the word for "not given" and its meaning where it can be left out, and whether the sensors are
     /// granum's.
     Sensor {
@@ -110,7 +110,7 @@ pub struct Field {
     pub help: String,
     /// The default as a user would write it.
     pub example: String,
-    pub(super) kind: Kind,
+    pub(super) kind: FieldKind,
 }
 
 impl Field {
@@ -119,11 +119,11 @@ impl Field {
         let laws = laws.laws_with(parameter);
         let help = format!("{}; {laws}.", parameter.meaning.trim_end_matches('.'));
         let example = with_unit(parameter.default, parameter);
-        Field { section: "contact", key: parameter.key, help, example, kind: Kind::Law(parameter) }
+        Field { section: "contact", key: parameter.key, help, example, kind: FieldKind::Law(parameter) }
     }
 
     /// The field of a parameter of size distributions.
-    pub(super) fn of_sizes(parameter: &'static sizes::Parameter) -> Field {
+    pub(super) fn of_sizes(parameter: &'static sizes::SizeParameter) -> Field {
         let has = |kind: &&sizes::SizeKind| {
             kind.distribution().description().parameters.iter().any(|known| known.key == parameter.key)
         };
@@ -131,7 +131,7 @@ impl Field {
             sizes::ALL.iter().filter(has).map(|kind| format!("distribution = {:?}", kind.name())).collect();
         let help = format!("{}; with {}.", parameter.meaning.trim_end_matches('.'), names.join(" or "));
         let example = format_number(parameter.default);
-        Field { section: "grains", key: parameter.key, help, example, kind: Kind::Size(parameter) }
+        Field { section: "grains", key: parameter.key, help, example, kind: FieldKind::Size(parameter) }
     }
 
     /// The field of a parameter that sensors declare.
@@ -155,46 +155,46 @@ impl Field {
             key: parameter.key,
             help,
             example,
-            kind: Kind::Sensor { parameter, absent, of_granum: declared.of_granum },
+            kind: FieldKind::Sensor { parameter, absent, of_granum: declared.of_granum },
         }
     }
 
     /// True if the field is a parameter of sensors that come with granum.
     pub(super) fn is_of_granum_sensor(&self) -> bool {
-        matches!(self.kind, Kind::Sensor { of_granum: true, .. })
+        matches!(self.kind, FieldKind::Sensor { of_granum: true, .. })
     }
 
     /// True if the field is a parameter of sensors.
     pub(super) fn is_of_sensor(&self) -> bool {
-        matches!(self.kind, Kind::Sensor { .. })
+        matches!(self.kind, FieldKind::Sensor { .. })
     }
 
     /// True if the field is a parameter of size distributions.
     pub(super) fn is_of_sizes(&self) -> bool {
-        matches!(self.kind, Kind::Size(_))
+        matches!(self.kind, FieldKind::Size(_))
     }
 
     /// True if the value of the field is a sieve curve.
     pub(super) fn is_curve(&self) -> bool {
-        matches!(self.kind, Kind::Curve { .. })
+        matches!(self.kind, FieldKind::Curve { .. })
     }
 
     /// The parameter of contact laws that the field is.
     pub(super) fn law_parameter(&self) -> Option<&'static LawParameter> {
         match &self.kind {
-            Kind::Law(parameter) => Some(parameter),
+            FieldKind::Law(parameter) => Some(parameter),
             _ => None,
         }
     }
 
     /// True if the field is a parameter of contact laws.
     pub(super) fn is_of_law(&self) -> bool {
-        matches!(self.kind, Kind::Law(_))
+        matches!(self.kind, FieldKind::Law(_))
     }
 
     /// True if the field is a parameter of contact laws and this value is its default.
     pub(super) fn is_default_of_law(&self, value: &Option<Value>) -> bool {
-        matches!(&self.kind, Kind::Law(parameter) if *value == Some(Value::Number(Some(parameter.default))))
+        matches!(&self.kind, FieldKind::Law(parameter) if *value == Some(Value::Number(Some(parameter.default))))
     }
 
     /// Section and key, e.g. `grains.material.youngs_modulus`.
@@ -205,47 +205,50 @@ impl Field {
     /// The value of this field in a case; `None` for the form of the rate that is not in use.
     pub fn value(&self, case: &Case) -> Option<Value> {
         match &self.kind {
-            Kind::Number { get, absent, .. } => match (get(case), absent) {
+            FieldKind::Number { get, absent, .. } => match (get(case), absent) {
                 (None, None) => None,
                 (value, _) => Some(Value::Number(value)),
             },
-            Kind::Count { get, .. } => Some(Value::Count(get(case))),
-            Kind::Choice { get, .. } => Some(Value::Choice(get(case))),
-            Kind::List { get, .. } => Some(Value::List(get(case))),
-            Kind::Names { get, .. } => Some(Value::Names(get(case))),
-            Kind::Law(parameter) => {
+            FieldKind::Count { get, .. } => Some(Value::Count(get(case))),
+            FieldKind::Choice { get, .. } => Some(Value::Choice(get(case))),
+            FieldKind::List { get, .. } => Some(Value::List(get(case))),
+            FieldKind::Names { get, .. } => Some(Value::Names(get(case))),
+            FieldKind::Law(parameter) => {
                 let used = check::parameters_of(&case.contact);
                 let known = used.into_iter().find(|known| known.key == parameter.key)?;
                 Some(Value::Number(Some(case.contact.parameters.value(known))))
             }
-            Kind::Size(parameter) => {
+            FieldKind::Size(parameter) => {
                 let used = case.grains.sizes.distribution.distribution().description().parameters;
                 let known = used.iter().find(|known| known.key == parameter.key)?;
                 Some(Value::Number(Some(case.grains.sizes.value(known))))
             }
-            Kind::Sensor { parameter, .. } => Some(Value::Number(parameter.value(&case.recording))),
-            Kind::Curve { get, .. } => Some(Value::Curve(get(case))),
+            FieldKind::Sensor { parameter, .. } => Some(Value::Number(parameter.value(&case.recording))),
+            FieldKind::Curve { get, .. } => Some(Value::Curve(get(case))),
         }
     }
 
     /// True if the value of the field is a list.
     pub fn is_list(&self) -> bool {
-        matches!(self.kind, Kind::List { .. } | Kind::Names { .. })
+        matches!(self.kind, FieldKind::List { .. } | FieldKind::Names { .. })
     }
 
     /// True if the field takes a list of names.
     pub(super) fn is_names(&self) -> bool {
-        matches!(self.kind, Kind::Names { .. })
+        matches!(self.kind, FieldKind::Names { .. })
     }
 
     /// True if the value of the field is a number that may have a fractional part.
     pub(super) fn is_real(&self) -> bool {
-        matches!(self.kind, Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) | Kind::Sensor { .. })
+        matches!(
+            self.kind,
+            FieldKind::Number { .. } | FieldKind::Law(_) | FieldKind::Size(_) | FieldKind::Sensor { .. }
+        )
     }
 
     /// True if the value of the field is one of several names.
     pub(super) fn is_choice(&self) -> bool {
-        matches!(self.kind, Kind::Choice { .. })
+        matches!(self.kind, FieldKind::Choice { .. })
     }
 
     /// The value of this field in a case in the form of a case file, e.g. `300` or `"auto"`; empty where it is not in use.
@@ -256,23 +259,23 @@ impl Field {
     /// Sets a value in a case. A value whose kind differs from that of the field is ignored.
     pub fn apply(&self, case: &mut Case, value: Value) {
         match (&self.kind, value) {
-            (Kind::Number { set, .. }, Value::Number(value)) => set(case, value),
-            (Kind::Count { set, .. }, Value::Count(value)) => set(case, value),
-            (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
-            (Kind::List { set, .. }, Value::List(value)) => set(case, value),
-            (Kind::Names { set, .. }, Value::Names(value)) => set(case, value),
-            (Kind::Curve { set, .. }, Value::Curve(points)) => set(case, points),
-            (Kind::Size(parameter), Value::Number(Some(value))) => {
+            (FieldKind::Number { set, .. }, Value::Number(value)) => set(case, value),
+            (FieldKind::Count { set, .. }, Value::Count(value)) => set(case, value),
+            (FieldKind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
+            (FieldKind::List { set, .. }, Value::List(value)) => set(case, value),
+            (FieldKind::Names { set, .. }, Value::Names(value)) => set(case, value),
+            (FieldKind::Curve { set, .. }, Value::Curve(points)) => set(case, points),
+            (FieldKind::Size(parameter), Value::Number(Some(value))) => {
                 case.grains.sizes.values.insert(parameter.key.to_string(), value);
             }
-            (Kind::Sensor { parameter, .. }, Value::Number(value)) => {
+            (FieldKind::Sensor { parameter, .. }, Value::Number(value)) => {
                 // As with laws, the default counts as not given.
                 match value.filter(|value| parameter.default_value() != Some(*value)) {
                     Some(value) => case.recording.parameters.insert(parameter.key.to_string(), value),
                     None => case.recording.parameters.remove(parameter.key),
                 };
             }
-            (Kind::Law(parameter), Value::Number(Some(value))) => {
+            (FieldKind::Law(parameter), Value::Number(Some(value))) => {
                 // The default counts as not given, so that a case with every key written out is the same case.
                 if value == parameter.default {
                     case.contact.parameters.unset(parameter.key);
@@ -291,7 +294,7 @@ impl Field {
     /// A sentence that continues "key = value": what is wrong and what would be right.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         match &self.kind {
-            Kind::Number { absent, .. } | Kind::Sensor { absent, .. } => {
+            FieldKind::Number { absent, .. } | FieldKind::Sensor { absent, .. } => {
                 if absent.is_some_and(|[word, _]| word == text.trim()) {
                     return Ok(Value::Number(None));
                 }
@@ -301,15 +304,15 @@ impl Field {
                 })?;
                 self.check_number(value)
             }
-            Kind::Law(parameter) => {
+            FieldKind::Law(parameter) => {
                 let angle = parameter.unit == Unit::ANGLE;
                 let dimension =
                     if angle { Dimension::ANGLE } else { Dimension::of_powers(parameter.unit.powers) };
                 let value = parse_quantity(text, dimension);
                 self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
-            Kind::Size(_) => self.check_number(parse_quantity(text, Dimension::NUMBER)?),
-            Kind::Curve { absent: [word, _], .. } => match text.trim() {
+            FieldKind::Size(_) => self.check_number(parse_quantity(text, Dimension::NUMBER)?),
+            FieldKind::Curve { absent: [word, _], .. } => match text.trim() {
                 text if text == *word => Ok(Value::Curve(Vec::new())),
                 text if text.starts_with('[') => sieve::parse(text).map(Value::Curve),
                 "" => Err(format!("is empty; it must be {}", sieve::bounds_text())),
@@ -318,22 +321,24 @@ impl Field {
                     points.map(Value::Curve).map_err(|error| format!("cannot be used: {error}"))
                 }
             },
-            Kind::Count { .. } => {
+            FieldKind::Count { .. } => {
                 let plain = text.trim().replace('_', "");
                 match plain.parse::<u64>() {
                     Ok(value) => self.check_count(value),
                     Err(_) => Err(format!("is not a whole number; it must be {}", self.bounds_text())),
                 }
             }
-            Kind::Choice { options, .. } => match options.iter().find(|[name, _]| *name == text.trim()) {
-                Some([name, _]) => Ok(Value::Choice(name)),
-                None => Err(format!("is not known; it must be {}", self.bounds_text())),
-            },
-            Kind::List { absent: [word, _], .. } | Kind::Names { absent: [word, _], .. } => {
+            FieldKind::Choice { options, .. } => {
+                match options.iter().find(|[name, _]| *name == text.trim()) {
+                    Some([name, _]) => Ok(Value::Choice(name)),
+                    None => Err(format!("is not known; it must be {}", self.bounds_text())),
+                }
+            }
+            FieldKind::List { absent: [word, _], .. } | FieldKind::Names { absent: [word, _], .. } => {
                 let text = text.trim();
                 if text == *word {
                     return Ok(match self.kind {
-                        Kind::Names { .. } => Value::Names(Vec::new()),
+                        FieldKind::Names { .. } => Value::Names(Vec::new()),
                         _ => Value::List(Vec::new()),
                     });
                 }
@@ -358,8 +363,8 @@ impl Field {
         items: impl IntoIterator<Item = &'a str>,
     ) -> Result<Value, (Option<usize>, String)> {
         let dimension = match &self.kind {
-            Kind::List { dimension, .. } => dimension,
-            Kind::Names { .. } => return self.parse_names(items),
+            FieldKind::List { dimension, .. } => dimension,
+            FieldKind::Names { .. } => return self.parse_names(items),
             _ => return Err((None, format!("is a list; it must be {}", self.bounds_text()))),
         };
         let [low, high] = self.number_bounds();
@@ -419,7 +424,7 @@ impl Field {
 
     fn check_count(&self, value: u64) -> Result<Value, String> {
         match &self.kind {
-            Kind::Count { bounds: [low, high], .. } if value < *low || value > *high => {
+            FieldKind::Count { bounds: [low, high], .. } if value < *low || value > *high => {
                 Err(format!("is out of bounds; it must be {}", self.bounds_text()))
             }
             _ => Ok(Value::Count(value)),
@@ -429,12 +434,12 @@ impl Field {
     fn number_bounds(&self) -> [f64; 2] {
         match &self.kind {
             // A bound that cannot be read would be NaN and reject every value; a test reads all bounds.
-            Kind::Number { bounds, dimension, .. } | Kind::List { bounds, dimension, .. } => {
+            FieldKind::Number { bounds, dimension, .. } | FieldKind::List { bounds, dimension, .. } => {
                 bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
             }
-            Kind::Law(parameter) => parameter.bounds,
-            Kind::Size(parameter) => parameter.bounds,
-            Kind::Sensor { parameter, .. } => parameter.bounds,
+            FieldKind::Law(parameter) => parameter.bounds,
+            FieldKind::Size(parameter) => parameter.bounds,
+            FieldKind::Sensor { parameter, .. } => parameter.bounds,
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -442,29 +447,29 @@ impl Field {
     /// "from 0 to 1", "\"hertz\" or \"jkr\"", "a list of increasing values from 0 to 1".
     pub fn bounds_text(&self) -> String {
         match &self.kind {
-            Kind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
-            Kind::Count { bounds: [low, high], .. } => format!("from {low} to {high}"),
-            Kind::Law(parameter) => {
+            FieldKind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
+            FieldKind::Count { bounds: [low, high], .. } => format!("from {low} to {high}"),
+            FieldKind::Law(parameter) => {
                 let [low, high] = parameter.bounds.map(|bound| with_unit(bound, parameter));
                 format!("from {low} to {high}")
             }
-            Kind::Size(parameter) => {
+            FieldKind::Size(parameter) => {
                 let [low, high] = parameter.bounds.map(format_number);
                 format!("from {low} to {high}")
             }
-            Kind::Sensor { parameter, .. } => {
+            FieldKind::Sensor { parameter, .. } => {
                 let [low, high] = parameter.bounds.map(|bound| in_si(bound, parameter));
                 format!("from {low} to {high}")
             }
-            Kind::Curve { .. } => sieve::bounds_text(),
-            Kind::Choice { options, .. } => {
+            FieldKind::Curve { .. } => sieve::bounds_text(),
+            FieldKind::Choice { options, .. } => {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
                 any_of(&names)
             }
-            Kind::List { bounds: [low, high], .. } => {
+            FieldKind::List { bounds: [low, high], .. } => {
                 format!("a list of increasing values from {low} to {high}")
             }
-            Kind::Names { what, .. } => {
+            FieldKind::Names { what, .. } => {
                 format!("a list of {what} names")
             }
         }
@@ -473,12 +478,12 @@ impl Field {
     /// The keyword or the names that the field accepts apart from numbers, each with its meaning.
     pub(super) fn words(&self) -> &[[&'static str; 2]] {
         match &self.kind {
-            Kind::Number { absent, .. } | Kind::Sensor { absent, .. } => absent.as_slice(),
-            Kind::Choice { options, .. } => options,
-            Kind::List { absent, .. } | Kind::Names { absent, .. } | Kind::Curve { absent, .. } => {
-                std::slice::from_ref(absent)
-            }
-            Kind::Count { .. } | Kind::Law(_) | Kind::Size(_) => &[],
+            FieldKind::Number { absent, .. } | FieldKind::Sensor { absent, .. } => absent.as_slice(),
+            FieldKind::Choice { options, .. } => options,
+            FieldKind::List { absent, .. }
+            | FieldKind::Names { absent, .. }
+            | FieldKind::Curve { absent, .. } => std::slice::from_ref(absent),
+            FieldKind::Count { .. } | FieldKind::Law(_) | FieldKind::Size(_) => &[],
         }
     }
 
@@ -507,8 +512,10 @@ impl Field {
     /// The SI unit of the field; empty where there is none.
     pub fn si_unit(&self) -> String {
         match &self.kind {
-            Kind::Number { .. } | Kind::List { .. } | Kind::Sensor { .. } => self.dimension().si_unit(),
-            Kind::Law(parameter) => parameter.unit.symbol.to_string(),
+            FieldKind::Number { .. } | FieldKind::List { .. } | FieldKind::Sensor { .. } => {
+                self.dimension().si_unit()
+            }
+            FieldKind::Law(parameter) => parameter.unit.symbol.to_string(),
             _ => String::new(),
         }
     }
@@ -516,8 +523,8 @@ impl Field {
     /// The dimension of a number, a list of numbers or a parameter of sensors.
     fn dimension(&self) -> Dimension {
         match &self.kind {
-            Kind::Number { dimension, .. } | Kind::List { dimension, .. } => *dimension,
-            Kind::Sensor { parameter, .. } => parameter.dimension,
+            FieldKind::Number { dimension, .. } | FieldKind::List { dimension, .. } => *dimension,
+            FieldKind::Sensor { parameter, .. } => parameter.dimension,
             _ => Dimension::NUMBER,
         }
     }
@@ -526,25 +533,29 @@ impl Field {
     #[cfg(test)]
     pub(super) fn draw(&self, place: f64) -> Value {
         match &self.kind {
-            Kind::Number { absent: Some(_), .. } | Kind::Sensor { absent: Some(_), .. } if place < 0.2 => {
+            FieldKind::Number { absent: Some(_), .. } | FieldKind::Sensor { absent: Some(_), .. }
+                if place < 0.2 =>
+            {
                 Value::Number(None)
             }
-            Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) | Kind::Sensor { .. } => {
+            FieldKind::Number { .. } | FieldKind::Law(_) | FieldKind::Size(_) | FieldKind::Sensor { .. } => {
                 let [low, high] = self.number_bounds();
                 Value::Number(Some((low + place * (high - low)).clamp(low, high)))
             }
-            Kind::Count { bounds: [low, high], .. } => {
+            FieldKind::Count { bounds: [low, high], .. } => {
                 Value::Count(low + (place * (high - low) as f64) as u64 / 2)
             }
-            Kind::Choice { options, .. } => {
+            FieldKind::Choice { options, .. } => {
                 Value::Choice(options[(place * 0.999 * options.len() as f64) as usize][0])
             }
-            Kind::Curve { .. } if place < 0.5 => Value::Curve(Vec::new()),
-            Kind::Curve { .. } => Value::Curve(vec![[1e-4, 0.3 * place], [2e-4, 1.0]]),
-            Kind::Names { .. } if place < 0.5 => Value::Names(Vec::new()),
-            Kind::Names { .. } => Value::Names(vec![format!("sensor_{:.0}", 1e3 * place), "fabric".into()]),
-            Kind::List { .. } if place < 0.5 => Value::List(Vec::new()),
-            Kind::List { .. } => {
+            FieldKind::Curve { .. } if place < 0.5 => Value::Curve(Vec::new()),
+            FieldKind::Curve { .. } => Value::Curve(vec![[1e-4, 0.3 * place], [2e-4, 1.0]]),
+            FieldKind::Names { .. } if place < 0.5 => Value::Names(Vec::new()),
+            FieldKind::Names { .. } => {
+                Value::Names(vec![format!("sensor_{:.0}", 1e3 * place), "fabric".into()])
+            }
+            FieldKind::List { .. } if place < 0.5 => Value::List(Vec::new()),
+            FieldKind::List { .. } => {
                 let [low, high] = self.number_bounds();
                 Value::List(vec![low, low + (place - 0.5) * (high - low).min(1e-3)])
             }

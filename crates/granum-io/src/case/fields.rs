@@ -8,7 +8,7 @@ use granum_dem::contact::choice::registry::Laws;
 use granum_dem::sizes;
 
 use super::Case;
-use super::field::{Field, Kind};
+use super::field::{Field, FieldKind};
 use super::vocabulary::Vocabulary;
 use granum_core::quantity::Dimension;
 
@@ -49,7 +49,7 @@ macro_rules! options {
 /// A number that is required.
 macro_rules! number {
     ($dimension:ident, $low:literal..=$high:literal, $($place:ident).+) => {
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::$dimension,
             bounds: [$low, $high],
             absent: None,
@@ -62,7 +62,7 @@ macro_rules! number {
 /// A number or a word for its absence.
 macro_rules! optional {
     ($dimension:ident, $low:literal..=$high:literal, $word:literal: $meaning:literal, $($place:ident).+) => {
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::$dimension,
             bounds: [$low, $high],
             absent: Some([$word, $meaning]),
@@ -75,7 +75,7 @@ macro_rules! optional {
 /// A whole number.
 macro_rules! count {
     ($low:literal..=$high:literal, $($place:ident).+) => {
-        Kind::Count {
+        FieldKind::Count {
             bounds: [$low, $high],
             get: |case| case.$($place).+ as u64,
             set: |case, value| case.$($place).+ = value as _,
@@ -92,7 +92,13 @@ fn density(case: &mut Case, value: Option<f64>, which: fn(&mut Preparation) -> &
     *which(p) = value;
 }
 
-fn entry(section: &'static str, key: &'static str, help: &'static str, example: &str, kind: Kind) -> Field {
+fn entry(
+    section: &'static str,
+    key: &'static str,
+    help: &'static str,
+    example: &str,
+    kind: FieldKind,
+) -> Field {
     Field { section, key, help: help.to_string(), example: example.to_string(), kind }
 }
 
@@ -110,13 +116,13 @@ impl Fields {
     }
 
     /// The keys with the contact laws and sensors of a vocabulary.
-    pub fn of(vocabulary: &Vocabulary) -> Fields {
-        if vocabulary.is_standard() { Fields::standard() } else { Fields::new(vocabulary) }
+    pub fn new(vocabulary: &Vocabulary) -> Fields {
+        if vocabulary.is_standard() { Fields::standard() } else { Fields::with_vocabulary(vocabulary) }
     }
 
     /// The fields with the parameters that size distributions, contact laws and sensors declare. Those of sensors that are recorded
     /// where a case names them follow `recording.sensors`; those of the usual ones are the last of the section.
-    fn new(vocabulary: &Vocabulary) -> Fields {
+    fn with_vocabulary(vocabulary: &Vocabulary) -> Fields {
         let laws = vocabulary.laws();
         let mut fields = fields(laws);
         let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
@@ -149,7 +155,7 @@ impl Deref for Fields {
 impl Case {
     /// The keys of a case file with the contact laws and sensors that this case knows.
     pub fn fields(&self) -> Fields {
-        Fields::of(&self.vocabulary)
+        Fields::new(&self.vocabulary)
     }
 }
 
@@ -157,7 +163,7 @@ impl Case {
 fn fields(laws: &Laws) -> Vec<Field> { vec![
     entry("grains", "count", "Number of grains.", "5000",
         count!(50..=100_000_000, grains.count)),
-    entry("grains", "diameter", "Mean diameter d.", "0.1 mm", Kind::Number {
+    entry("grains", "diameter", "Mean diameter d.", "0.1 mm", FieldKind::Number {
         dimension: Dimension::LENGTH,
         bounds: ["10 nm", "10 m"],
         absent: None,
@@ -169,7 +175,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
     }),
     entry("grains", "spread", "Half-width of the uniform distribution of radii relative to the mean; 0 makes equal grains.", "0",
         number!(NUMBER, "0"..="0.9", grains.spread)),
-    entry("grains", "distribution", "Distribution of the diameters.", "uniform", Kind::Choice {
+    entry("grains", "distribution", "Distribution of the diameters.", "uniform", FieldKind::Choice {
         options: sizes::ALL.iter().map(|kind| [kind.name(), kind.distribution().description().help]).collect(),
         get: |case| case.grains.sizes.distribution.name(),
         set: |case, name| if let Some(kind) = sizes::SizeKind::named(name) { case.grains.sizes.distribution = kind },
@@ -178,7 +184,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         optional!(LENGTH, "1 nm"..="10 m", "none": "not cut", grains.sizes.smallest)),
     entry("grains", "largest", "Largest diameter: the distribution is cut there.", "none",
         optional!(LENGTH, "1 nm"..="10 m", "none": "not cut", grains.sizes.largest)),
-    entry("grains", "sieve_curve", "Sieve curve of distribution = \"sieve-curve\": the name of a CSV file with the columns diameter (mm),finer (%), or a list of points.", "none", Kind::Curve {
+    entry("grains", "sieve_curve", "Sieve curve of distribution = \"sieve-curve\": the name of a CSV file with the columns diameter (mm),finer (%), or a list of points.", "none", FieldKind::Curve {
         absent: ["none", "no curve"],
         get: |case| case.grains.sizes.curve.clone(),
         set: |case, points| case.grains.sizes.curve = points,
@@ -195,22 +201,22 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
     entry("grains.material", "interface_energy", "Interface energy Gamma: work of adhesion per area, used by normal = \"jkr\", \"dmt\" and \"jkr-dmt\"; 0 is no adhesion.", "0.6 J/m2",
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", grains.material.interface_energy)),
 
-    entry("contact", "normal", "Normal law.", "jkr", Kind::Choice {
+    entry("contact", "normal", "Normal law.", "jkr", FieldKind::Choice {
         options: options!(laws.normal()),
         get: |case| case.contact.normal.name(),
         set: |case, name| if let Some(law) = case.vocabulary.laws().normal_named(name) { case.contact.normal = law },
     }),
-    entry("contact", "tangential", "Tangential law.", "mindlin-deresiewicz", Kind::Choice {
+    entry("contact", "tangential", "Tangential law.", "mindlin-deresiewicz", FieldKind::Choice {
         options: options!(laws.tangential()),
         get: |case| case.contact.tangential.name(),
         set: |case, name| if let Some(law) = case.vocabulary.laws().tangential_named(name) { case.contact.tangential = law },
     }),
-    entry("contact", "rolling", "Resistance to rolling and twisting.", "none", Kind::Choice {
+    entry("contact", "rolling", "Resistance to rolling and twisting.", "none", FieldKind::Choice {
         options: options!(laws.rolling()),
         get: |case| case.contact.rolling.name(),
         set: |case, name| if let Some(law) = case.vocabulary.laws().rolling_named(name) { case.contact.rolling = law },
     }),
-    entry("contact", "adhesion", "Additional attraction of grains, which may act across a gap.", "none", Kind::Choice {
+    entry("contact", "adhesion", "Additional attraction of grains, which may act across a gap.", "none", FieldKind::Choice {
         options: options!(laws.adhesion()),
         get: |case| case.contact.adhesion.name(),
         set: |case, name| if let Some(law) = case.vocabulary.laws().adhesion_named(name) { case.contact.adhesion = law },
@@ -237,7 +243,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
     entry("preparation", "cycle_strain", "Amplitude of the axial strain of these cycles.", "0.01",
         number!(NUMBER, "1e-5"..="0.2", preparation.cycle_strain)),
     entry("preparation", "solid_fraction", "Target solid fraction of the sample.", "0.61",
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::NUMBER,
             bounds: ["0.3", "0.8"],
             absent: Some(["none", "no target"]),
@@ -245,7 +251,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
             set: |case, value| density(case, value, |p| &mut p.solid_fraction),
         }),
     entry("preparation", "void_ratio", "Target void ratio e of the sample, in place of solid_fraction = 1/(1 + e).", "none",
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::NUMBER,
             bounds: ["0.2", "2"],
             absent: Some(["none", "not given"]),
@@ -253,7 +259,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
             set: |case, value| density(case, value, |p| &mut p.void_ratio),
         }),
     entry("preparation", "relative_density", "Target relative density (e_max - e)/(e_max - e_min), in place of solid_fraction; it needs the two void ratios below.", "none",
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::NUMBER,
             bounds: ["-0.5", "1.5"],
             absent: Some(["none", "not given"]),
@@ -272,14 +278,14 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         number!(NUMBER, "1e-9"..="0.1", preparation.unbalanced_force)),
 
     entry("shear", "deviator_strain", "Deviator strain eps_1 - eps_3 at the end.", "0.3",
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::NUMBER,
             bounds: ["1e-6", "3"],
             absent: None,
             get: |case| case.test.shear().map(|shear| shear.deviator_strain),
             set: |case, value| if let (Some(strain), Some(shear)) = (value, case.test.shear_mut()) { shear.deviator_strain = strain },
         }),
-    entry("shear", "inertial_number", "Speed: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", Kind::Number {
+    entry("shear", "inertial_number", "Speed: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", FieldKind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-8", "0.1"],
         absent: None,
@@ -289,7 +295,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         },
         set: |case, value| if let (Some(number), Some(shear)) = (value, case.test.shear_mut()) { shear.rate = Rate::InertialNumber(number) },
     }),
-    entry("shear", "strain_rate", "Axial strain rate, which can be given instead of inertial_number. The paper's 1e-5 /s with density_scaling = 1e12 gives the I above.", "1e-5 /s", Kind::Number {
+    entry("shear", "strain_rate", "Axial strain rate, which can be given instead of inertial_number. The paper's 1e-5 /s with density_scaling = 1e12 gives the I above.", "1e-5 /s", FieldKind::Number {
         dimension: Dimension::RATE,
         bounds: ["1e-12 /s", "1e6 /s"],
         absent: None,
@@ -305,7 +311,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
             shear.rate = Rate::StrainRate { strain_rate, density_scaling };
         },
     }),
-    entry("shear", "density_scaling", "Factor on the density of every grain; only together with strain_rate.", "1e12", Kind::Number {
+    entry("shear", "density_scaling", "Factor on the density of every grain; only together with strain_rate.", "1e12", FieldKind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-6", "1e24"],
         absent: None,
@@ -318,7 +324,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         },
     }),
     entry("shear", "mean_stress", "Mean stress p held constant.", "sample",
-        Kind::Number {
+        FieldKind::Number {
             dimension: Dimension::STRESS,
             bounds: ["0.001 Pa", "100 GPa"],
             absent: Some(["sample", "that of the sample"]),
@@ -328,7 +334,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
 
     entry("recording", "states", "Number of equal intervals of deviator strain; a state is recorded at each end of an interval.", "120",
         count!(1..=1_000_000, recording.states)),
-    entry("recording", "first_strain", "Deviator strain of the first state after the start: states are then spaced from there to the end by a constant factor.", "none", Kind::Number {
+    entry("recording", "first_strain", "Deviator strain of the first state after the start: states are then spaced from there to the end by a constant factor.", "none", FieldKind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-9", "3"],
         absent: Some(["none", "equal intervals"]),
@@ -342,7 +348,7 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
             None => {}
         },
     }),
-    entry("recording", "strains", "Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3, 0.01, 0.1].", "none", Kind::List {
+    entry("recording", "strains", "Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3, 0.01, 0.1].", "none", FieldKind::List {
         dimension: Dimension::NUMBER,
         bounds: ["1e-9", "3"],
         absent: ["none", "given by states and first_strain"],
@@ -358,14 +364,14 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
             }
         },
     }),
-    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are saved, in addition to the start and the end, e.g. [0.01, 0.1].", "none", Kind::List {
+    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are saved, in addition to the start and the end, e.g. [0.01, 0.1].", "none", FieldKind::List {
         dimension: Dimension::NUMBER,
         bounds: ["1e-9", "3"],
         absent: ["none", "start and end only"],
         get: |case| case.recording.snapshots.clone(),
         set: |case, strains| case.recording.snapshots = strains,
     }),
-    entry("recording", "sensors", "Sensors that are recorded in addition to the usual ones, e.g. [\"overlap_distribution\"]; `granum measure --list` shows all.", "none", Kind::Names {
+    entry("recording", "sensors", "Sensors that are recorded in addition to the usual ones, e.g. [\"overlap_distribution\"]; `granum measure --list` shows all.", "none", FieldKind::Names {
         what: "sensors",
         absent: ["none", "the usual ones"],
         get: |case| case.recording.sensors.clone(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use granum_dem::loading::preset::{Default as ParameterDefault, Given, Preset, Value as PathValue};
+use granum_dem::loading::preset::{Given, PathParameterDefault, PathValue, Preset};
 
 use toml::de::{DeTable, DeValue};
 
@@ -173,10 +173,10 @@ fn add_path(all: &mut Vec<CaseParameter>, place: &str, path: &Preset, given: &Gi
             }
             // The strain rate replaces the default speed.
             (None, _) if by_strain_rate && parameter.key == "inertial_number" => continue,
-            (None, ParameterDefault::Value(number)) => ParameterValue::Number(number),
-            (None, ParameterDefault::Word(word)) => ParameterValue::Word(word.into()),
-            (None, ParameterDefault::List(values)) => ParameterValue::List(values.to_vec()),
-            (None, ParameterDefault::Absent(_) | ParameterDefault::Needed) => continue,
+            (None, PathParameterDefault::Value(number)) => ParameterValue::Number(number),
+            (None, PathParameterDefault::Word(word)) => ParameterValue::Word(word.into()),
+            (None, PathParameterDefault::List(values)) => ParameterValue::List(values.to_vec()),
+            (None, PathParameterDefault::Absent(_) | PathParameterDefault::Needed) => continue,
         };
         let unit = match value {
             ParameterValue::Word(_) => String::new(),

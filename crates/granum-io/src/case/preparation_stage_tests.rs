@@ -1,6 +1,6 @@
 //! Tests of the tables `[[preparation.stage]]`.
 
-use granum_dem::loading::preset::{self, Given, Value};
+use granum_dem::loading::preset::{self, Given, PathValue};
 use granum_dem::loading::{Drive, Measure, Ramp, RecordedStates, Start, Until};
 use proptest::prelude::*;
 
@@ -176,7 +176,7 @@ fn what_a_program_gives_is_checked_as_well() {
     };
     let path = |name: &str, key: &str, value: f64| CaseStage::Path {
         path: preset::named(name).unwrap(),
-        parameters: Given::from([(key.to_string(), Value::Number(value))]),
+        parameters: Given::from([(key.to_string(), PathValue::Number(value))]),
         resets: true,
     };
     let message = |stage| fault(stage).unwrap_err();

@@ -83,7 +83,7 @@ impl Case {
         })?;
         let bare_numbers = reading.bare_numbers;
         let vocabulary = reading.vocabulary.clone();
-        let fields = Fields::of(&vocabulary);
+        let fields = Fields::new(&vocabulary);
         let mut reader = Reader {
             file,
             folder,

@@ -1,7 +1,7 @@
 //! The JSON schema of a case file, generated from the lists of its keys.
 
 use granum_dem::loading::Measure;
-use granum_dem::loading::preset::{self, Default, Kind, Parameter};
+use granum_dem::loading::preset::{self, PathParameter, PathParameterDefault, PathParameterKind};
 use granum_dem::servo::COMPONENTS;
 use serde_json::{Map, Value, json};
 
@@ -22,7 +22,7 @@ impl Case {
 
     /// The same with the contact laws and paths of a program.
     pub fn schema_with(vocabulary: &Vocabulary) -> Value {
-        let fields = Fields::of(vocabulary);
+        let fields = Fields::new(vocabulary);
         let mut root = object("A granum case: all inputs that determine a result.", Map::new());
         for [section, help] in SECTIONS {
             let mut keys = Map::new();
@@ -139,27 +139,27 @@ fn pair(fields: &Fields) -> Value {
     schema
 }
 
-fn of_parameter(parameter: &Parameter) -> Value {
+fn of_parameter(parameter: &PathParameter) -> Value {
     let mut schema = match parameter.kind {
-        Kind::Number => quantity(parameter.help, &bounds(parameter), parameter.unit),
-        Kind::Word(words) => {
+        PathParameterKind::Number => quantity(parameter.help, &bounds(parameter), parameter.unit),
+        PathParameterKind::Word(words) => {
             let names: Vec<&str> = words.iter().map(|[word, _]| *word).collect();
             let meanings: Vec<String> =
                 words.iter().map(|[word, meaning]| format!("{word}: {meaning}")).collect();
             json!({ "description": format!("{} {}", parameter.help, meanings.join("; ")), "enum": names })
         }
-        Kind::List => {
+        PathParameterKind::List => {
             let items = json!({ "type": ["number", "string"] });
             json!({ "description": parameter.help, "type": "array", "items": items })
         }
-        Kind::History => json!({ "description": parameter.help, "type": "string" }),
+        PathParameterKind::History => json!({ "description": parameter.help, "type": "string" }),
     };
     match parameter.default {
-        Default::Value(value) => schema["default"] = json!(value),
-        Default::Word(word) => schema["default"] = json!(word),
-        Default::List(values) => schema["default"] = json!(values),
-        Default::Needed => {}
-        Default::Absent(meaning) => {
+        PathParameterDefault::Value(value) => schema["default"] = json!(value),
+        PathParameterDefault::Word(word) => schema["default"] = json!(word),
+        PathParameterDefault::List(values) => schema["default"] = json!(values),
+        PathParameterDefault::Needed => {}
+        PathParameterDefault::Absent(meaning) => {
             let text = schema["description"].as_str().unwrap_or_default().to_string();
             schema["description"] = json!(format!("{text} If left out: {meaning}."));
         }
@@ -175,7 +175,7 @@ fn of_path(preset: &preset::Preset) -> Value {
         "resets".into(),
         json!({ "type": "boolean", "description": "False if strain, time and energy continue to count from an earlier stage.", "default": true }),
     );
-    if preset.parameters().any(|parameter| parameter.kind == Kind::History) {
+    if preset.parameters().any(|parameter| parameter.kind == PathParameterKind::History) {
         let columns =
             json!({ "type": "array", "description": "Names of the columns, if the case contains the rows." });
         let rows = json!({ "type": "array", "items": { "type": "array" }, "description": "The rows, instead of a file." });

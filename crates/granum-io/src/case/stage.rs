@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_dem::config::Recording;
 use granum_dem::loading::preset::{
-    self, Default as ParameterDefault, Fault, Given, Kind, Parameter, Preset, Value,
+    self, Given, PathFault, PathParameter, PathParameterDefault, PathParameterKind, PathValue, Preset,
 };
 use granum_dem::loading::{RecordedStates, Stage, Start};
 
@@ -38,8 +38,8 @@ pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
 }
 
 /// What is wrong with parameters of a path together: the key, and a sentence that begins with it.
-pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<Fault> {
-    let needed = |p: &&Parameter| p.default == ParameterDefault::Needed && !given.contains_key(p.key);
+pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<PathFault> {
+    let needed = |p: &&PathParameter| p.default == PathParameterDefault::Needed && !given.contains_key(p.key);
     if let Some(parameter) = preset.parameters().find(needed) {
         return Some((parameter.key, format!("{} must be given", parameter.key)));
     }
@@ -62,28 +62,28 @@ pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<Fault> {
 ///
 /// # Errors
 /// A sentence that continues "key = value".
-pub(super) fn parse_value(parameter: &Parameter, text: &str) -> std::result::Result<Value, String> {
+pub(super) fn parse_value(parameter: &PathParameter, text: &str) -> std::result::Result<PathValue, String> {
     match parameter.kind {
-        Kind::Number => parse_number(parameter, text).map(Value::Number),
-        Kind::Word(words) => match words.iter().find(|[word, _]| *word == text) {
-            Some([word, _]) => Ok(Value::Word((*word).into())),
+        PathParameterKind::Number => parse_number(parameter, text).map(PathValue::Number),
+        PathParameterKind::Word(words) => match words.iter().find(|[word, _]| *word == text) {
+            Some([word, _]) => Ok(PathValue::Word((*word).into())),
             None => Err(format!("is not known; {}", meant(text, words.iter().map(|[word, _]| *word)))),
         },
-        Kind::List => {
+        PathParameterKind::List => {
             let values = text.split(',').map(|part| parse_number(parameter, part.trim()));
             let values = values.collect::<std::result::Result<Vec<f64>, String>>()?;
             if values.windows(2).any(|pair| pair[0] >= pair[1]) {
                 return Err("does not increase from value to value".into());
             }
-            Ok(Value::List(values))
+            Ok(PathValue::List(values))
         }
-        Kind::History => history::read(Path::new(text))
-            .map(Value::History)
+        PathParameterKind::History => history::read(Path::new(text))
+            .map(PathValue::History)
             .map_err(|error| format!("cannot be used: {error}")),
     }
 }
 
-fn parse_number(parameter: &Parameter, text: &str) -> std::result::Result<f64, String> {
+fn parse_number(parameter: &PathParameter, text: &str) -> std::result::Result<f64, String> {
     let value = parse_quantity(text, dimension(parameter.unit))? + 0.0;
     check_number(parameter, value).map(|()| value).map_err(|why| {
         match in_per_cent_instead(parameter, value, text) {
@@ -93,7 +93,7 @@ fn parse_number(parameter: &Parameter, text: &str) -> std::result::Result<f64, S
     })
 }
 
-fn check_number(parameter: &Parameter, value: f64) -> std::result::Result<(), String> {
+fn check_number(parameter: &PathParameter, value: f64) -> std::result::Result<(), String> {
     let [low, high] = parameter.bounds;
     if (low..=high).contains(&value) {
         return Ok(());
@@ -102,18 +102,20 @@ fn check_number(parameter: &Parameter, value: f64) -> std::result::Result<(), St
 }
 
 /// Checks a value that a program gave.
-fn check_value(parameter: &Parameter, value: &Value) -> std::result::Result<(), String> {
+fn check_value(parameter: &PathParameter, value: &PathValue) -> std::result::Result<(), String> {
     match (parameter.kind, value) {
-        (Kind::Number, Value::Number(number)) => check_number(parameter, *number),
-        (Kind::Word(_), Value::Word(word)) => parse_value(parameter, word).map(drop),
-        (Kind::List, Value::List(values)) => values.iter().try_for_each(|x| check_number(parameter, *x)),
-        (Kind::History, Value::History(history)) => history.fault().map_or(Ok(()), Err),
+        (PathParameterKind::Number, PathValue::Number(number)) => check_number(parameter, *number),
+        (PathParameterKind::Word(_), PathValue::Word(word)) => parse_value(parameter, word).map(drop),
+        (PathParameterKind::List, PathValue::List(values)) => {
+            values.iter().try_for_each(|x| check_number(parameter, *x))
+        }
+        (PathParameterKind::History, PathValue::History(history)) => history.fault().map_or(Ok(()), Err),
         _ => Err("has the wrong type".into()),
     }
 }
 
 /// "from 0.001 Pa to 1e11 Pa".
-pub(super) fn bounds(parameter: &Parameter) -> String {
+pub(super) fn bounds(parameter: &PathParameter) -> String {
     let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
     let [low, high] = parameter.bounds.map(format_number);
     format!("from {low}{unit} to {high}{unit}")
@@ -200,7 +202,7 @@ impl Case {
     }
 
     /// The parameter of a path that a key such as `stage.1.axial_strain` sets.
-    pub(super) fn parameter_of(&self, path: &str) -> Option<&'static Parameter> {
+    pub(super) fn parameter_of(&self, path: &str) -> Option<&'static PathParameter> {
         let (mut list, rest) = match path.strip_prefix("preparation.stage.") {
             Some(rest) => (self.preparation_stages.as_slice(), rest),
             None => (self.test.tables(), path.strip_prefix("stage.")?),
@@ -384,9 +386,9 @@ fn check_path(preset: &Preset, parameters: &Given, place: &str) -> Result<()> {
         let found = preset.parameter(key).map(|parameter| check_value(parameter, value));
         if let Some(Err(message)) = found {
             let value = match value {
-                Value::Number(number) => format_number(*number),
-                Value::Word(word) => word.clone(),
-                Value::List(_) | Value::History(_) => "...".into(),
+                PathValue::Number(number) => format_number(*number),
+                PathValue::Word(word) => word.clone(),
+                PathValue::List(_) | PathValue::History(_) => "...".into(),
             };
             return Err(Error::Value { name: format!("{place}.{key}"), value, message });
         }

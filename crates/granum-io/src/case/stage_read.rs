@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use granum_dem::loading::preset::{Given, Kind, Preset, Value};
+use granum_dem::loading::preset::{Given, PathParameterKind, PathValue, Preset};
 use granum_dem::loading::{Control, Drive, Kinematics, SERVO_LIMIT, Speed, Stage, Start, Until};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
@@ -219,11 +219,11 @@ impl TableReader<'_, '_> {
         let before = self.reader.errors.len();
         self.records_nothing(table, &RECORDING_KEYS);
         let mut parameters = Given::new();
-        let of_history = preset.parameters().find(|parameter| parameter.kind == Kind::History);
+        let of_history = preset.parameters().find(|parameter| parameter.kind == PathParameterKind::History);
         if let Some(parameter) = of_history
             && let Some(history) = self.history(table, span)
         {
-            parameters.insert(parameter.key.to_string(), Value::History(history));
+            parameters.insert(parameter.key.to_string(), PathValue::History(history));
         }
         for (key, value) in
             table.iter().filter(|(key, _)| !["path", "resets"].contains(&key.get_ref().as_ref()))
@@ -238,7 +238,7 @@ impl TableReader<'_, '_> {
                 continue;
             };
             let found = match parameter.kind {
-                Kind::List => numbers(value).map(|texts| texts.join(",")),
+                PathParameterKind::List => numbers(value).map(|texts| texts.join(",")),
                 _ => scalar(value),
             };
             let found = found.and_then(|text| {

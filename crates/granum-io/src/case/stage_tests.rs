@@ -1,6 +1,6 @@
 //! Tests of the tables `[[stage]]`.
 
-use granum_dem::loading::preset::{self, Given, Kind, Value};
+use granum_dem::loading::preset::{self, Given, PathParameterKind, PathValue};
 use granum_dem::loading::{Drive, History, Kinematics, Measure, Quantity, Ramp, Speed, Start, Target, Until};
 use proptest::prelude::*;
 
@@ -344,21 +344,23 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
             let [low, high] = parameter.bounds;
             let number = (low + place * (high - low)).clamp(low, high);
             let value = match parameter.kind {
-                Kind::History => {
+                PathParameterKind::History => {
                     let columns = vec![Quantity::Strain(0), Quantity::Stress(5)];
-                    Value::History(History { columns, rows: vec![vec![0.1 * place, -1e5 * place]; 2] })
+                    PathValue::History(History { columns, rows: vec![vec![0.1 * place, -1e5 * place]; 2] })
                 }
                 _ if !given || ["strain_rate", "density_scaling"].contains(&parameter.key) => continue,
-                Kind::Number => Value::Number(number.floor().max(low)),
-                Kind::Word(words) => Value::Word(words[(place * words.len() as f64) as usize][0].into()),
-                Kind::List => Value::List(vec![0.1 * place, 0.1 + place]),
+                PathParameterKind::Number => PathValue::Number(number.floor().max(low)),
+                PathParameterKind::Word(words) => {
+                    PathValue::Word(words[(place * words.len() as f64) as usize][0].into())
+                }
+                PathParameterKind::List => PathValue::List(vec![0.1 * place, 0.1 + place]),
             };
             parameters.insert(parameter.key.to_string(), value);
         }
         // The two ways to say how fast exclude each other.
         if resets && !parameters.contains_key("inertial_number") {
-            parameters.insert("strain_rate".into(), Value::Number(1e-5));
-            parameters.insert("density_scaling".into(), Value::Number(1e12));
+            parameters.insert("strain_rate".into(), PathValue::Number(1e-5));
+            parameters.insert("density_scaling".into(), PathValue::Number(1e12));
         }
         while let Some((key, _)) = path.fault(&parameters) {
             parameters.remove(key);

@@ -1,7 +1,7 @@
 //! Writing the tables `[[stage]]` of a case as TOML in SI units.
 
 use granum_dem::config::Spacing;
-use granum_dem::loading::preset::{Given, Preset, Value};
+use granum_dem::loading::preset::{Given, PathValue, Preset};
 use granum_dem::loading::{
     Drive, Kinematics, Ramp, RecordedStates, Speed, Stage, Start, Target, Turns, Until,
 };
@@ -35,14 +35,14 @@ fn path_toml(path: &Preset, parameters: &Given, resets: bool) -> String {
         let key = parameter.key;
         match parameters.get(key) {
             None => {}
-            Some(Value::Number(value)) => {
+            Some(PathValue::Number(value)) => {
                 let unit =
                     if parameter.unit == "1" { String::new() } else { format!("  # {}", parameter.unit) };
                 text.push_str(&format!("{key} = {}{unit}\n", format_number(*value)));
             }
-            Some(Value::Word(word)) => text.push_str(&format!("{key} = {}\n", toml_text(word))),
-            Some(Value::List(values)) => text.push_str(&format!("{key} = {}\n", list(values))),
-            Some(Value::History(values)) => text.push_str(&history::toml(values)),
+            Some(PathValue::Word(word)) => text.push_str(&format!("{key} = {}\n", toml_text(word))),
+            Some(PathValue::List(values)) => text.push_str(&format!("{key} = {}\n", list(values))),
+            Some(PathValue::History(values)) => text.push_str(&history::toml(values)),
         }
     }
     if !resets {

@@ -4,7 +4,7 @@
 //! a list takes a text such as `0.01,0.1` as one value, as ever; several lists are written as a list of lists,
 //! `[[0.01, 0.1], [0.02, 0.2]]`. A key whose value is a file takes several files in brackets, `[a.csv, b.csv]`.
 
-use granum_dem::loading::preset::Kind;
+use granum_dem::loading::preset::PathParameterKind;
 
 use super::case_stage::CaseStage;
 use super::definition::Case;
@@ -57,10 +57,10 @@ fn shape_in_stage(stages: &[CaseStage], rest: &str) -> ValueShape {
         _ => None,
     });
     match found.map(|parameter| parameter.kind) {
-        Some(Kind::Number) => ValueShape::Number,
-        Some(Kind::List) => ValueShape::List,
-        Some(Kind::History) => ValueShape::File,
-        Some(Kind::Word(_)) | None => ValueShape::Plain,
+        Some(PathParameterKind::Number) => ValueShape::Number,
+        Some(PathParameterKind::List) => ValueShape::List,
+        Some(PathParameterKind::History) => ValueShape::File,
+        Some(PathParameterKind::Word(_)) | None => ValueShape::Plain,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::contact::choice::registry::{Law, Laws, RegisterError as LawError};
-use granum_dem::loading::preset::{Paths, Preset, RegisterError as PathError};
+use granum_dem::contact::choice::registry::{Law, LawError, Laws};
+use granum_dem::loading::preset::{PathError, Paths, Preset};
 use granum_sensors::{Sensor, SensorError, Sensors};
 
 /// The laws, paths and sensors that the words of a case file stand for: those of granum, and those that a program adds. Cases are
@@ -160,7 +160,7 @@ mod tests {
         "Axis x is compressed.",
         &[number("shortening", "Strain along x at the end.", 0.1, [1e-6, 1.0]), INERTIAL_NUMBER],
         |values| {
-            let control = Control::of(values.speed(), [Drive::Rate(1.0); 6].map(|_| Drive::Fixed));
+            let control = Control::new(values.speed(), [Drive::Rate(1.0); 6].map(|_| Drive::Fixed));
             let end = Until::Reaches { measure: Measure::Strain(0), value: values.number("shortening") };
             vec![Stage::new("shortening", control, vec![end])]
         },

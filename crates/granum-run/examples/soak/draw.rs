@@ -2,7 +2,7 @@
 
 use granum_dem::config::{NormalKind, Rate, Recording, Shear};
 use granum_dem::contact::choice::check::{parameters_of, sets};
-use granum_dem::loading::preset::{self, Given, Value};
+use granum_dem::loading::preset::{self, Given, PathValue};
 use granum_dem::loading::{History, Quantity};
 use granum_io::Case;
 use granum_io::case::{CaseStage, CaseTest};
@@ -205,15 +205,15 @@ impl Draws {
         }
         match path.name {
             "cyclic" if !records => {
-                given.insert("drainage".into(), Value::Word("drained".into()));
+                given.insert("drainage".into(), PathValue::Word("drained".into()));
             }
             "unload-reload" => {
-                given.insert("at".into(), Value::List(vec![0.5 * strain]));
+                given.insert("at".into(), PathValue::List(vec![0.5 * strain]));
             }
             "history" => {
                 let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
                 let rows = vec![vec![strain, 1.1 * pressure], vec![0.5 * strain, pressure]];
-                given.insert("file".into(), Value::History(History { columns, rows }));
+                given.insert("file".into(), PathValue::History(History { columns, rows }));
             }
             _ => {}
         }

@@ -192,7 +192,7 @@ fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: 
     let held = |a: usize| Drive::Stress(Target::held(wanted.unwrap_or(own[a][a])));
     let speed = Speed::InertialNumber { number: REST_INERTIAL_NUMBER, at: None };
     let drives = [held(0), held(1), held(2), Drive::Fixed, Drive::Fixed, Drive::Fixed];
-    let control = Control { servo_limit: 1.0, ..Control::of(speed, drives) };
+    let control = Control { servo_limit: 1.0, ..Control::new(speed, drives) };
     let until = Until::AtRest { unbalanced_force: case.preparation.unbalanced_force };
     let rest = Stage::new("rest", control, vec![until]).with(|stage| {
         stage.settling = true;

@@ -32,7 +32,7 @@ const LARGEST: u64 = 1 << 30;
 ///
 /// let base = tempfile::tempdir()?;
 /// let queue = Queue::new(vec![QueuedRun::test("a", Case::default(), Source::Case, base.path().join("a"))])?;
-/// RunList::of(&queue, base.path())?.write(base.path())?;
+/// RunList::from_queue(&queue, base.path())?.write(base.path())?;
 /// let read = RunList::read(base.path())?.expect("it was written");
 /// assert_eq!(read.queue(base.path())?, queue);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -69,7 +69,7 @@ impl RunList {
     ///
     /// # Errors
     /// If a packing cannot be read.
-    pub fn of(queue: &Queue, folder: &Path) -> Result<RunList, LaboratoryError> {
+    pub fn from_queue(queue: &Queue, folder: &Path) -> Result<RunList, LaboratoryError> {
         let listed = |run: &QueuedRun| -> Result<Listed, LaboratoryError> {
             Ok(Listed {
                 name: run.name.clone(),

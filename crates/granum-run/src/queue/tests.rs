@@ -141,7 +141,7 @@ fn a_stop_ends_all_runs_in_good_order_and_the_queue_continues() {
     assert!(words(&outcomes).contains(&"not begun"));
 
     // It continues from its file.
-    RunList::of(&queue, base.path()).unwrap().write(base.path()).unwrap();
+    RunList::from_queue(&queue, base.path()).unwrap().write(base.path()).unwrap();
     let read = RunList::read(base.path()).unwrap().unwrap().queue(base.path()).unwrap();
     assert_eq!(read, queue);
     assert_eq!(words(&read.run(&laboratory(), &NoQueueObserver)), ["finished"; 5]);
@@ -181,7 +181,7 @@ fn what_cannot_run_is_refused_before_anything_is_written() {
 fn a_list_of_runs_stays_in_its_folder() {
     let base = tempfile::tempdir().unwrap();
     let queue = Queue::new(tests(base.path(), &["0.01"])).unwrap();
-    RunList::of(&queue, base.path()).unwrap().write(base.path()).unwrap();
+    RunList::from_queue(&queue, base.path()).unwrap().write(base.path()).unwrap();
     let path = base.path().join(RUN_LIST);
     let text = std::fs::read_to_string(&path).unwrap();
     let message = |text: &str| {

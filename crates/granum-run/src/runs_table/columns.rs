@@ -65,7 +65,7 @@ pub struct RunsTable {
 
 impl RunsTable {
     /// The table of runs, with a row for each in their order.
-    pub fn of(runs: &[RunEntry]) -> RunsTable {
+    pub fn from_runs(runs: &[RunEntry]) -> RunsTable {
         let mut table = RunsTable::default();
         let words = |of: &dyn Fn(&RunEntry) -> String| runs.iter().map(of).collect::<Vec<_>>();
         table.add(Column::of_words("name", words(&|run| run.name.clone())), true);

@@ -12,7 +12,7 @@
 //!     let record = RunRecord::new(granum_io::RunKind::Test, "0.1.0", &case, Machine::default());
 //!     Ok::<_, granum_io::Error>(RunEntry::new(name, name, case, record))
 //! };
-//! let table = RunsTable::of(&[entry("a", "0.2")?, entry("b", "0.4")?]);
+//! let table = RunsTable::from_runs(&[entry("a", "0.2")?, entry("b", "0.4")?]);
 //! assert_eq!(table.column("grains.material.friction").unwrap().numbers().unwrap(), [0.2, 0.4]);
 //! # Ok::<(), granum_io::Error>(())
 //! ```

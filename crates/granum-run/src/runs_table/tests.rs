@@ -22,7 +22,7 @@ fn a_row_has_the_keys_that_differ_the_measures_and_the_checks() {
         &format!("[contact]\nnormal = 'hertz'\n{PATH}lateral_stress = '100 kPa'\n"),
         &[("solid_fraction", 0.5), ("peak_friction_angle", 31.0)],
     );
-    let table = RunsTable::of(&[a, b]);
+    let table = RunsTable::from_runs(&[a, b]);
     let numbers =
         |name: &str| table.column(name).unwrap_or_else(|| panic!("{name}")).numbers().unwrap().to_vec();
     assert_eq!(numbers("stage.1.lateral_stress"), [5e4, 1e5]);

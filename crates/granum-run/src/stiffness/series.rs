@@ -30,7 +30,7 @@ impl Probed {
     ///
     /// # Errors
     /// As [`measure`].
-    pub fn of(simulation: &Simulation, probing: &Probing) -> Result<Probed, StiffnessError> {
+    pub fn from_simulation(simulation: &Simulation, probing: &Probing) -> Result<Probed, StiffnessError> {
         let stiffness = measure(simulation, probing)?;
         let state = simulation.state();
         let strain = state.strain();
@@ -105,7 +105,7 @@ impl Observer for Probes {
             return;
         }
         self.due.remove(0);
-        match Probed::of(simulation, &self.probing) {
+        match Probed::from_simulation(simulation, &self.probing) {
             Ok(probed) => self.found.push(probed),
             Err(error) => self.failed = Some(error),
         }

@@ -161,7 +161,7 @@ fn stress_force_and_fabric_agree() {
 fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
     for a in sheared() {
         let observation = granum_sensors::Observation::new(a);
-        let found = granum_sensors::anisotropies::Anisotropy::of(&observation);
+        let found = granum_sensors::anisotropies::Anisotropy::from_observation(&observation);
         let [contact, normal, tangential] = anisotropies(a);
         for (value, along) in
             [(found.contacts, contact), (found.normal, normal), (found.tangential, tangential)]

@@ -210,7 +210,12 @@ impl Recorder {
     /// A state by its place among those so far, of a stage with this number in a test with these columns.
     pub fn state(&self, index: usize, stage: usize, columns: RecordedColumns) -> RecordedState {
         let rows = self.saved.states.get(index).into_iter().map(|sums| (stage, sums));
-        RecordedState::of(Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, columns))
+        RecordedState::from_record(Record::from_states(
+            &self.columns_by_sensor(),
+            &self.bins(),
+            rows,
+            columns,
+        ))
     }
 
     /// True if its state can follow from the given fresh recorder: a recorder from a file may be damaged or belong to another test.

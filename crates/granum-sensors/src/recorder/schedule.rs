@@ -175,10 +175,10 @@ impl Schedule {
     /// observation is also due if the strain falls short only by a rounding error: the caller may have summed it in another order.
     pub(super) fn due(&mut self, assembly: &Assembly) -> Option<usize> {
         let reading = match self.measure.needs_stress() {
-            true => MacroState::of(assembly),
+            true => MacroState::from_assembly(assembly),
             false => MacroState::without_stress(assembly),
         };
-        let strain = self.measure.of(&reading) - self.origin + self.tolerance();
+        let strain = self.measure.value(&reading) - self.origin + self.tolerance();
         if strain.is_nan() || strain < self.next_observation() {
             return None;
         }

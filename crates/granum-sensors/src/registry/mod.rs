@@ -10,7 +10,7 @@ use granum_dem::config::{RecordedColumns, Recording};
 use granum_dem::contact::EnergyChannel;
 use granum_dem::contact::choice::registry::Laws;
 
-use crate::declared::{self, DeclaredParameter, OWN_KEYS};
+use crate::declared::{DeclaredParameter, OWN_KEYS, declared_parameters};
 use crate::energy_channel::ChannelEnergy;
 use crate::histogram::{Bins, Histogram};
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
@@ -255,7 +255,7 @@ impl Sensors {
     /// Every parameter that these sensors declare, granum's first.
     pub fn declared_parameters(&self) -> Vec<DeclaredParameter> {
         let of_granum = |known: &Arc<Known>| STANDARD.0.iter().any(|own| Arc::ptr_eq(own, known));
-        declared::of(
+        declared_parameters(
             self.0
                 .iter()
                 .map(|known| (&known.description, known.recorded == Recorded::Always, of_granum(known))),

@@ -30,7 +30,7 @@ struct Known {
 }
 
 impl Expected {
-    fn of(
+    fn known(
         &self,
         ground: &Ground,
         program: &Program,
@@ -88,7 +88,7 @@ pub fn attack(
     case.told = format!("{}: {told}", file.display());
     let mut faults = Vec::new();
     for _ in 0..2 {
-        let line = case.random.of(target.lines);
+        let line = case.random.pick(target.lines);
         let subject = Subject { ground, program, expected, target, folder: &folder, file: &file };
         faults.extend(subject.judge(line)?);
     }
@@ -97,12 +97,12 @@ pub fn attack(
 
 /// The file that is damaged.
 fn chosen(folder: &Path, target: &Target, random: &mut Random) -> PathBuf {
-    let name = random.of(target.damaged);
+    let name = random.pick(target.damaged);
     if folder.join(name).is_file() {
         return PathBuf::from(name);
     }
     let files = files::under(&folder.join(name));
-    Path::new(name).join(random.of(&files))
+    Path::new(name).join(random.pick(&files))
 }
 
 /// Damages a file in a folder, and says how.
@@ -125,7 +125,7 @@ fn damage_file(ground: &Ground, folder: &Path, file: &Path, random: &mut Random)
         }
         5 => {
             fs::remove_file(&path).map_err(failed)?;
-            let device = random.of(&["/dev/zero", "/dev/full", "/dev/null"]);
+            let device = random.pick(&["/dev/zero", "/dev/full", "/dev/null"]);
             std::os::unix::fs::symlink(device, &path).map_err(failed)?;
             Ok(format!("a link to {device} in its place"))
         }
@@ -165,7 +165,7 @@ fn donor(ground: &Ground, file: &Path, random: &mut Random) -> PathBuf {
         .collect();
     let mut same = same;
     same.sort();
-    if same.is_empty() { ground.folder.join(file) } else { random.of(&same).clone() }
+    if same.is_empty() { ground.folder.join(file) } else { random.pick(&same).clone() }
 }
 
 /// A folder with a damaged file.
@@ -188,7 +188,7 @@ impl Subject<'_> {
         if matches!(line.rule, Rule::Told | Rule::Left(_)) {
             // What fails with undamaged files says nothing about damage.
             let left = if let Rule::Left(out) = line.rule { out } else { "" };
-            let known = self.expected.of(self.ground, self.program, self.target, line.words, left);
+            let known = self.expected.known(self.ground, self.program, self.target, line.words, left);
             if let Err(what) = known {
                 return Ok(vec![Fault {
                     kind: "undamaged",
@@ -231,7 +231,7 @@ impl Subject<'_> {
 
     /// What is wrong with a success.
     fn claim(&self, line: &'static Line, ended: &Ended) -> Result<Option<String>, String> {
-        let known = |line, left| self.expected.of(self.ground, self.program, self.target, line, left);
+        let known = |line, left| self.expected.known(self.ground, self.program, self.target, line, left);
         Ok(match line.rule {
             Rule::Calm => None,
             Rule::Told => (known(line.words, "")?.output != ended.output)

@@ -80,7 +80,7 @@ fn edit(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) -> String {
             format!("cut off at byte {at}")
         }
         4 => {
-            let token = *random.of(&TOKENS);
+            let token = *random.pick(&TOKENS);
             drop(bytes.splice(at..at, token.iter().copied()));
             format!("{token:?} put in at byte {at}")
         }
@@ -126,11 +126,11 @@ fn binary_number(bytes: &mut [u8], random: &mut Random) -> String {
     // Binary numbers usually begin at multiples of four.
     let at = random.below((bytes.len() - size) / 4 + 1) * 4;
     if size == 8 {
-        let value = random.of(&values);
+        let value = random.pick(&values);
         bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
         format!("{value:e} as eight bytes at byte {at}")
     } else {
-        let value = random.of(&whole);
+        let value = random.pick(&whole);
         bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
         format!("{value} as four bytes at byte {at}")
     }
@@ -149,7 +149,7 @@ fn number(bytes: &mut Vec<u8>, random: &mut Random) -> String {
     let new = match random.below(4) {
         0 => format!("{old}{}", random.below(1000)),
         1 => format!("-{old}"),
-        _ => (*random.of(&EXTREMES)).to_string(),
+        _ => (*random.pick(&EXTREMES)).to_string(),
     };
     drop(bytes.splice(begin..end, new.bytes()));
     format!("{old} became {new:?} at byte {begin}")

@@ -28,7 +28,7 @@ const NAMES: [&[u8]; 14] = [
 
 /// Runs the commands on a folder with such a name.
 pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec<Fault>, String> {
-    let bytes = *case.random.of(&NAMES);
+    let bytes = *case.random.pick(&NAMES);
     let name = OsString::from_vec(bytes.to_vec());
     case.told = format!("a folder with the name {name:?}");
     let path = case.folder.join(&name);
@@ -81,7 +81,7 @@ pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec
     let patient = Program { longest: 3 * program.longest, ..program.clone() };
     let mut faults = Vec::new();
     for _ in 0..4 {
-        let mut words = case.random.of(&lines).clone();
+        let mut words = case.random.pick(&lines).clone();
         if case.random.chance(0.5) {
             words.insert(0, text("--json"));
         }

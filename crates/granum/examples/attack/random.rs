@@ -34,7 +34,7 @@ impl Random {
     }
 
     /// One of a list that is not empty.
-    pub fn of<'a, T>(&mut self, list: &'a [T]) -> &'a T {
+    pub fn pick<'a, T>(&mut self, list: &'a [T]) -> &'a T {
         &list[self.below(list.len())]
     }
 

@@ -35,26 +35,26 @@ pub struct Fault {
 }
 
 /// The kind of a case.
-enum Kind {
+enum RoundKind {
     Damage(&'static Target),
     Misfortune(Misfortune),
     Names,
 }
 
-impl Kind {
-    fn draw(random: &mut Random) -> Kind {
+impl RoundKind {
+    fn draw(random: &mut Random) -> RoundKind {
         match random.below(20) {
-            0..=15 => Kind::Damage(damage::draw(random)),
-            16..=18 => Kind::Misfortune(unlucky::draw(random)),
-            _ => Kind::Names,
+            0..=15 => RoundKind::Damage(damage::draw(random)),
+            16..=18 => RoundKind::Misfortune(unlucky::draw(random)),
+            _ => RoundKind::Names,
         }
     }
 
     fn name(&self) -> &'static str {
         match self {
-            Kind::Damage(target) => target.name,
-            Kind::Misfortune(what) => what.name(),
-            Kind::Names => "names",
+            RoundKind::Damage(target) => target.name,
+            RoundKind::Misfortune(what) => what.name(),
+            RoundKind::Names => "names",
         }
     }
 }
@@ -133,7 +133,7 @@ impl Attack<'_> {
     }
 
     fn case(&self, number: u64) -> Result<(), String> {
-        let kind = Kind::draw(&mut Random::new(self.options.seed, number));
+        let kind = RoundKind::draw(&mut Random::new(self.options.seed, number));
         let name = kind.name();
         let wanted = &self.options.what;
         if !wanted.is_empty() && !wanted.iter().any(|what| what == name) {
@@ -164,16 +164,18 @@ impl Attack<'_> {
 
     fn attempt(&self, number: u64) -> Result<(Case, Vec<Fault>), String> {
         let mut random = Random::new(self.options.seed, number);
-        let kind = Kind::draw(&mut random);
+        let kind = RoundKind::draw(&mut random);
         let folder = self.base.join(format!("case-{number}"));
         let _ = fs::remove_dir_all(&folder);
         fs::create_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         let mut case = Case { random, folder, told: String::new() };
         let program = &self.options.program;
         let faults = match kind {
-            Kind::Damage(target) => damage::attack(self.ground, program, &self.expected, target, &mut case),
-            Kind::Misfortune(what) => unlucky::attack(self.ground, program, what, &mut case),
-            Kind::Names => names::attack(self.ground, program, &mut case),
+            RoundKind::Damage(target) => {
+                damage::attack(self.ground, program, &self.expected, target, &mut case)
+            }
+            RoundKind::Misfortune(what) => unlucky::attack(self.ground, program, what, &mut case),
+            RoundKind::Names => names::attack(self.ground, program, &mut case),
         };
         Ok((case, faults.map_err(|why| format!("case {number}: {why}"))?))
     }

@@ -103,7 +103,7 @@ pub fn attack(
     case: &mut Case,
 ) -> Result<Vec<Fault>, String> {
     let works = works(ground);
-    let work = case.random.of(&works);
+    let work = case.random.pick(&works);
     for name in work.needs {
         files::copy(&ground.folder.join(name), &case.folder.join(name))
             .map_err(|error| format!("{name}: {error}"))?;
@@ -163,7 +163,7 @@ impl Place<'_> {
         let kills = 1 + case.random.below(5);
         let mut told = Vec::new();
         for _ in 0..kills {
-            let signal = *case.random.of(&["KILL", "KILL", "TERM", "INT", "HUP"]);
+            let signal = *case.random.pick(&["KILL", "KILL", "TERM", "INT", "HUP"]);
             let after = self.work.whole.mul_f64(1.1 * case.random.fraction());
             told.push(format!("{signal} after {:.2} s", after.as_secs_f64()));
             case.told = format!("{}: {}", self.work.line, told.join(", "));
@@ -255,7 +255,7 @@ impl Place<'_> {
             "staged" => 3,
             _ => 4,
         };
-        let line = *case.random.of(&outputs[..number]);
+        let line = *case.random.pick(&outputs[..number]);
         let name = line.split(' ').next_back().unwrap_or_default();
         let first = self.start(line, Limits::default())?;
         if !first.succeeded() {
@@ -284,7 +284,7 @@ impl Place<'_> {
     /// Standard output or error cannot be written.
     fn lost(&self, case: &mut Case) -> Result<Vec<Fault>, String> {
         let lost =
-            *case.random.of(&[Lost::OutputFull, Lost::ErrorFull, Lost::OutputUnread, Lost::ErrorUnread]);
+            *case.random.pick(&[Lost::OutputFull, Lost::ErrorFull, Lost::OutputUnread, Lost::ErrorUnread]);
         let json = if case.random.chance(0.3) { "--json " } else { "" };
         let line = format!("{json}{}", self.work.line);
         case.told = format!("{line}: {lost:?}");

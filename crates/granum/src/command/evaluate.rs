@@ -53,7 +53,7 @@ impl Evaluate {
         for (run, states) in runs.into_iter().zip(data.runs()) {
             let states = scored_run(&study, states)?;
             let scores = score_run(&study, &states)?;
-            let relation = Relation::of(&run, Some(&study.runs));
+            let relation = Relation::new(&run, Some(&study.runs));
             if !relation.is_training() {
                 unseen.push(states);
             }

@@ -27,7 +27,7 @@ pub fn run(
     let data = dataset(&all, &folders.iter().collect::<Vec<_>>())?;
     let (mut results, mut lines, mut unseen) = (Vec::new(), Vec::new(), Vec::new());
     for (run, states) in runs.iter().zip(data.runs()) {
-        let relation = Relation::of(run, Some(&study.runs));
+        let relation = Relation::new(run, Some(&study.runs));
         if let Some(warning) = relation.warning(&run.name) {
             context.warn(&warning);
         }

@@ -23,7 +23,7 @@ struct NewValue {
 
 impl Relation {
     /// Compares a run with those that a study records.
-    pub fn of(run: &Recorded, known: Option<&[StudyRun]>) -> Relation {
+    pub fn new(run: &Recorded, known: Option<&[StudyRun]>) -> Relation {
         let training: Vec<&StudyRun> =
             known.unwrap_or_default().iter().filter(|other| other.role == RunRole::Training).collect();
         if training.is_empty() {
@@ -33,7 +33,8 @@ impl Relation {
         // The differences list values by the name of their run, so that this run needs a name that no training run has.
         let mut named: Vec<(&str, &StudyRun)> = training.iter().map(|other| ("training", *other)).collect();
         named.push(("this", &run.known));
-        let differences = differences_but_seed(&named).into_iter().filter_map(NewValue::of).collect();
+        let differences =
+            differences_but_seed(&named).into_iter().filter_map(NewValue::from_difference).collect();
         Relation { trained: Some(trained), differences }
     }
 
@@ -84,7 +85,7 @@ impl Relation {
 
 impl NewValue {
     /// The difference, if the value of this run occurs in no training run.
-    fn of(difference: Difference) -> Option<NewValue> {
+    fn from_difference(difference: Difference) -> Option<NewValue> {
         let key = difference.key;
         let (own, trained): (Vec<_>, Vec<_>) =
             difference.values.into_iter().partition(|(_, names)| names.iter().all(|name| name == "this"));

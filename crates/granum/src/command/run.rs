@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_dem::loading::preset::{Default, Kind, Parameter, Paths, Preset};
+use granum_dem::loading::preset::{PathParameter, PathParameterDefault, PathParameterKind, Paths, Preset};
 use serde_json::{Value, json};
 
 use super::test_run::TestRun;
@@ -82,31 +82,31 @@ fn list(context: &Context) -> Result<(), Failure> {
 }
 
 /// The parameters that every path takes in the same way.
-fn common(paths: &[&'static Preset]) -> Vec<&'static Parameter> {
+fn common(paths: &[&'static Preset]) -> Vec<&'static PathParameter> {
     let Some(first) = paths.first() else { return Vec::new() };
-    let everywhere = |p: &&Parameter| paths.iter().all(|path| path.parameters().any(|other| other == *p));
+    let everywhere = |p: &&PathParameter| paths.iter().all(|path| path.parameters().any(|other| other == *p));
     first.parameters().filter(everywhere).collect()
 }
 
 fn described(path: &Preset) -> Value {
-    let parameter = |p: &Parameter| {
+    let parameter = |p: &PathParameter| {
         let default = match p.default {
-            Default::Value(value) => json!(value),
-            Default::Word(word) => json!(word),
-            Default::List(values) => json!(values),
-            Default::Absent(_) | Default::Needed => Value::Null,
+            PathParameterDefault::Value(value) => json!(value),
+            PathParameterDefault::Word(word) => json!(word),
+            PathParameterDefault::List(values) => json!(values),
+            PathParameterDefault::Absent(_) | PathParameterDefault::Needed => Value::Null,
         };
         let mut found = json!({ "key": p.key, "help": p.help, "default": default });
         match p.kind {
-            Kind::Number | Kind::List => {
+            PathParameterKind::Number | PathParameterKind::List => {
                 found["unit"] = json!(p.unit);
                 found["bounds"] = json!(p.bounds);
             }
-            Kind::Word(words) => {
+            PathParameterKind::Word(words) => {
                 found["words"] =
                     words.iter().map(|[word, meaning]| json!({ "word": word, "meaning": meaning })).collect()
             }
-            Kind::History => {}
+            PathParameterKind::History => {}
         }
         found
     };
@@ -114,30 +114,30 @@ fn described(path: &Preset) -> Value {
     json!({ "name": path.name, "help": path.help, "parameters": parameters })
 }
 
-fn text(path: &'static Preset, common: &[&Parameter]) -> String {
+fn text(path: &'static Preset, common: &[&PathParameter]) -> String {
     let mut lines = vec![path.name.to_string(), format!("  {}", path.help)];
-    let own: Vec<&Parameter> = path.parameters().filter(|p| !common.contains(p)).collect();
+    let own: Vec<&PathParameter> = path.parameters().filter(|p| !common.contains(p)).collect();
     lines.extend(lines_of(own.iter()));
     lines.join("\n")
 }
 
 /// Parameters with what they mean, their defaults and words, a line each.
-fn lines_of<'a>(parameters: impl Iterator<Item = &'a &'a Parameter>) -> Vec<String> {
+fn lines_of<'a>(parameters: impl Iterator<Item = &'a &'a PathParameter>) -> Vec<String> {
     let mut lines = Vec::new();
     for p in parameters {
         let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
         let default = match p.default {
-            Default::Value(value) => format!("Default: {}{unit}.", format_number(value)),
-            Default::Word(word) => format!("Default: {word}."),
-            Default::List(values) => {
+            PathParameterDefault::Value(value) => format!("Default: {}{unit}.", format_number(value)),
+            PathParameterDefault::Word(word) => format!("Default: {word}."),
+            PathParameterDefault::List(values) => {
                 let values: Vec<String> = values.iter().copied().map(format_number).collect();
                 format!("Default: {}.", values.join(","))
             }
-            Default::Absent(meaning) => format!("Default: {meaning}."),
-            Default::Needed => "Required.".to_string(),
+            PathParameterDefault::Absent(meaning) => format!("Default: {meaning}."),
+            PathParameterDefault::Needed => "Required.".to_string(),
         };
         lines.push(format!("  {}: {} {default}", p.key, p.help));
-        if let Kind::Word(words) = p.kind {
+        if let PathParameterKind::Word(words) = p.kind {
             lines.extend(words.iter().map(|[word, meaning]| format!("    {word}: {meaning}.")));
         }
     }

@@ -39,7 +39,7 @@ pub fn run(
     check(&queue, laboratory, context.force)?;
     let folder = OutputFolder::open_or_create(out)?;
     folder.refuse_links(&[SAMPLES])?;
-    let list = RunList::of(&queue, out)?;
+    let list = RunList::from_queue(&queue, out)?;
     let list = match RunList::read(out)? {
         Some(earlier) => list.with_earlier(earlier),
         None => list,
@@ -140,7 +140,7 @@ fn print(context: &Context, queue: &Queue, outcomes: &[Outcome], out: &Path) -> 
             Some(RunEntry::new(run.name.clone(), run.folder.clone(), run.case.clone(), record))
         })
         .collect();
-    let table = RunsTable::of(&entries).select(Selection::Main);
+    let table = RunsTable::from_runs(&entries).select(Selection::Main);
     output::say_complete(context, out, &result, || {
         let reused =
             outcomes.iter().filter(|outcome| matches!(outcome, Outcome::Finished { reused: true, .. }));

@@ -79,7 +79,7 @@ impl MeasureStiffness {
         let simulation = laboratory.last_state(&self.data)?;
         match self.degradation {
             Some(end) => self.curve(context, &simulation, end, &probing),
-            None => self.put(context, &[Probed::of(&simulation, &probing)?]),
+            None => self.put(context, &[Probed::from_simulation(&simulation, &probing)?]),
         }
     }
 

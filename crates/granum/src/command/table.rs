@@ -58,7 +58,7 @@ impl Table {
         for run in runs.iter().filter(|run| run.record.status != RunStatus::Finished) {
             context.warn(&format!("{} did not reach its end", run.name));
         }
-        let table = RunsTable::of(&runs);
+        let table = RunsTable::from_runs(&runs);
         let full = table.select(Selection::All);
         if let Some(path) = &self.output {
             write_table(path, &full)?;

@@ -2,7 +2,7 @@
 //! constant rate, axes y and z move together so that p = (sigma_1 + sigma_2 + sigma_3)/3 stays at its target.
 
 use super::definition::generous;
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, number, stress};
 use crate::config::{Rate, Recording, Shear};
 use crate::loading::{
     Constraint, Control, Drive, Measure, RecordedStates, Speed, Stage, Target, Until, density_scaling,
@@ -31,7 +31,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number(
         "deviator_strain",
         "Deviator strain eps_1 - eps_3 at the end; negative for extension along x.",
@@ -46,7 +46,7 @@ const PARAMETERS: &[Parameter] = &[
 fn stage(speed: Speed, sense: f64, mean_stress: Option<f64>, until: Until) -> Stage {
     let lateral = Drive::Rate(-0.5 * sense);
     let fixed = Drive::Fixed;
-    let control = Control::of(speed, [Drive::Rate(sense), lateral, lateral, fixed, fixed, fixed]).with(
+    let control = Control::new(speed, [Drive::Rate(sense), lateral, lateral, fixed, fixed, fixed]).with(
         Constraint::mean_stress(mean_stress.map_or_else(Target::current, Target::held))
             .moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
     );

@@ -1,6 +1,6 @@
 //! True triaxial test at constant mean stress p and constant intermediate stress ratio b.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -16,7 +16,7 @@ pub(super) const PRESET: Preset = Preset {
         let proportional = Target::held(0.0);
         // With increasing b axis z expands faster: up to twice as fast as x is compressed.
         let axial = Drive::Rate(1.0 / (1.0 + b));
-        let control = Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
+        let control = Control::new(values.speed(), [axial, free, free, fixed, fixed, fixed])
             .with(Constraint::mean_stress(held))
             .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], proportional));
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
@@ -33,7 +33,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Strain along x, the axis of the major stress, at the end.", 0.1, [1e-6, 3.0]),
     number(
         "b",
@@ -42,7 +42,7 @@ const PARAMETERS: &[Parameter] = &[
         [0.0, 1.0],
     ),
     stress("mean_stress", "Mean stress p, to which the sample is consolidated first and which is then held."),
-    Parameter {
+    PathParameter {
         help: "Speed: inertial number I of 1 + b times the strain rate along x, at least the rate of the fastest axis.",
         ..INERTIAL_NUMBER
     },

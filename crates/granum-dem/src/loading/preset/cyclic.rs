@@ -1,6 +1,9 @@
 //! Cyclic triaxial test: the strain along x is reversed at two strains or two deviator stresses, drained or undrained.
 
-use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, deviator, number, optional, stress, word};
+use super::{
+    INERTIAL_NUMBER, PathParameter, PathParameterDefault, PathValues, Preset, deviator, number, optional,
+    stress, word,
+};
 use crate::loading::{
     Constraint, Control, Drive, Measure, Ramp, RecordedStates, Stage, Target, Turns, Until,
 };
@@ -57,32 +60,32 @@ pub(super) const PRESET: Preset = Preset {
 const STATES_OF_A_CYCLE: f64 = 40.0;
 const INTERVAL_BY_STRESS: f64 = 1e-4;
 
-fn undrained(values: &Values) -> bool {
+fn undrained(values: &PathValues) -> bool {
     values.is("drainage", "undrained")
 }
 
 /// With a strain amplitude the strain rate along x is prescribed. With a stress amplitude the rate of the deviator stress is
 /// prescribed, and the strain rate is limited to the speed of the stage, which matters when the sample flows.
-fn control(values: &Values) -> Control {
+fn control(values: &PathValues) -> Control {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
     let held = Drive::Stress(Target::current());
     let Some(amplitude) = values.optional("stress_amplitude") else {
         let lateral = if undrained(values) { Drive::Rate(-0.5) } else { held };
-        return Control::of(values.speed(), [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed]);
+        return Control::new(values.speed(), [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed]);
     };
     let first = Target::ramp(Ramp::To(values.number("mean_deviator_stress") + amplitude));
     let deviator = Constraint::stresses([1.0, -0.5, -0.5, 0.0, 0.0, 0.0], first);
     let control = if undrained(values) {
-        Control::of(values.speed(), [free, free, free, fixed, fixed, fixed])
+        Control::new(values.speed(), [free, free, free, fixed, fixed, fixed])
             .with(Constraint::strains([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], 0.0))
             .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
     } else {
-        Control::of(values.speed(), [free, held, held, fixed, fixed, fixed])
+        Control::new(values.speed(), [free, held, held, fixed, fixed, fixed])
     };
     Control { servo_limit: 1.0, ..control.with(deviator) }
 }
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     word(
         "drainage",
         "Control of the lateral axes.",
@@ -97,8 +100,8 @@ const PARAMETERS: &[Parameter] = &[
         1e-3,
         [1e-7, 0.5],
     ),
-    Parameter {
-        default: Default::Absent("the turning points are given by strain_amplitude"),
+    PathParameter {
+        default: PathParameterDefault::Absent("the turning points are given by strain_amplitude"),
         ..stress(
             "stress_amplitude",
             "Deviator stress sigma_x - sigma_y between the middle of a cycle and its turning points, instead of \

@@ -1,7 +1,8 @@
 //! The definition of a named path: its parameters, the values given to them, and the stages to which it expands.
 
 use super::parameter::{
-    COMMON, DENSITY_SCALING, Default, Fault, Given, INERTIAL_NUMBER, Parameter, STATES, STRAIN_RATE, Value,
+    COMMON, DENSITY_SCALING, Given, INERTIAL_NUMBER, PathFault, PathParameter, PathParameterDefault,
+    PathValue, STATES, STRAIN_RATE,
 };
 use crate::loading::{Control, Drive, History, Speed, Stage, Target, Until};
 
@@ -14,11 +15,11 @@ pub struct Preset {
     /// Description of the path, in one or two sentences.
     pub help: &'static str,
     /// Its parameters in addition to those of every preset ([`Preset::parameters`]).
-    pub own: &'static [Parameter],
+    pub own: &'static [PathParameter],
     /// What is wrong with its parameters together, such as two that exclude each other.
-    pub faults: fn(&Values) -> Option<Fault>,
+    pub faults: fn(&PathValues) -> Option<PathFault>,
     /// Its stages.
-    pub stages: fn(&Values) -> Vec<Stage>,
+    pub stages: fn(&PathValues) -> Vec<Stage>,
 }
 
 /// Two presets are equal if their names and declarations are.
@@ -31,7 +32,7 @@ impl PartialEq for Preset {
 /// A preset that cannot be registered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RegisterError {
+pub enum PathError {
     /// There is already another preset of this name.
     #[error("there is already a path {name:?}: give the new one another name")]
     NameTaken {
@@ -69,20 +70,20 @@ impl Preset {
     pub const fn new(
         name: &'static str,
         help: &'static str,
-        own: &'static [Parameter],
-        stages: fn(&Values) -> Vec<Stage>,
+        own: &'static [PathParameter],
+        stages: fn(&PathValues) -> Vec<Stage>,
     ) -> Preset {
         Preset { name, help, own, faults: |_| None, stages }
     }
 
     /// The same with a check of its parameters together.
-    pub const fn refusing(self, faults: fn(&Values) -> Option<Fault>) -> Preset {
+    pub const fn refusing(self, faults: fn(&PathValues) -> Option<PathFault>) -> Preset {
         Preset { faults, ..self }
     }
 
     /// What is wrong with parameters together, if anything is.
-    pub fn fault(&self, given: &Given) -> Option<Fault> {
-        let values = Values { preset: self, given };
+    pub fn fault(&self, given: &Given) -> Option<PathFault> {
+        let values = PathValues { preset: self, given };
         values.not_whole(STATES.key).or_else(|| (self.faults)(&values))
     }
 
@@ -91,39 +92,41 @@ impl Preset {
     }
 
     /// Checks the declarations of its parameters.
-    pub(super) fn check(&self) -> Result<(), RegisterError> {
-        for (k, Parameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
+    pub(super) fn check(&self) -> Result<(), PathError> {
+        for (k, PathParameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
             if RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key) {
-                return Err(RegisterError::KeyTaken { path: self.name, key });
+                return Err(PathError::KeyTaken { path: self.name, key });
             }
             let [low, high] = *bounds;
             let inside = match default {
-                Default::Value(value) => (low..=high).contains(value),
-                Default::List(values) => values.iter().all(|value| (low..=high).contains(value)),
-                Default::Word(_) | Default::Absent(_) | Default::Needed => low <= high,
+                PathParameterDefault::Value(value) => (low..=high).contains(value),
+                PathParameterDefault::List(values) => values.iter().all(|value| (low..=high).contains(value)),
+                PathParameterDefault::Word(_)
+                | PathParameterDefault::Absent(_)
+                | PathParameterDefault::Needed => low <= high,
             };
             if !inside {
-                return Err(RegisterError::OutOfBounds { path: self.name, key });
+                return Err(PathError::OutOfBounds { path: self.name, key });
             }
         }
         Ok(())
     }
 
     /// All parameters: its own, and those of every preset.
-    pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> + Clone {
+    pub fn parameters(&self) -> impl Iterator<Item = &'static PathParameter> + Clone {
         let own = self.own;
         let common = COMMON.iter().filter(move |common| !own.iter().any(|known| known.key == common.key));
         own.iter().chain(common)
     }
 
     /// The parameter of a given key.
-    pub fn parameter(&self, key: &str) -> Option<&'static Parameter> {
+    pub fn parameter(&self, key: &str) -> Option<&'static PathParameter> {
         self.parameters().find(|parameter| parameter.key == key)
     }
 
     /// Its stages with the given parameters; the others have their defaults.
     pub fn expand(&self, given: &Given) -> Vec<Stage> {
-        let values = Values { preset: self, given };
+        let values = PathValues { preset: self, given };
         let mut stages = (self.stages)(&values);
         let scaling = values.optional(DENSITY_SCALING.key).unwrap_or(1.0);
         for stage in &mut stages {
@@ -135,7 +138,7 @@ impl Preset {
     }
 }
 
-impl Values<'_> {
+impl PathValues<'_> {
     /// The stress given by a parameter; if it is not given, the stress of the sample at the start of the stage.
     pub fn target(&self, key: &str) -> Target {
         self.optional(key).map_or_else(Target::current, Target::held)
@@ -155,7 +158,8 @@ pub(super) fn consolidation(stress: f64, inertial_number: f64) -> Stage {
     let held = Drive::Stress(Target::held(stress));
     let fixed = Drive::Fixed;
     let speed = Speed::InertialNumber { number: inertial_number, at: None };
-    let control = Control { servo_limit: 1.0, ..Control::of(speed, [held, held, held, fixed, fixed, fixed]) };
+    let control =
+        Control { servo_limit: 1.0, ..Control::new(speed, [held, held, held, fixed, fixed, fixed]) };
     let rest = Until::AtRest { unbalanced_force: AT_REST };
     Stage { settling: true, ..Stage::new("consolidation", control, vec![rest]) }
 }
@@ -166,21 +170,21 @@ pub(super) fn generous(strain: f64) -> Option<f64> {
 }
 
 /// The parameters of a preset, given or default.
-pub struct Values<'a> {
+pub struct PathValues<'a> {
     pub(super) preset: &'a Preset,
     pub(super) given: &'a Given,
 }
 
-impl<'a> Values<'a> {
-    fn default(&self, key: &str) -> Option<Default> {
+impl<'a> PathValues<'a> {
+    fn default(&self, key: &str) -> Option<PathParameterDefault> {
         self.preset.parameter(key).map(|parameter| parameter.default)
     }
 
     /// A number that may be left out.
     pub fn optional(&self, key: &str) -> Option<f64> {
         match (self.given.get(key), self.default(key)) {
-            (Some(Value::Number(number)), _) => Some(*number),
-            (_, Some(Default::Value(number))) => Some(number),
+            (Some(PathValue::Number(number)), _) => Some(*number),
+            (_, Some(PathParameterDefault::Value(number))) => Some(number),
             _ => None,
         }
     }
@@ -191,18 +195,18 @@ impl<'a> Values<'a> {
     }
 
     /// The fault that a key is given which has no effect with another one.
-    pub fn both(&self, key: &'static str, with: &str) -> Option<Fault> {
+    pub fn both(&self, key: &'static str, with: &str) -> Option<PathFault> {
         let both = self.is_given(key) && self.is_given(with);
         both.then(|| (key, format!("{key} has no effect with {with}; keep one of them")))
     }
 
     /// The fault that an end is zero, at which the path would be over before it begins.
-    pub fn zero(&self, key: &'static str) -> Option<Fault> {
+    pub fn zero(&self, key: &'static str) -> Option<PathFault> {
         (self.number(key) == 0.0).then(|| (key, format!("{key} must not be 0, where the path begins")))
     }
 
     /// The fault that a number of things is not whole.
-    pub fn not_whole(&self, key: &'static str) -> Option<Fault> {
+    pub fn not_whole(&self, key: &'static str) -> Option<PathFault> {
         let value = self.optional(key)?;
         (value.fract() != 0.0).then(|| (key, format!("{key} = {value} must be a whole number")))
     }
@@ -215,8 +219,8 @@ impl<'a> Values<'a> {
     /// True if a word was chosen.
     pub fn is(&self, key: &str, word: &str) -> bool {
         match (self.given.get(key), self.default(key)) {
-            (Some(Value::Word(given)), _) => given == word,
-            (_, Some(Default::Word(default))) => default == word,
+            (Some(PathValue::Word(given)), _) => given == word,
+            (_, Some(PathParameterDefault::Word(default))) => default == word,
             _ => false,
         }
     }
@@ -224,8 +228,8 @@ impl<'a> Values<'a> {
     /// The numbers of a list.
     pub fn list(&self, key: &str) -> &[f64] {
         match (self.given.get(key), self.default(key)) {
-            (Some(Value::List(list)), _) => list,
-            (_, Some(Default::List(list))) => list,
+            (Some(PathValue::List(list)), _) => list,
+            (_, Some(PathParameterDefault::List(list))) => list,
             _ => &[],
         }
     }
@@ -233,7 +237,7 @@ impl<'a> Values<'a> {
     /// A history, where one is given.
     pub fn history(&self, key: &str) -> Option<&'a History> {
         match self.given.get(key) {
-            Some(Value::History(history)) => Some(history),
+            Some(PathValue::History(history)) => Some(history),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Drained triaxial test: axis x is strained, the lateral stresses are held constant.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -18,13 +18,13 @@ pub(super) const PRESET: Preset = Preset {
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
-            ..Stage::new("shear", Control::of(values.speed(), drives), vec![until]).recording(record)
+            ..Stage::new("shear", Control::new(values.speed(), drives), vec![until]).recording(record)
         };
         values.consolidation("lateral_stress").into_iter().chain([test]).collect()
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
     stress(
         "lateral_stress",

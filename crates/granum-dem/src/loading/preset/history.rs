@@ -1,6 +1,8 @@
 //! A history of strains or stresses from a file: the loading follows straight lines from row to row.
 
-use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, optional, word};
+use super::{
+    INERTIAL_NUMBER, PathParameter, PathParameterDefault, PathParameterKind, Preset, STATES, optional, word,
+};
 use crate::loading::{
     Control, Drive, History, Measure, Quantity, Ramp, RecordedStates, Speed, Stage, Target, Until,
 };
@@ -38,17 +40,17 @@ fn control(history: &History, row: &[f64], sign: f64, speed: Speed) -> Control {
             Quantity::Stress(_) => Drive::Stress(Target::ramp(end)),
         };
     }
-    Control::of(speed, components)
+    Control::new(speed, components)
 }
 
-const PARAMETERS: &[Parameter] = &[
-    Parameter {
+const PARAMETERS: &[PathParameter] = &[
+    PathParameter {
         key: "file",
-        kind: Kind::History,
+        kind: PathParameterKind::History,
         help: "CSV file with columns among xx_strain, yy_strain, zz_strain, yz_strain, zx_strain, xy_strain and the same with \
                _stress, with units as in `xx_stress (kPa)`; strains are logarithmic and count from the start of the path. A column \
                time is accepted but not used: the response of the grains does not depend on it.",
-        default: Default::Needed,
+        default: PathParameterDefault::Needed,
         ..STATES
     },
     word(
@@ -59,7 +61,7 @@ const PARAMETERS: &[Parameter] = &[
             ["negative", "as in most finite-element programs"],
         ],
     ),
-    Parameter {
+    PathParameter {
         help: "Speed: inertial number I of the largest strain rate at the mean stress at the start of each row. For \
                stresses the strain is estimated from the contacts.",
         ..INERTIAL_NUMBER

@@ -1,6 +1,6 @@
 //! Hold: the stresses are constant and the sample creeps, or the strains are constant and the stresses relax.
 
-use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, number, optional, word};
+use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, number, optional, word};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -24,19 +24,19 @@ pub(super) const PRESET: Preset = Preset {
             Some(time) => RecordedStates::every(Measure::Time, time / values.number("states")),
             None => RecordedStates::every(Measure::ArcLength, values.number("interval")),
         };
-        let control = Control::of(values.speed(), [held; 6]);
+        let control = Control::new(values.speed(), [held; 6]);
         let stage = Stage::new("hold", control, vec![until]).recording(record);
         vec![Stage { most_arc_length: Some(0.1), resets: true, ..stage }, Stage::mark("held")]
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     word(
         "held",
         "What is held constant.",
         &[["stress", "all six stresses; any strain is creep"], ["strain", "all strains; the stresses relax"]],
     ),
-    Parameter {
+    PathParameter {
         unit: "s",
         ..optional(
             "duration",
@@ -53,8 +53,8 @@ const PARAMETERS: &[Parameter] = &[
     ),
     INERTIAL_NUMBER,
     INTERVAL,
-    Parameter {
-        default: super::Default::Value(20.0),
+    PathParameter {
+        default: super::PathParameterDefault::Value(20.0),
         help: "Number of equal intervals of the duration; a state is recorded at the end of each.",
         ..super::STATES
     },

@@ -1,6 +1,6 @@
 //! Isotropic compression or unloading to a mean stress, and back to another one.
 
-use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, consolidation, stress};
+use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, consolidation, stress};
 use crate::loading::{Measure, RecordedStates, Speed, Stage};
 
 pub(super) const PRESET: Preset = Preset {
@@ -24,15 +24,15 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
-    Parameter {
-        default: super::Default::Value(100e3),
+const PARAMETERS: &[PathParameter] = &[
+    PathParameter {
+        default: super::PathParameterDefault::Value(100e3),
         ..stress("mean_stress", "Stress to which all three axes are brought.")
     },
     INERTIAL_NUMBER,
     INTERVAL,
-    Parameter {
-        default: super::Default::Absent("no unloading"),
+    PathParameter {
+        default: super::PathParameterDefault::Absent("no unloading"),
         ..stress("unloading_stress", "Stress to which all three axes are brought afterwards.")
     },
 ];

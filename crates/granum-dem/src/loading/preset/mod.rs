@@ -20,11 +20,11 @@ mod undrained_triaxial;
 mod unload_reload;
 
 pub use self::constant_p::antony2006;
-pub use self::definition::{Preset, RegisterError, Values};
+pub use self::definition::{PathError, PathValues, Preset};
 use self::definition::{consolidation, generous};
 pub use self::parameter::{
-    Default, Fault, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, deviator, number,
-    optional, stress, word,
+    Given, INERTIAL_NUMBER, INTERVAL, PathFault, PathParameter, PathParameterDefault, PathParameterKind,
+    PathValue, STATES, deviator, number, optional, stress, word,
 };
 
 /// granum's own presets. A new one is a file and a line here.
@@ -66,18 +66,18 @@ pub fn named(name: &str) -> Option<&'static Preset> {
 ///     &[INERTIAL_NUMBER],
 ///     |values| {
 ///         let (fixed, held) = (Drive::Fixed, Drive::Stress(Target::current()));
-///         let control = Control::of(values.speed(), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
+///         let control = Control::new(values.speed(), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
 ///         vec![Stage::new("compression", control, vec![Until::Reaches { measure: Measure::Strain(0), value: 0.1 }])]
 ///     },
 /// );
 /// let paths = Paths::standard().with(&SHORT_BY_A_TENTH)?;
 /// assert!(paths.named("compression-between-walls").is_some());
-/// # Ok::<(), granum_dem::loading::preset::RegisterError>(())
+/// # Ok::<(), granum_dem::loading::preset::PathError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paths(Vec<&'static Preset>);
 
-impl std::default::Default for Paths {
+impl Default for Paths {
     fn default() -> Paths {
         Paths::standard()
     }
@@ -93,10 +93,10 @@ impl Paths {
     ///
     /// # Errors
     /// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
-    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, RegisterError> {
+    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, PathError> {
         match self.named(preset.name) {
             Some(known) if known.is_same_as(preset) => return Ok(self),
-            Some(_) => return Err(RegisterError::NameTaken { name: preset.name }),
+            Some(_) => return Err(PathError::NameTaken { name: preset.name }),
             None => preset.check()?,
         }
         self.0.push(preset);
@@ -125,13 +125,13 @@ mod tests {
     use crate::loading::{History, Quantity, Speed, Start};
 
     /// A value for a parameter that has no default.
-    fn example(parameter: &Parameter) -> Value {
+    fn example(parameter: &PathParameter) -> PathValue {
         match parameter.kind {
-            Kind::History => {
+            PathParameterKind::History => {
                 let columns = vec![Quantity::Strain(0), Quantity::Stress(1)];
-                Value::History(History { columns, rows: vec![vec![0.0, 1e5], vec![0.01, 1e5]] })
+                PathValue::History(History { columns, rows: vec![vec![0.0, 1e5], vec![0.01, 1e5]] })
             }
-            _ => Value::Number(parameter.bounds[0].max(1e5).min(parameter.bounds[1])),
+            _ => PathValue::Number(parameter.bounds[0].max(1e5).min(parameter.bounds[1])),
         }
     }
 
@@ -159,15 +159,15 @@ mod tests {
             paths.all().len() > ALL.len() && paths.named(OWN.name).is_some() && named(OWN.name).is_none()
         );
         const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
-        assert_eq!(paths.clone().with(&TAKEN), Err(RegisterError::NameTaken { name: "oedometer" }));
+        assert_eq!(paths.clone().with(&TAKEN), Err(PathError::NameTaken { name: "oedometer" }));
         const TWICE: Preset = Preset { name: "twice", own: &[STATES, STATES], ..OWN };
-        assert!(matches!(paths.clone().with(&TWICE), Err(RegisterError::KeyTaken { key: "states", .. })));
+        assert!(matches!(paths.clone().with(&TWICE), Err(PathError::KeyTaken { key: "states", .. })));
         const OUTSIDE: Preset = Preset {
             name: "outside",
-            own: &[Parameter { default: super::Default::Value(0.0), ..STATES }],
+            own: &[PathParameter { default: PathParameterDefault::Value(0.0), ..STATES }],
             ..OWN
         };
-        assert!(matches!(paths.with(&OUTSIDE), Err(RegisterError::OutOfBounds { key: "states", .. })));
+        assert!(matches!(paths.with(&OUTSIDE), Err(PathError::OutOfBounds { key: "states", .. })));
     }
 
     #[test]
@@ -175,7 +175,8 @@ mod tests {
         for preset in ALL {
             assert_eq!(named(preset.name).map(|p| p.name), Some(preset.name));
             assert!(preset.help.ends_with('.'));
-            let needed = preset.parameters().filter(|parameter| parameter.default == Default::Needed);
+            let needed =
+                preset.parameters().filter(|parameter| parameter.default == PathParameterDefault::Needed);
             let least: Given = needed.map(|p| (p.key.to_string(), example(p))).collect();
             assert_sound(preset, &least);
             for parameter in preset.parameters() {
@@ -183,14 +184,14 @@ mod tests {
                 assert!(low < high && parameter.help.ends_with('.'), "{}", parameter.key);
                 let mut given = least.clone();
                 match (parameter.kind, parameter.default) {
-                    (Kind::Number, Default::Value(value)) => {
+                    (PathParameterKind::Number, PathParameterDefault::Value(value)) => {
                         assert!((low..=high).contains(&value), "{}", parameter.key);
                     }
-                    (Kind::Number, _) => {
+                    (PathParameterKind::Number, _) => {
                         given.insert(parameter.key.to_string(), example(parameter));
                         assert_sound(preset, &given);
                     }
-                    (Kind::Word(words), Default::Word(default)) => {
+                    (PathParameterKind::Word(words), PathParameterDefault::Word(default)) => {
                         assert!(words.iter().any(|[word, _]| *word == default));
                         for [word, meaning] in words {
                             assert!(!meaning.is_empty());
@@ -198,10 +199,10 @@ mod tests {
                             assert_sound(preset, &given);
                         }
                     }
-                    (Kind::List, Default::List(list)) => {
+                    (PathParameterKind::List, PathParameterDefault::List(list)) => {
                         assert!(list.windows(2).all(|pair| pair[0] < pair[1]));
                     }
-                    (Kind::History, Default::Needed) => {}
+                    (PathParameterKind::History, PathParameterDefault::Needed) => {}
                     (kind, default) => panic!("{}: {kind:?} with {default:?}", parameter.key),
                 }
             }

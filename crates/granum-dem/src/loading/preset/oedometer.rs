@@ -1,6 +1,6 @@
 //! Oedometer: axis x is compressed without lateral strain, then unloaded.
 
-use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, stress};
+use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, stress};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -19,7 +19,7 @@ pub(super) const PRESET: Preset = Preset {
             let fixed = Drive::Fixed;
             let drives = [Drive::Rate(sense), fixed, fixed, fixed, fixed, fixed];
             let until = Until::Reaches { measure: Measure::Stress(0), value: stress };
-            Stage::new(name, Control::of(values.speed(), drives), vec![until])
+            Stage::new(name, Control::new(values.speed(), drives), vec![until])
                 .recording(RecordedStates::every(Measure::ArcLength, values.number("interval")))
         };
         let loading = Stage { resets: true, ..stage("loading", 1.0, values.number("axial_stress")) };
@@ -28,17 +28,17 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
-    Parameter {
-        default: super::Default::Value(1e6),
+const PARAMETERS: &[PathParameter] = &[
+    PathParameter {
+        default: super::PathParameterDefault::Value(1e6),
         ..stress("axial_stress", "Stress along x at the end of the loading.")
     },
-    Parameter {
-        default: super::Default::Absent("no unloading"),
+    PathParameter {
+        default: super::PathParameterDefault::Absent("no unloading"),
         ..stress("unloading_stress", "Stress along x at the end of the unloading.")
     },
     INERTIAL_NUMBER,
-    Parameter {
+    PathParameter {
         help: "Arc length of strain between recorded states, which is sqrt(2/3) of the axial strain.",
         ..INTERVAL
     },

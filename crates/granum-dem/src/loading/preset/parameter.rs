@@ -9,24 +9,24 @@ use crate::loading::History;
 /// A parameter of a preset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Parameter {
+pub struct PathParameter {
     /// Its key in a case file.
     pub key: &'static str,
     /// The kind of its values.
-    pub kind: Kind,
+    pub kind: PathParameterKind,
     /// The SI unit of a number; `1` for a pure number.
     pub unit: &'static str,
     /// Its meaning, in one or two sentences.
     pub help: &'static str,
     /// Its default; where it may be omitted without having one, a description of what applies then.
-    pub default: Default,
+    pub default: PathParameterDefault,
     /// Smallest and largest value of a number.
     pub bounds: [f64; 2],
 }
 
 /// The kind of the values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum PathParameterKind {
     /// A number.
     Number,
     /// One of these words, each with its meaning.
@@ -39,7 +39,7 @@ pub enum Kind {
 
 /// The rule for a parameter that is not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Default {
+pub enum PathParameterDefault {
     /// This number.
     Value(f64),
     /// This word.
@@ -63,7 +63,7 @@ pub enum Default {
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Value {
+pub enum PathValue {
     /// A number in SI units.
     Number(f64),
     /// A word.
@@ -74,88 +74,95 @@ pub enum Value {
     History(History),
 }
 
-impl From<f64> for Value {
-    fn from(number: f64) -> Value {
-        Value::Number(number)
+impl From<f64> for PathValue {
+    fn from(number: f64) -> PathValue {
+        PathValue::Number(number)
     }
 }
 
-impl From<&str> for Value {
-    fn from(word: &str) -> Value {
-        Value::Word(word.to_string())
+impl From<&str> for PathValue {
+    fn from(word: &str) -> PathValue {
+        PathValue::Word(word.to_string())
     }
 }
 
 /// What is wrong with parameters of a path together: the key, and a sentence that begins with it.
-pub type Fault = (&'static str, String);
+pub type PathFault = (&'static str, String);
 
 /// Values by the keys of their parameters; those not given have their defaults.
-pub type Given = BTreeMap<String, Value>;
+pub type Given = BTreeMap<String, PathValue>;
 
-/// The speed of a path, for [`Values::speed`](super::Values::speed).
-pub const INERTIAL_NUMBER: Parameter = Parameter {
+/// The speed of a path, for [`PathValues::speed`](super::PathValues::speed).
+pub const INERTIAL_NUMBER: PathParameter = PathParameter {
     key: "inertial_number",
     help: "Speed: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
-    default: Default::Value(1e-3),
+    default: PathParameterDefault::Value(1e-3),
     bounds: [1e-8, 0.1],
     ..STATES
 };
 
 /// The speed as a strain rate, for every preset.
-pub(super) const STRAIN_RATE: Parameter = Parameter {
+pub(super) const STRAIN_RATE: PathParameter = PathParameter {
     key: "strain_rate",
     unit: "1/s",
     help: "Driving strain rate, which can be given instead of inertial_number.",
-    default: Default::Absent("given by inertial_number"),
+    default: PathParameterDefault::Absent("given by inertial_number"),
     bounds: [1e-12, 1e9],
     ..STATES
 };
 
 /// Factor on the density, together with a strain rate, for every preset.
-pub(super) const DENSITY_SCALING: Parameter = Parameter {
+pub(super) const DENSITY_SCALING: PathParameter = PathParameter {
     key: "density_scaling",
     help: "Factor on the density of every grain in the stages driven at strain_rate; only together with strain_rate.",
-    default: Default::Absent("1"),
+    default: PathParameterDefault::Absent("1"),
     bounds: [1e-6, 1e24],
     ..STATES
 };
 
 /// The parameters of every preset that does not declare them itself.
-pub(super) const COMMON: &[Parameter] = &[INERTIAL_NUMBER, STRAIN_RATE, DENSITY_SCALING];
+pub(super) const COMMON: &[PathParameter] = &[INERTIAL_NUMBER, STRAIN_RATE, DENSITY_SCALING];
 
-/// The number of states that a path records, for [`Values::states`](super::Values::states).
-pub const STATES: Parameter = Parameter {
+/// The number of states that a path records, for [`PathValues::states`](super::PathValues::states).
+pub const STATES: PathParameter = PathParameter {
     key: "states",
-    kind: Kind::Number,
+    kind: PathParameterKind::Number,
     unit: "1",
     help: "Number of equal intervals; a state is recorded at the end of each.",
-    default: Default::Value(100.0),
+    default: PathParameterDefault::Value(100.0),
     bounds: [1.0, 1e6],
 };
 
 /// States at equal distances of arc length.
-pub const INTERVAL: Parameter = Parameter {
+pub const INTERVAL: PathParameter = PathParameter {
     key: "interval",
     help: "Arc length of strain between recorded states.",
-    default: Default::Value(1e-4),
+    default: PathParameterDefault::Value(1e-4),
     bounds: [1e-7, 1.0],
     ..STATES
 };
 
 /// A stress that may be left out; it is then that of the sample.
-pub const fn stress(key: &'static str, help: &'static str) -> Parameter {
-    let default = Default::Absent("that of the sample");
-    Parameter { key, unit: "Pa", help, default, bounds: [1e-3, 1e11], ..STATES }
+pub const fn stress(key: &'static str, help: &'static str) -> PathParameter {
+    let default = PathParameterDefault::Absent("that of the sample");
+    PathParameter { key, unit: "Pa", help, default, bounds: [1e-3, 1e11], ..STATES }
 }
 
 /// A deviator stress with a default of zero.
-pub const fn deviator(key: &'static str, help: &'static str) -> Parameter {
-    Parameter { key, unit: "Pa", help, default: Default::Value(0.0), bounds: [-1e11, 1e11], ..STATES }
+pub const fn deviator(key: &'static str, help: &'static str) -> PathParameter {
+    PathParameter {
+        key,
+        unit: "Pa",
+        help,
+        default: PathParameterDefault::Value(0.0),
+        bounds: [-1e11, 1e11],
+        ..STATES
+    }
 }
 
 /// A pure number with a default and bounds.
-pub const fn number(key: &'static str, help: &'static str, default: f64, bounds: [f64; 2]) -> Parameter {
-    Parameter { key, help, default: Default::Value(default), bounds, ..STATES }
+pub const fn number(key: &'static str, help: &'static str, default: f64, bounds: [f64; 2]) -> PathParameter {
+    PathParameter { key, help, default: PathParameterDefault::Value(default), bounds, ..STATES }
 }
 
 /// A number that may be left out, with a description of what applies then.
@@ -164,11 +171,21 @@ pub const fn optional(
     help: &'static str,
     absent: &'static str,
     bounds: [f64; 2],
-) -> Parameter {
-    Parameter { key, help, default: Default::Absent(absent), bounds, ..STATES }
+) -> PathParameter {
+    PathParameter { key, help, default: PathParameterDefault::Absent(absent), bounds, ..STATES }
 }
 
 /// A choice between words, of which the first is the default.
-pub const fn word(key: &'static str, help: &'static str, words: &'static [[&'static str; 2]]) -> Parameter {
-    Parameter { key, kind: Kind::Word(words), help, default: Default::Word(words[0][0]), ..STATES }
+pub const fn word(
+    key: &'static str,
+    help: &'static str,
+    words: &'static [[&'static str; 2]],
+) -> PathParameter {
+    PathParameter {
+        key,
+        kind: PathParameterKind::Word(words),
+        help,
+        default: PathParameterDefault::Word(words[0][0]),
+        ..STATES
+    }
 }

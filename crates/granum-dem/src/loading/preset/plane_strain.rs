@@ -1,6 +1,6 @@
 //! Plane strain compression: axis x is strained, axis y does not strain, the stress along z is held.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -13,7 +13,7 @@ pub(super) const PRESET: Preset = Preset {
         let fixed = Drive::Fixed;
         let held = Drive::Stress(values.target("lateral_stress"));
         let control =
-            Control::of(values.speed(), [Drive::Rate(end.signum()), fixed, held, fixed, fixed, fixed]);
+            Control::new(values.speed(), [Drive::Rate(end.signum()), fixed, held, fixed, fixed, fixed]);
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
         let record = RecordedStates::every(Measure::ArcLength, end.abs() / values.number("states"));
         let test = Stage {
@@ -25,7 +25,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Strain along x at the end; negative for extension.", 0.2, [-3.0, 3.0]),
     stress("lateral_stress", "Stress along z, to which the sample is first consolidated on all three axes."),
     INERTIAL_NUMBER,

@@ -4,7 +4,7 @@
 //! Every probe begins from the same saved state. Around the triaxial plane probe k has the direction
 //! `(cos a, sin a / sqrt 2, sin a / sqrt 2)` of (x, y, z) with `a = 2 pi k / n`, so that all increments have one length.
 
-use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, number, stress, word};
+use super::{INERTIAL_NUMBER, PathParameter, PathParameterDefault, PathValues, Preset, number, stress, word};
 use crate::loading::{Control, Drive, Ramp, Stage, Start, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -14,7 +14,7 @@ pub(super) const PRESET: Preset = Preset {
     faults: |values| values.both("strain", "stress").or_else(|| values.not_whole("directions")),
     stages: |values| {
         let held = Drive::Stress(Target::current());
-        let control = Control { servo_limit: 1.0, ..Control::of(values.speed(), [held; 6]) };
+        let control = Control { servo_limit: 1.0, ..Control::new(values.speed(), [held; 6]) };
         let rest = Until::AtRest { unbalanced_force: values.number("unbalanced_force") };
         let mut stages = vec![Stage { settling: true, ..Stage::new("rest", control, vec![rest]) }];
         for (k, (name, direction)) in directions(values).into_iter().enumerate() {
@@ -27,18 +27,18 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-fn probe(values: &Values, direction: &[f64; 6]) -> Control {
+fn probe(values: &PathValues, direction: &[f64; 6]) -> Control {
     let by_stress = values.optional("stress");
     let size = by_stress.unwrap_or_else(|| values.number("strain"));
     let components = direction.map(|part| match by_stress {
         Some(_) => Drive::Stress(Target::ramp(Ramp::By(size * part))),
         None => Drive::Ramp(Ramp::By(size * part)),
     });
-    Control::of(values.speed(), components)
+    Control::new(values.speed(), components)
 }
 
 /// Names and directions of the probes, by components.
-fn directions(values: &Values) -> Vec<(String, [f64; 6])> {
+fn directions(values: &PathValues) -> Vec<(String, [f64; 6])> {
     if values.is("around", "components") {
         let signed = |k: usize, sign: f64| {
             let mut direction = [0.0; 6];
@@ -76,7 +76,7 @@ fn on_circle(share: f64) -> [f64; 2] {
     }
 }
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     word(
         "around",
         "Directions of the probes.",
@@ -87,8 +87,8 @@ const PARAMETERS: &[Parameter] = &[
     ),
     number("directions", "Number of directions in the triaxial plane.", 12.0, [1.0, 360.0]),
     number("strain", "Length of the strain increments; shear strains are angles.", 1e-5, [1e-9, 0.01]),
-    Parameter {
-        default: Default::Absent("increments of strain"),
+    PathParameter {
+        default: PathParameterDefault::Absent("increments of strain"),
         ..stress("stress", "Length of the stress increments, instead of strain.")
     },
     number(
@@ -97,7 +97,7 @@ const PARAMETERS: &[Parameter] = &[
         1e-4,
         [1e-9, 1.0],
     ),
-    Parameter { default: Default::Value(1e-4), ..INERTIAL_NUMBER },
+    PathParameter { default: PathParameterDefault::Value(1e-4), ..INERTIAL_NUMBER },
 ];
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Proportional loading: the strains of the three axes, or their stresses, keep constant ratios.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, Values, generous, number, optional, stress, word};
+use super::{
+    INERTIAL_NUMBER, PathParameter, PathValues, Preset, STATES, generous, number, optional, stress, word,
+};
 use crate::loading::{Constraint, Control, Drive, Measure, Ramp, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -30,42 +32,42 @@ pub(super) const PRESET: Preset = Preset {
 };
 
 /// Ratio of axis y (1) or z (2) to axis x.
-fn ratio(values: &Values, axis: usize) -> f64 {
+fn ratio(values: &PathValues, axis: usize) -> f64 {
     values.number(["", "ratio_y", "ratio_z"][axis])
 }
 
-fn strains(values: &Values, sense: f64) -> Control {
+fn strains(values: &PathValues, sense: f64) -> Control {
     let fixed = Drive::Fixed;
     let rates = [1.0, ratio(values, 1), ratio(values, 2)].map(|rate| Drive::Rate(sense * rate));
-    Control::of(values.speed(), [rates[0], rates[1], rates[2], fixed, fixed, fixed])
+    Control::new(values.speed(), [rates[0], rates[1], rates[2], fixed, fixed, fixed])
 }
 
 /// The constraint that `sigma_axis - ratio sigma_x` follows its target.
-fn in_ratio(values: &Values, axis: usize, target: Target) -> Constraint {
+fn in_ratio(values: &PathValues, axis: usize, target: Target) -> Constraint {
     let mut weights = [0.0; 6];
     weights[0] = -ratio(values, axis);
     weights[axis] = 1.0;
     Constraint::stresses(weights, target)
 }
 
-fn stresses(values: &Values, sense: f64) -> Control {
+fn stresses(values: &PathValues, sense: f64) -> Control {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
-    Control::of(values.speed(), [Drive::Rate(sense), free, free, fixed, fixed, fixed])
+    Control::new(values.speed(), [Drive::Rate(sense), free, free, fixed, fixed, fixed])
         .with(in_ratio(values, 1, Target::held(0.0)))
         .with(in_ratio(values, 2, Target::held(0.0)))
 }
 
 /// The stage that brings the stresses to their ratios at constant mean stress.
-fn approach(values: &Values) -> Stage {
+fn approach(values: &PathValues) -> Stage {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
-    let control = Control::of(values.speed(), [free, free, free, fixed, fixed, fixed])
+    let control = Control::new(values.speed(), [free, free, free, fixed, fixed, fixed])
         .with(Constraint::mean_stress(values.target("mean_stress")))
         .with(in_ratio(values, 1, Target::ramp(Ramp::To(0.0))))
         .with(in_ratio(values, 2, Target::ramp(Ramp::To(0.0))));
     Stage { most_arc_length: Some(0.3), ..Stage::new("to the ratios", control, vec![Until::RampOver]) }
 }
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     word(
         "ratios_of",
         "What has constant ratios.",
@@ -74,7 +76,7 @@ const PARAMETERS: &[Parameter] = &[
     number("ratio_y", "Strain or stress along y over that along x.", 0.6, [-3.0, 3.0]),
     number("ratio_z", "Strain or stress along z over that along x.", 0.6, [-3.0, 3.0]),
     number("axial_strain", "Strain along x at the end; negative for unloading.", 0.01, [-3.0, 3.0]),
-    Parameter {
+    PathParameter {
         unit: "Pa",
         ..optional(
             "axial_stress",

@@ -1,7 +1,7 @@
 //! Simple shear at constant normal stress: grains move along x in proportion to y, the stress along y is held constant, the
 //! other axes are not strained.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -16,7 +16,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
     stress("normal_stress", "Stress along y, to which the sample is first consolidated on all three axes."),
     INERTIAL_NUMBER,
@@ -28,7 +28,7 @@ pub(super) fn shear(speed: Speed, normal: Drive, strain: f64, states: usize) -> 
     let fixed = Drive::Fixed;
     let control = Control {
         kinematics: Kinematics::SimpleShear,
-        ..Control::of(speed, [fixed, normal, fixed, fixed, fixed, Drive::Rate(1.0)])
+        ..Control::new(speed, [fixed, normal, fixed, fixed, fixed, Drive::Rate(1.0)])
     };
     let until = Until::Reaches { measure: Measure::Strain(5), value: strain };
     Stage {

@@ -1,7 +1,7 @@
 //! Simple shear at constant volume: grains move along x in proportion to y, and no axis is strained.
 
 use super::simple_shear::shear;
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, number, stress};
 use crate::loading::Drive;
 
 pub(super) const PRESET: Preset = Preset {
@@ -15,7 +15,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
     stress("mean_stress", "Mean stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,

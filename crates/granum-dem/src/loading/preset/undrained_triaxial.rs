@@ -1,7 +1,7 @@
 //! Undrained triaxial test: the volume of a saturated sample is constant, so that each lateral strain is minus half the
 //! axial one.
 
-use super::{Default, INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, PathParameterDefault, Preset, STATES, generous, number, stress};
 use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -15,9 +15,9 @@ pub(super) const PRESET: Preset = Preset {
         let lateral = Drive::Rate(-0.5 * end.signum());
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
         let control = match values.optional("fluid_modulus") {
-            None => Control::of(values.speed(), [axial, lateral, lateral, fixed, fixed, fixed]),
+            None => Control::new(values.speed(), [axial, lateral, lateral, fixed, fixed, fixed]),
             // The sum of the pore pressure K_f eps_v / n and of the effective stress along z is the constant cell pressure.
-            Some(modulus) => Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
+            Some(modulus) => Control::new(values.speed(), [axial, free, free, fixed, fixed, fixed])
                 .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
                 .with(Constraint {
                     strain: [modulus, modulus, modulus, 0.0, 0.0, 0.0],
@@ -38,13 +38,15 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
     stress("mean_stress", "Mean effective stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,
     STATES,
-    Parameter {
-        default: Default::Absent("the fluid is incompressible, and the volume of the sample is constant"),
+    PathParameter {
+        default: PathParameterDefault::Absent(
+            "the fluid is incompressible, and the volume of the sample is constant",
+        ),
         ..stress("fluid_modulus", "Bulk modulus of the pore fluid over the porosity, K_f / n.")
     },
 ];

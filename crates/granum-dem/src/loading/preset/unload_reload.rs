@@ -1,6 +1,9 @@
 //! Drained triaxial compression with loops of unloading and reloading at given strains.
 
-use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, deviator, generous, number, stress};
+use super::{
+    INERTIAL_NUMBER, PathParameter, PathParameterDefault, PathParameterKind, Preset, STATES, deviator,
+    generous, number, stress,
+};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -14,7 +17,7 @@ pub(super) const PRESET: Preset = Preset {
         let stage = |name: String, sense: f64, until: Until| {
             let held = Drive::Stress(values.target("lateral_stress"));
             let fixed = Drive::Fixed;
-            let control = Control::of(values.speed(), [Drive::Rate(sense), held, held, fixed, fixed, fixed]);
+            let control = Control::new(values.speed(), [Drive::Rate(sense), held, held, fixed, fixed, fixed]);
             let stage = Stage::new(name, control, vec![until]).recording(record.clone());
             Stage { most_arc_length: generous(end), ..stage }
         };
@@ -36,13 +39,13 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-const PARAMETERS: &[Parameter] = &[
+const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Axial strain at the end.", 0.1, [1e-6, 3.0]),
-    Parameter {
+    PathParameter {
         key: "at",
-        kind: Kind::List,
+        kind: PathParameterKind::List,
         help: "Axial strains at which the sample is unloaded; those beyond axial_strain are ignored.",
-        default: Default::List(&[0.01, 0.03, 0.06]),
+        default: PathParameterDefault::List(&[0.01, 0.03, 0.06]),
         bounds: [1e-9, 3.0],
         ..STATES
     },

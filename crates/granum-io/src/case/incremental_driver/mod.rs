@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use granum_dem::loading::preset::{Given, PROBES, Value};
+use granum_dem::loading::preset::{Given, PROBES, PathValue};
 use granum_dem::loading::{
     Constraint, Control, Drive, Measure, Ramp, RecordedStates, Speed, Stage, Target, Until,
 };
@@ -192,7 +192,7 @@ impl<'a> Steps<'a> {
 
     fn control(&self, components: [Drive; 6]) -> Control {
         let speed = Speed::InertialNumber { number: self.options.inertial_number, at: None };
-        Control::of(speed, components)
+        Control::new(speed, components)
     }
 
     /// A component that changes by this much in the sense of the file.
@@ -375,11 +375,11 @@ impl<'a> Steps<'a> {
         let by_stress = keyword.to_ascii_lowercase().ends_with('s');
         let (key, size) =
             if by_stress { ("stress", size * self.options.stress_unit) } else { ("strain", size) };
-        let speed = Value::Number(self.options.inertial_number);
+        let speed = PathValue::Number(self.options.inertial_number);
         let parameters = Given::from([
-            ("directions".to_string(), Value::Number(count.min(360.0))),
+            ("directions".to_string(), PathValue::Number(count.min(360.0))),
             ("inertial_number".to_string(), speed),
-            (key.to_string(), Value::Number(size)),
+            (key.to_string(), PathValue::Number(size)),
         ]);
         Ok(vec![CaseStage::Path { path: PROBES, parameters, resets: true }])
     }

@@ -2,14 +2,14 @@
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::Observer;
-use granum_dem::preparation::{Outcome, Phase, Preparing};
+use granum_dem::preparation::{Phase, PreparationOutcome, Preparing};
 use granum_io::Case;
 
-use super::executor::Executor;
 use super::quality;
 use super::run_state::{RunPart, RunState};
 use super::sample::measure_sample;
 use super::segment::Segment;
+use super::task_execution::TaskExecution;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 
@@ -20,7 +20,7 @@ pub(super) fn wanted(case: &Case) -> Option<Preparation> {
     Some(case.preparation.clone().with(|preparation| preparation.mean_stress = mean_stress))
 }
 
-impl Executor {
+impl TaskExecution {
     /// Begins the consolidation of a sample.
     pub(super) fn begin_consolidation(
         &self,
@@ -54,12 +54,12 @@ impl Executor {
         let (outcome, stopped) =
             self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
         let (simulation, part) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, RunPart::Consolidation(at.progress)),
+            PreparationOutcome::Stopped(at) => (at.simulation, RunPart::Consolidation(at.progress)),
             // A consolidation does not search for a friction coefficient and therefore has a single trial.
-            Outcome::Again(_) => {
+            PreparationOutcome::Again(_) => {
                 return Err(LaboratoryError::Packing("its consolidation has only one trial".into()));
             }
-            Outcome::Sample(sample) => {
+            PreparationOutcome::Sample(sample) => {
                 results.curve.end(&sample, Phase::Consolidation);
                 results.steps.insert(Phase::Consolidation.name().into(), sample.steps);
                 results.quality.extend(quality::judge_rest(

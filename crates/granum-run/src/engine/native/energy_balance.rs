@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 
 /// Kinetic and elastic energy of an assembly, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Stored {
+pub(super) struct StoredEnergy {
     kinetic: f64,
     elastic_normal: f64,
 }
 
-impl Stored {
-    pub(super) fn of(assembly: &Assembly) -> Stored {
+impl StoredEnergy {
+    pub(super) fn from_assembly(assembly: &Assembly) -> StoredEnergy {
         let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
-        Stored {
+        StoredEnergy {
             kinetic: assembly
                 .grains
                 .iter()
@@ -32,8 +32,8 @@ fn attraction_energy(assembly: &Assembly) -> f64 {
 
 /// Relative gap of the energy balance: the work of the boundary is compared with the sum of the stored energy and of the
 /// losses by friction, damping and adhesion.
-pub(super) fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
-    let after = Stored::of(end);
+pub(super) fn energy_gap(before: &StoredEnergy, end: &Assembly) -> f64 {
+    let after = StoredEnergy::from_assembly(end);
     let e = &end.energy;
     let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
     // The work of the tangential forces includes their elastic energy, which need not be separated here.

@@ -76,7 +76,7 @@ impl Observer for Follow<'_, '_> {
 }
 
 /// Calls the recorder of a stage, and tells the states that it has recorded.
-pub(super) struct Record<'a, 's> {
+pub(super) struct StageRecording<'a, 's> {
     recorder: &'a mut Recorder,
     /// Number of the stage, from 1.
     stage: usize,
@@ -90,15 +90,15 @@ pub(super) struct Record<'a, 's> {
     pub(super) failed: Option<granum_io::Error>,
 }
 
-impl<'a, 's> Record<'a, 's> {
+impl<'a, 's> StageRecording<'a, 's> {
     pub(super) fn new(
         recorder: &'a mut Recorder,
         stage: usize,
         columns: RecordedColumns,
         outlet: &'a Outlet<'s>,
-    ) -> Record<'a, 's> {
+    ) -> StageRecording<'a, 's> {
         let told = recorder.complete_states();
-        Record { recorder, stage, columns, outlet, told, assembly: Assembly::default(), failed: None }
+        StageRecording { recorder, stage, columns, outlet, told, assembly: Assembly::default(), failed: None }
     }
 
     /// Tells the states up to a number of them.
@@ -118,7 +118,7 @@ impl<'a, 's> Record<'a, 's> {
     }
 }
 
-impl Observer for Record<'_, '_> {
+impl Observer for StageRecording<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.recorder.next_observation()
     }
@@ -164,7 +164,7 @@ impl Observer for Snapshots<'_, '_> {
     }
     fn observe(&mut self, simulation: &Simulation) {
         let here =
-            self.measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
+            self.measure.value(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
         while self.due.first().is_some_and(|due| *due <= here) {
             let name = snapshot_name(self.due.remove(0));
             if let Err(error) = self.outlet.sink.borrow_mut().save_snapshot(&name, &simulation.assembly()) {

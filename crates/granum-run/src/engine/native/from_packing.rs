@@ -8,8 +8,8 @@ use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Formats, Packing};
 
-use super::executor::Executor;
 use super::packing_simulation::simulation;
+use super::task_execution::TaskExecution;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 
@@ -108,7 +108,7 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
     remarks
 }
 
-impl Executor {
+impl TaskExecution {
     /// Reads the packing if the source is a packing file.
     ///
     /// # Errors

@@ -12,7 +12,6 @@
 
 mod consolidation;
 mod energy_balance;
-mod executor;
 mod follow;
 mod from_packing;
 mod measures;
@@ -27,6 +26,7 @@ mod sample;
 mod saved_state;
 mod segment;
 mod snapshot_names;
+mod task_execution;
 mod test;
 mod test_state;
 

@@ -10,11 +10,11 @@ use granum_io::Case;
 use granum_io::run::{Fault, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};
 use granum_sensors::Record;
 
-use super::executor::Executor;
 use super::run_state::{self, RunPart, RunState};
 use super::sample::note;
 use super::segment::Segment;
 use super::snapshot_names::{END, SAMPLE};
+use super::task_execution::TaskExecution;
 use super::test_state::{MOST_STAGES_NOTED, Test};
 use super::{consolidation, from_packing, measures, quality};
 use crate::engine::engine_run::EngineRun;
@@ -31,15 +31,15 @@ use crate::strength;
 /// # Errors
 /// [`LaboratoryError`] if the case does not fit into memory, or if its sample, packing or sensors cannot be used.
 pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
-    let executor = Executor::of(&task);
+    let execution = TaskExecution::new(&task);
     let Task { kind, case, source, .. } = &task;
-    executor.vocabulary.sensors().of_test(&case.recording, case.test_definition().columns)?;
+    execution.vocabulary.sensors().of_test(&case.recording, case.test_definition().columns)?;
     // The folder of the run is read again from what is written there.
     case.readable_toml(None)?;
     if *source == Source::Case {
         memory::check(case)?;
     }
-    let packing = executor.packing(source)?;
+    let packing = execution.packing(source)?;
     let mut record = task.record()?;
     if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
         let packing = from_packing::describe(file, packing, sha256);
@@ -49,9 +49,9 @@ pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun,
         observer.warn(&text);
         record.notes.push(text);
     }
-    let run_state = executor.start(case, source, packing, &mut record, observer)?;
+    let run_state = execution.start(case, source, packing, &mut record, observer)?;
     let case = task.case;
-    Ok(EngineRun::new(record, move |sink, observer| executor.go_on(&case, run_state, sink, observer)))
+    Ok(EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer)))
 }
 
 /// Reads and checks what is needed to continue a preparation or test from its last usable checkpoint, or from the case if there is
@@ -65,10 +65,10 @@ pub(super) fn resume(
     folder: &RunFolder,
     observer: &mut dyn Observer,
 ) -> Result<Option<EngineRun>, LaboratoryError> {
-    let executor = Executor::of(&task);
+    let execution = TaskExecution::new(&task);
     let case = task.case;
-    let run = folder.run().with_vocabulary(&executor.vocabulary);
-    let run_state = run_state::last_good(folder, &record, &case, &executor.vocabulary, observer)?;
+    let run = folder.run().with_vocabulary(&execution.vocabulary);
+    let run_state = run_state::last_good(folder, &record, &case, &execution.vocabulary, observer)?;
     let changed = changed_files(&run, run_state.as_ref(), observer)?;
     if record.status == RunStatus::Finished && !changed && run_state.as_ref().is_none_or(|s| !s.older) {
         return Ok(None);
@@ -78,13 +78,13 @@ pub(super) fn resume(
             Some(run_state) => run_state,
             None => {
                 let source = Source::recorded(&sink.record().source)?;
-                executor.start(&case, &source, None, sink.record(), observer)?
+                execution.start(&case, &source, None, sink.record(), observer)?
             }
         };
         if changed {
             write_curve(sink, &run_state)?;
         }
-        executor.go_on(&case, run_state, sink, observer)
+        execution.go_on(&case, run_state, sink, observer)
     })))
 }
 
@@ -115,7 +115,7 @@ fn changed_files(
     Ok(!faults.is_empty())
 }
 
-impl Executor {
+impl TaskExecution {
     /// Executes one stage after another until the run is complete or the observer stops it.
     pub(crate) fn go_on(
         &self,

@@ -5,26 +5,26 @@ use std::path::Path;
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::{Flow, Observer, Observers, Progress};
-use granum_dem::preparation::{Outcome, Phase, Preparing, Sample, SampleSpecification, Trial};
+use granum_dem::preparation::{Phase, PreparationOutcome, Preparing, Sample, SampleSpecification, Trial};
 use granum_dem::simulation::Simulation;
 use granum_io::case::{Vocabulary, decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
 
-use super::executor::Executor;
 use super::follow::Follow;
 use super::pace::Interval;
 use super::preparation_curve::PreparationCurve;
 use super::run_state::{RunPart, RunResults, RunState};
 use super::segment::Segment;
+use super::task_execution::TaskExecution;
 use super::{from_packing, quality};
 use crate::engine::resources::Resources;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 use crate::laboratory::status::Speedometer;
 
-impl Executor {
+impl TaskExecution {
     /// The initial state of a run. A packing that has already been read can be passed in.
     pub(super) fn start(
         &self,
@@ -93,12 +93,12 @@ impl Executor {
         let (outcome, stopped) =
             self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
         let (simulation, part) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, RunPart::Preparation(at.progress)),
-            Outcome::Again(next) => {
+            PreparationOutcome::Stopped(at) => (at.simulation, RunPart::Preparation(at.progress)),
+            PreparationOutcome::Again(next) => {
                 let preparing = from_packing::again(&self.formats, source, &specification, next)?;
                 (preparing.simulation, RunPart::Preparation(preparing.progress))
             }
-            Outcome::Sample(sample) => {
+            PreparationOutcome::Sample(sample) => {
                 results.curve.end(&sample, Phase::Relaxation);
                 note_sample(case, &sample, compacted, &mut results);
                 measure_sample(&sample.simulation, &mut results);
@@ -117,7 +117,7 @@ impl Executor {
         curve: &mut PreparationCurve,
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
-    ) -> Result<(Outcome, bool), LaboratoryError> {
+    ) -> Result<(PreparationOutcome, bool), LaboratoryError> {
         let mut note = |progress: &Progress| {
             curve.observe(progress);
             Flow::Continue
@@ -134,7 +134,7 @@ impl Executor {
         };
         let outcome = preparing.go_on(specification, &mut Observers(vec![&mut note, &mut follow]))?;
         // A stop that is requested while the sample becomes complete takes effect in the next segment.
-        let stopped = follow.stopped && matches!(outcome, Outcome::Stopped(_));
+        let stopped = follow.stopped && matches!(outcome, PreparationOutcome::Stopped(_));
         Ok((outcome, stopped))
     }
 }

@@ -12,7 +12,7 @@ pub(super) struct SavedState(Vec<u8>);
 
 impl SavedState {
     /// Saves a simulation.
-    pub(super) fn of(simulation: &Simulation) -> Result<SavedState, LaboratoryError> {
+    pub(super) fn from_simulation(simulation: &Simulation) -> Result<SavedState, LaboratoryError> {
         let bytes = simulation.checkpoint("").map_err(|error| LaboratoryError::Kept(error.to_string()))?;
         Ok(SavedState(bytes))
     }

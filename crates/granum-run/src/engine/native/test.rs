@@ -7,18 +7,18 @@ use granum_dem::loading::{self, Ending, StageEnd};
 use granum_dem::observer::{Observer, Observers};
 use granum_io::Case;
 
-use super::executor::Executor;
 use super::follow::{self, Follow, Outlet, Snapshots, stage_snapshot};
 use super::pace::Interval;
 use super::run_state::{RunPart, RunState};
 use super::segment::Segment;
+use super::task_execution::TaskExecution;
 use super::test_state::{MOST_STAGES_NOTED, Test};
 use crate::engine::sink::Sink;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::status::Speedometer;
 use crate::strength::symmetry;
 
-impl Executor {
+impl TaskExecution {
     /// Prepares a sample for the test that the case defines.
     pub(super) fn begin_test(
         &self,
@@ -67,7 +67,7 @@ impl Executor {
             place: [at, test.stages.len()],
             stopped: false,
         };
-        let mut record = follow::Record::new(recorder, at + 1, test.columns, &outlet);
+        let mut record = follow::StageRecording::new(recorder, at + 1, test.columns, &outlet);
         let mut snapshots = Snapshots {
             due: &mut test.snapshots,
             measure: stage.record.measure,
@@ -89,7 +89,7 @@ impl Executor {
             Ending::Stopped if stopped => return Ok(Segment::Stop),
             Ending::Stopped => return Ok(Segment::GoOn),
         };
-        let end = StageEnd::of(stage, &test.stage_progress, reason, simulation);
+        let end = StageEnd::new(stage, &test.stage_progress, reason, simulation);
         let (number, name) = (at + 1, end.name.clone());
         let (steps, reason_text) = (end.steps, reason.to_string());
         let ended = Event::StageEnded { number, name, steps, reason: reason_text };

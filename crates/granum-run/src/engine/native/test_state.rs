@@ -8,7 +8,7 @@ use granum_io::case::TestDefinition;
 use granum_sensors::{Record, RecordedState, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::energy_balance::Stored;
+use super::energy_balance::StoredEnergy;
 use super::follow::{snapshot_name, stage_snapshot};
 use super::saved_state::SavedState;
 use super::snapshot_names::END;
@@ -26,7 +26,7 @@ pub(super) struct Test<R = Recorder> {
     /// The ends of the completed stages.
     pub(super) ends: Vec<StageEnd>,
     /// Energy of the sample when strain and work were last set to zero.
-    pub(super) before: Stored,
+    pub(super) before: StoredEnergy,
     /// True if global damping has dissipated energy since then.
     pub(super) damped: bool,
     /// The columns that it records.
@@ -93,7 +93,7 @@ fn columns_of_any_version<'d, D: Deserializer<'d>>(from: D) -> Result<RecordedCo
 #[derive(Clone, Serialize, Deserialize)]
 struct SavedStart {
     state: SavedState,
-    before: Stored,
+    before: StoredEnergy,
     damped: bool,
 }
 
@@ -120,7 +120,7 @@ impl Test {
             stage_progress: StageProgress::default(),
             recorders: Vec::new(),
             ends: Vec::new(),
-            before: Stored::of(&simulation.assembly()),
+            before: StoredEnergy::from_assembly(&simulation.assembly()),
             damped: false,
             columns,
             snapshots,
@@ -141,7 +141,7 @@ impl Test {
         match (stage.start, &self.kept) {
             (Start::Here, _) => {}
             (Start::Kept, _) => {
-                let state = SavedState::of(simulation)?;
+                let state = SavedState::from_simulation(simulation)?;
                 self.kept = Some(SavedStart { state, before: self.before, damped: self.damped });
             }
             (Start::Back, Some(kept)) => {
@@ -155,7 +155,7 @@ impl Test {
             simulation.set_properties(properties)?;
         }
         if stage.resets {
-            self.before = Stored::of(&simulation.assembly());
+            self.before = StoredEnergy::from_assembly(&simulation.assembly());
             self.damped = false;
         }
         self.damped |= stage.settling;

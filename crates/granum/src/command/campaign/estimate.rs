@@ -40,7 +40,7 @@ impl Drop for Temporary {
 }
 
 /// Makes the pilot runs; `None` if none are asked for.
-pub fn of(
+pub fn run_pilots(
     context: &Context,
     flags: &PlanFlags,
     plan: &Plan,

@@ -27,7 +27,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     let plan = Plan::read(file, context.reading())?;
     let planned = plan.runs()?;
     if flags.dry_run {
-        let estimate = estimate::of(context, flags, &plan, &planned)?;
+        let estimate = estimate::run_pilots(context, flags, &plan, &planned)?;
         let mut result = plan_text::as_json(&planned);
         result["estimate"] = json!(estimate.as_ref().map(estimate::as_json));
         return output::say(context, &result, || {
@@ -211,7 +211,7 @@ fn report(context: &Context, campaign: &Campaign, summary: &Summary) -> Result<(
         "failed": summary.failed.iter().map(|(name, why)| json!({ "name": name, "reason": why })).collect::<Vec<_>>(),
         "stopped": summary.stopped,
     });
-    let found = status::Found::of(campaign)?;
+    let found = status::Found::read(campaign)?;
     output::say_complete(context, campaign.folder(), &result, || {
         let mut lines = vec![format!("{out}: {line}")];
         match summary.reused {

@@ -37,7 +37,7 @@ impl Status {
 
 /// Prints the state of a campaign.
 pub fn print(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
-    let found = Found::of(campaign)?;
+    let found = Found::read(campaign)?;
     output::say(context, &found.json(), || found.text())
 }
 
@@ -48,7 +48,7 @@ pub struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
-    pub fn of(campaign: &'a Campaign) -> Result<Found<'a>, Failure> {
+    pub fn read(campaign: &'a Campaign) -> Result<Found<'a>, Failure> {
         Ok(Found { campaign, status: CampaignStatus::of(campaign)? })
     }
 

@@ -117,7 +117,7 @@ pub fn all(
         network_seed: options.seed,
     };
     study_report(&report).write(folder.path())?;
-    SummaryTimes::of(&report.summary).write(folder.path())?;
+    SummaryTimes::from_summary(&report.summary).write(folder.path())?;
     write_speed_page(folder.path(), &report)?;
     write_sealed(&folder.file(SUMMARY_FILE), &report.summary)?;
     tidy(folder)?;

@@ -8,16 +8,16 @@ use crate::engine::task::Task;
 
 /// Executes the parts of a run: the threads, the interval of checkpoints, and what is known by name.
 #[derive(Clone, Debug)]
-pub(crate) struct Executor {
+pub(crate) struct TaskExecution {
     pub(super) resources: Resources,
     pub(super) vocabulary: Vocabulary,
     pub(super) formats: Formats,
 }
 
-impl Executor {
+impl TaskExecution {
     /// That of a task.
-    pub(super) fn of(task: &Task) -> Executor {
+    pub(super) fn new(task: &Task) -> TaskExecution {
         let Task { resources, vocabulary, formats, .. } = task.clone();
-        Executor { resources, vocabulary, formats }
+        TaskExecution { resources, vocabulary, formats }
     }
 }
