@@ -93,7 +93,7 @@ fn models() -> Vec<Seed> {
     let inputs: Vec<f64> = (0..2 * rows).map(|k| (k as f64 * 0.7).sin()).collect();
     let targets = (0..rows).map(|k| 20.0 + (k as f64 * 0.4).cos()).collect();
     let data = Data::new(inputs, 2, targets).expect("a table");
-    let column = granum_nets::Column::new;
+    let column = granum_nets::ModelColumn::new;
     let definition = ModelDefinition {
         inputs: vec![column("deviator_strain", "1"), column("force", "N")],
         output: column("stress", "Pa"),

@@ -15,11 +15,11 @@
 
 use granum_learn::curve::increases;
 use granum_learn::dataset::{ColumnGroup, Dataset, NamedRecord, RunStates, Split, SplitParts, record_error};
-use granum_learn::networks::Bins;
+use granum_learn::networks::MappingBins;
 use granum_learn::{LearnError, Result};
 use granum_nets::Data;
 
-use crate::mapping::Quantity;
+use crate::mapping::PaperQuantity;
 
 /// Options of the data.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub struct PaperData {
     /// Its parts.
     pub parts: SplitParts,
     /// The bins of f that are learned.
-    pub bins: Bins,
+    pub bins: MappingBins,
 }
 
 impl PaperData {
@@ -113,14 +113,18 @@ impl PaperData {
 }
 
 /// The quantities of the mappings.
-const QUANTITIES: [Quantity; 4] =
-    [Quantity::DeviatorStrain, Quantity::StressRatio, Quantity::DeviatorFabric, Quantity::ForceDistribution];
+const QUANTITIES: [PaperQuantity; 4] = [
+    PaperQuantity::DeviatorStrain,
+    PaperQuantity::StressRatio,
+    PaperQuantity::DeviatorFabric,
+    PaperQuantity::ForceDistribution,
+];
 
 /// The bins of f in a run that lie in the range of the options.
 ///
 /// # Errors
 /// If the run has no histogram of forces, or none of its bins is in the range.
-pub fn learned_bins(run: &RunStates, options: &PaperDataOptions) -> Result<Bins> {
+pub fn learned_bins(run: &RunStates, options: &PaperDataOptions) -> Result<MappingBins> {
     let histogram = histogram(run)?;
     let slack = 1e-6 * histogram.bin_width;
     let half = 0.5 * histogram.bin_width;
@@ -131,12 +135,12 @@ pub fn learned_bins(run: &RunStates, options: &PaperDataOptions) -> Result<Bins>
         let reason = format!("its histogram has no bin of f between {low} and {high}");
         return Err(record_error(run.name(), reason));
     }
-    Ok(Bins { binned: histogram.binned.clone(), width: histogram.bin_width, centres })
+    Ok(MappingBins { binned: histogram.binned.clone(), width: histogram.bin_width, centres })
 }
 
 fn histogram(run: &RunStates) -> Result<&ColumnGroup> {
     let none = || record_error(run.name(), "it has no state with a histogram of contact forces");
-    run.group(Quantity::ForceDistribution.column()).ok_or_else(none)
+    run.group(PaperQuantity::ForceDistribution.column()).ok_or_else(none)
 }
 
 /// Refuses a run that is no test of the paper: with several stages, without a column, with other bins of f, with a value that is
@@ -144,7 +148,7 @@ fn histogram(run: &RunStates) -> Result<&ColumnGroup> {
 ///
 /// # Errors
 /// If it is none; the message gives the state and the reason.
-pub fn check_run(run: &RunStates, bins: &Bins) -> Result<()> {
+pub fn check_run(run: &RunStates, bins: &MappingBins) -> Result<()> {
     if run.column("stage")?.iter().any(|stage| *stage > 1.0) {
         let reason = "it is a test of several stages; the study of Antony, Zhou and Wang learns from tests of one stage, in \
                       which the deviator strain increases";
@@ -158,7 +162,7 @@ pub fn check_run(run: &RunStates, bins: &Bins) -> Result<()> {
         let reason = "its histogram does not have the bins of f that the networks learn";
         return Err(record_error(run.name(), format!("{reason}; record with bins of width {}", bins.width)));
     }
-    let densities = Quantity::ForceDistribution.columns(bins);
+    let densities = PaperQuantity::ForceDistribution.columns(bins);
     let densities = densities.iter().map(|name| run.column(name)).collect::<Result<Vec<_>>>()?;
     for k in 0..run.rows() {
         if numbers.iter().chain(&densities).any(|column| !column[k].is_finite()) {

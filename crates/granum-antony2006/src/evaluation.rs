@@ -5,12 +5,12 @@ use granum_learn::input_use::InputUse;
 use granum_learn::networks::{NetworkScores, SubModelNetworks, networks_of};
 use granum_learn::scatter::{Scatter, best_without_inputs};
 use granum_learn::score::Score;
-use granum_learn::study::{FitScores, Member, MemberScores, Role, Study, StudyFit};
+use granum_learn::study::{FitScores, Member, MemberRole, MemberScores, Study, StudyFit};
 use granum_learn::{LearnError, Result};
 use serde::Serialize;
 
 use crate::data::{PaperData, check_run};
-use crate::mapping::{Mapping, Quantity};
+use crate::mapping::{Mapping, PaperQuantity};
 use crate::method::NAME;
 
 /// The networks of a mapping in a study.
@@ -18,7 +18,7 @@ use crate::method::NAME;
 /// # Errors
 /// [`LearnError::Unknown`] if the study has no such mapping.
 pub fn networks<'a>(study: &'a Study, mapping: &str) -> Result<&'a SubModelNetworks> {
-    trained(study, mapping, Role::Asked)
+    trained(study, mapping, MemberRole::Asked)
 }
 
 /// The strain-only networks of a mapping in a study.
@@ -26,10 +26,10 @@ pub fn networks<'a>(study: &'a Study, mapping: &str) -> Result<&'a SubModelNetwo
 /// # Errors
 /// [`LearnError::Unknown`] if the study has no such mapping.
 pub fn strain_only<'a>(study: &'a Study, mapping: &str) -> Result<&'a SubModelNetworks> {
-    trained(study, mapping, Role::CoordinateOnly)
+    trained(study, mapping, MemberRole::CoordinateOnly)
 }
 
-fn trained<'a>(study: &'a Study, mapping: &str, role: Role) -> Result<&'a SubModelNetworks> {
+fn trained<'a>(study: &'a Study, mapping: &str, role: MemberRole) -> Result<&'a SubModelNetworks> {
     let fit = study.fits.iter().find(|fit| fit.name == mapping);
     let member = fit.and_then(|fit| member(fit, NAME, role));
     member.and_then(|member| networks_of(member.surrogate.as_ref())).ok_or_else(|| LearnError::Unknown {
@@ -39,13 +39,17 @@ fn trained<'a>(study: &'a Study, mapping: &str, role: Role) -> Result<&'a SubMod
     })
 }
 
-fn member<'a>(fit: &'a StudyFit, method: &str, role: Role) -> Option<&'a Member> {
+fn member<'a>(fit: &'a StudyFit, method: &str, role: MemberRole) -> Option<&'a Member> {
     fit.members.iter().find(|member| member.method == method && member.role == role)
 }
 
 /// Total training time of all networks except the strain-only ones, s.
 pub fn training_seconds(study: &Study) -> f64 {
-    study.members().filter(|member| member.role == Role::Asked).map(|member| study.seconds_of(member)).sum()
+    study
+        .members()
+        .filter(|member| member.role == MemberRole::Asked)
+        .map(|member| study.seconds_of(member))
+        .sum()
 }
 
 /// Scores of one mapping on one run.
@@ -91,19 +95,19 @@ pub fn scored_run(study: &Study, run: &RunStates) -> Result<RunStates> {
 pub fn score_run(study: &Study, run: &RunStates) -> Result<Vec<RunScore>> {
     let part = Dataset::new(vec![run.clone()])?;
     let score = |fit: &StudyFit| -> Result<RunScore> {
-        let of = |method: &str, role: Role| {
+        let of = |method: &str, role: MemberRole| {
             member(fit, method, role).map(|member| study.score_part(member, &part)).transpose()
         };
         let baseline =
-            |method: &str, role: Role| Ok::<_, LearnError>(of(method, role)?.map(|part| part.score));
-        let network = of(NAME, Role::Asked)?.unwrap_or_default();
+            |method: &str, role: MemberRole| Ok::<_, LearnError>(of(method, role)?.map(|part| part.score));
+        let network = of(NAME, MemberRole::Asked)?.unwrap_or_default();
         Ok(RunScore {
             mapping: fit.name.clone(),
             network: network.score,
-            strain_only: of(NAME, Role::CoordinateOnly)?.unwrap_or_default().score,
-            ridge: baseline("ridge", Role::Baseline)?,
-            ridge_strain_only: baseline("ridge", Role::CoordinateOnly)?,
-            mean_curve: baseline("mean-curve", Role::Baseline)?,
+            strain_only: of(NAME, MemberRole::CoordinateOnly)?.unwrap_or_default().score,
+            ridge: baseline("ridge", MemberRole::Baseline)?,
+            ridge_strain_only: baseline("ridge", MemberRole::CoordinateOnly)?,
+            mean_curve: baseline("mean-curve", MemberRole::Baseline)?,
             states_outside: network.outside,
         })
     };
@@ -117,7 +121,7 @@ pub fn score_run(study: &Study, run: &RunStates) -> Result<Vec<RunScore>> {
 pub fn sensor_use(study: &Study, unseen: &Dataset) -> Result<Vec<(String, InputUse)>> {
     let mut all = Vec::new();
     for fit in &study.fits {
-        if let Some(member) = member(fit, NAME, Role::Asked) {
+        if let Some(member) = member(fit, NAME, MemberRole::Asked) {
             let used = study.member_use(fit, member, unseen)?;
             all.push((fit.name.clone(), used.unwrap_or_default()));
         }
@@ -137,7 +141,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn new(scores: &FitScores, method: &str, role: Role) -> Parts {
+    fn new(scores: &FitScores, method: &str, role: MemberRole) -> Parts {
         let own = |member: &&MemberScores| member.method == method && member.role == role;
         let parts = |member: &MemberScores| Parts {
             training: member.training.score,
@@ -186,14 +190,15 @@ impl Evaluation {
 
     fn new(fit: &StudyFit, scores: &FitScores, data: &PaperData) -> Result<Evaluation> {
         let mapping = Mapping::from_fit(&fit.spec)?;
-        let own = scores.members.iter().find(|member| member.method == NAME && member.role == Role::Asked);
+        let own =
+            scores.members.iter().find(|member| member.method == NAME && member.role == MemberRole::Asked);
         let used = own.and_then(|own| scores.uses.get(&own.name));
         Ok(Evaluation {
-            network: Parts::new(scores, NAME, Role::Asked),
-            strain_only: Parts::new(scores, NAME, Role::CoordinateOnly),
-            mean_curve: Parts::new(scores, "mean-curve", Role::Baseline),
-            ridge: Parts::new(scores, "ridge", Role::Baseline),
-            ridge_strain_only: Parts::new(scores, "ridge", Role::CoordinateOnly),
+            network: Parts::new(scores, NAME, MemberRole::Asked),
+            strain_only: Parts::new(scores, NAME, MemberRole::CoordinateOnly),
+            mean_curve: Parts::new(scores, "mean-curve", MemberRole::Baseline),
+            ridge: Parts::new(scores, "ridge", MemberRole::Baseline),
+            ridge_strain_only: Parts::new(scores, "ridge", MemberRole::CoordinateOnly),
             sensor_use: used.cloned().unwrap_or_default(),
             seed_scatter: scatter(data, &mapping, mapping.output)?.map(|scatter| scatter.relative),
             training_runs: data.parts.training_runs.runs().len(),
@@ -209,12 +214,16 @@ impl Evaluation {
 }
 
 /// Scatter of a quantity between all runs, within the ranges of a mapping.
-pub(crate) fn scatter(data: &PaperData, mapping: &Mapping, quantity: Quantity) -> Result<Option<Scatter>> {
+pub(crate) fn scatter(
+    data: &PaperData,
+    mapping: &Mapping,
+    quantity: PaperQuantity,
+) -> Result<Option<Scatter>> {
     let runs: Vec<&RunStates> =
         data.parts.training_runs.runs().iter().chain(data.parts.unseen.runs()).collect();
     let (Some(first), Some(last)) = (mapping.sub_models.first(), mapping.sub_models.last()) else {
         return Ok(None);
     };
     let columns = quantity.columns(&data.bins);
-    Scatter::new(&runs, Quantity::DeviatorStrain.column(), &columns, [first.range[0], last.range[1]])
+    Scatter::new(&runs, PaperQuantity::DeviatorStrain.column(), &columns, [first.range[0], last.range[1]])
 }

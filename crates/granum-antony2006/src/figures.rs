@@ -14,24 +14,24 @@ use granum_learn::{Result, Surrogate};
 
 use crate::data::PaperData;
 use crate::evaluation::{networks, scatter, strain_only};
-use crate::mapping::{Mapping, Quantity};
+use crate::mapping::{Mapping, PaperQuantity};
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
+pub struct PaperFigure {
     /// Name of the mapping.
     pub mapping: String,
     /// Formula of the mapping, as in the paper.
     pub formula: String,
     /// Quantity on the vertical axis.
-    pub output: Quantity,
+    pub output: PaperQuantity,
     /// Panels of the figure.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<PaperPanel>,
 }
 
 /// A panel of a figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Panel {
+pub struct PaperPanel {
     /// Range of deviator strain of the panel.
     pub strain_range: [f64; 2],
     /// True if the horizontal axis is f, false if it is the deviator strain.
@@ -83,7 +83,7 @@ const FINE: usize = 200;
 ///
 /// # Errors
 /// If a state contains a value that is not finite.
-pub fn figures(study: &Study, data: &PaperData) -> Result<Vec<Figure>> {
+pub fn figures(study: &Study, data: &PaperData) -> Result<Vec<PaperFigure>> {
     let runs = if data.parts.unseen.rows() == 0 { &data.parts.training_runs } else { &data.parts.unseen };
     let figure = |fit: &granum_learn::study::StudyFit| {
         let mapping = Mapping::from_fit(&fit.spec)?;
@@ -95,12 +95,12 @@ pub fn figures(study: &Study, data: &PaperData) -> Result<Vec<Figure>> {
             runs: runs.runs(),
         };
         let panels = match mapping.output {
-            Quantity::ForceDistribution => {
+            PaperQuantity::ForceDistribution => {
                 (0..mapping.sub_models.len()).map(|k| distribution_panel(&shown, k)).collect::<Result<_>>()?
             }
             _ => vec![scalar_panel(&shown)?],
         };
-        Ok(Figure {
+        Ok(PaperFigure {
             mapping: mapping.name.clone(),
             formula: mapping.formula(),
             output: mapping.output,
@@ -122,15 +122,23 @@ struct Shown<'a> {
 impl Shown<'_> {
     /// The inputs of networks along a run.
     fn inputs(&self, networks: &SubModelNetworks, run: &RunStates) -> Result<RunCurves> {
-        RunCurves::new(run, Quantity::DeviatorStrain.column(), &Surrogate::columns(networks).input_names())
+        RunCurves::new(
+            run,
+            PaperQuantity::DeviatorStrain.column(),
+            &Surrogate::columns(networks).input_names(),
+        )
     }
 
     fn outputs(&self, run: &RunStates) -> Result<RunCurves> {
-        RunCurves::new(run, Quantity::DeviatorStrain.column(), &self.mapping.output.columns(&self.data.bins))
+        RunCurves::new(
+            run,
+            PaperQuantity::DeviatorStrain.column(),
+            &self.mapping.output.columns(&self.data.bins),
+        )
     }
 }
 
-fn scalar_panel(shown: &Shown) -> Result<Panel> {
+fn scalar_panel(shown: &Shown) -> Result<PaperPanel> {
     let sub_models = &shown.mapping.sub_models;
     let range = [sub_models[0].range[0], sub_models[sub_models.len() - 1].range[1]];
     let mut panel = empty_panel(range, false);
@@ -180,7 +188,7 @@ fn fine_states(mapping: &Mapping, run: &RunCurves, sub_model: usize) -> Vec<Vec<
         .collect()
 }
 
-fn distribution_panel(shown: &Shown, k: usize) -> Result<Panel> {
+fn distribution_panel(shown: &Shown, k: usize) -> Result<PaperPanel> {
     let range = shown.mapping.sub_models[k].range;
     let mut panel = empty_panel(range, true);
     let forces = &shown.data.bins.centres;
@@ -237,8 +245,8 @@ fn nearest(mapping: &Mapping, strains: &[f64], wanted: f64, sub_model: usize) ->
         .min_by(|&a, &b| (strains[a] - wanted).abs().total_cmp(&(strains[b] - wanted).abs()))
 }
 
-fn empty_panel(strain_range: [f64; 2], against_force: bool) -> Panel {
-    Panel {
+fn empty_panel(strain_range: [f64; 2], against_force: bool) -> PaperPanel {
+    PaperPanel {
         strain_range,
         against_force,
         lines: Vec::new(),

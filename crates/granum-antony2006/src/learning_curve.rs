@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use granum_core::words::listed;
 use granum_learn::Result;
-use granum_learn::learning_curve::{LearningCurve as GeneralCurve, LearningPoint, MeanError, doubled};
+use granum_learn::learning_curve::{LearningCurve, LearningPoint, MeanError, doubled};
 use granum_learn::student_t::PairedTest;
 use granum_learn::study::StudyObserver;
 
@@ -24,7 +24,7 @@ const MOST_SETS: usize = 2;
 
 /// Errors as a function of the number of training runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LearningCurve {
+pub struct PaperLearningCurve {
     /// Number of grains of each run.
     pub grains: usize,
     /// Number of unseen runs.
@@ -89,29 +89,29 @@ impl CurvePoint {
     }
 }
 
-impl LearningCurve {
+impl PaperLearningCurve {
     /// Trains the mappings on 1, 2, 4, ... and all of the training runs and scores them on the unseen runs.
     ///
     /// # Errors
-    /// As [`GeneralCurve::measure`].
+    /// As [`LearningCurve::measure`].
     pub fn measure(
         data: &PaperData,
         grains: usize,
         options: &PaperOptions,
         observer: &dyn StudyObserver,
-    ) -> Result<LearningCurve> {
+    ) -> Result<PaperLearningCurve> {
         // The trainer of the paper takes so many epochs that only one run and all runs are tried.
         let thorough = options.trainer.name() != PAPER_TRAINER;
         let (sets, all) = (if thorough { MOST_SETS } else { 1 }, data.parts.training_runs.runs().len());
         let mut numbers = doubled(all);
         numbers.retain(|&n| thorough || n == 1 || n == all);
         let (definition, methods) = (options.definition(data), options.methods());
-        let curve = GeneralCurve::measure(&data.dataset, &definition, &methods, (&numbers, sets), observer)?;
+        let curve = LearningCurve::measure(&data.dataset, &definition, &methods, (&numbers, sets), observer)?;
         let point = |point: LearningPoint| {
             let mapping = options.mappings.iter().find(|mapping| mapping.name == point.fit)?;
             Some(CurvePoint::new(mapping, point))
         };
-        Ok(LearningCurve {
+        Ok(PaperLearningCurve {
             grains,
             unseen_runs: curve.unseen_runs,
             trainer: options.trainer.name().to_owned(),
@@ -135,7 +135,7 @@ impl LearningCurve {
     }
 }
 
-impl LearningCurve {
+impl PaperLearningCurve {
     /// Sentences that state which sensors reduce the error, by how much, and from how many runs on.
     pub fn interpretation(&self) -> Vec<String> {
         let mut names: Vec<&str> = self.points.iter().map(|point| point.mapping.as_str()).collect();
@@ -208,7 +208,7 @@ mod tests {
                 PaperData::from_records(&named[..2], &named[2..], &PaperDataOptions::default()).unwrap();
             let options =
                 PaperOptions { mappings: vec![paper_mapping("F3").unwrap()], ..PaperOptions::default() };
-            LearningCurve::measure(&data, 100, &options, &NoStudyObserver).unwrap()
+            PaperLearningCurve::measure(&data, 100, &options, &NoStudyObserver).unwrap()
         };
         let hidden = curve(Law::Hidden);
         assert_eq!(hidden.points_of("F3").map(|point| point.training_runs).collect::<Vec<_>>(), [1, 2]);

@@ -3,7 +3,7 @@
 //! claims of the paper, with its tables and report pages.
 //!
 //! ```text
-//! Dataset --> PaperData --> PaperOptions::definition --> granum_learn::Study --> Evaluation --> Summary, figures, interpretation
+//! Dataset --> PaperData --> PaperOptions::definition --> granum_learn::Study --> Evaluation --> PaperSummary, figures, interpretation
 //! ```
 //!
 //! [`PaperData`] checks that the runs are tests with a single stage in which the deviator strain increases, and chooses the bins
@@ -69,9 +69,9 @@ mod tests;
 
 pub use data::{PaperData, PaperDataOptions, check_run};
 pub use evaluation::{Evaluation, Parts, RunScore};
-pub use mapping::{Mapping, Quantity, paper_mapping, paper_mappings};
+pub use mapping::{Mapping, PaperQuantity, paper_mapping, paper_mappings};
 pub use method::{MappingMethod, PAPER_TRAINER};
 pub use options::{PaperOptions, files_of_earlier_versions, is_of_paper};
 pub use report::{StudyReport, speed_page, study_report};
 pub use size_study::{SizeStudy, SizeStudyOptions};
-pub use summary::Summary;
+pub use summary::PaperSummary;

@@ -7,13 +7,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use granum_learn::networks::{Bins, SubModel, sub_model_at};
+use granum_learn::networks::{MappingBins, SubModel, sub_model_at};
 use granum_learn::{FitSpec, LearnError, Result};
 
 /// A quantity that is an input or the output of a mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Quantity {
+pub enum PaperQuantity {
     /// Deviator strain `eps_d = eps_1 - eps_3`.
     DeviatorStrain,
     /// Stress ratio `q/p`.
@@ -24,14 +24,14 @@ pub enum Quantity {
     ForceDistribution,
 }
 
-impl Quantity {
+impl PaperQuantity {
     /// Symbol of the quantity in the paper.
     pub fn symbol(self) -> &'static str {
         match self {
-            Quantity::DeviatorStrain => "ε_d",
-            Quantity::StressRatio => "q/p",
-            Quantity::DeviatorFabric => "φ_d",
-            Quantity::ForceDistribution => "P(f)",
+            PaperQuantity::DeviatorStrain => "ε_d",
+            PaperQuantity::StressRatio => "q/p",
+            PaperQuantity::DeviatorFabric => "φ_d",
+            PaperQuantity::ForceDistribution => "P(f)",
         }
     }
 
@@ -39,24 +39,24 @@ impl Quantity {
     /// columns.
     pub fn column(self) -> &'static str {
         match self {
-            Quantity::DeviatorStrain => "deviator_strain",
-            Quantity::StressRatio => "stress_ratio",
-            Quantity::DeviatorFabric => "deviator_fabric",
-            Quantity::ForceDistribution => "probability_density",
+            PaperQuantity::DeviatorStrain => "deviator_strain",
+            PaperQuantity::StressRatio => "stress_ratio",
+            PaperQuantity::DeviatorFabric => "deviator_fabric",
+            PaperQuantity::ForceDistribution => "probability_density",
         }
     }
 
     /// The columns of a data set with this quantity, for the given bins of f.
-    pub fn columns(self, bins: &Bins) -> Vec<String> {
+    pub fn columns(self, bins: &MappingBins) -> Vec<String> {
         let column = self.column();
         match self {
-            Quantity::ForceDistribution => bins.columns(column),
+            PaperQuantity::ForceDistribution => bins.columns(column),
             _ => vec![column.to_owned()],
         }
     }
 
     /// The quantity to which a column belongs.
-    fn of_column(name: &str) -> Option<Quantity> {
+    fn of_column(name: &str) -> Option<PaperQuantity> {
         let all = [DeviatorStrain, StressRatio, DeviatorFabric, ForceDistribution];
         all.into_iter().find(|quantity| match quantity {
             ForceDistribution => name.starts_with(quantity.column()),
@@ -78,20 +78,20 @@ pub struct Mapping {
     /// Name of the mapping, `F1` to `F6` in the paper.
     pub name: String,
     /// The inputs, starting with the strain.
-    pub inputs: Vec<Quantity>,
+    pub inputs: Vec<PaperQuantity>,
     /// The output.
-    pub output: Quantity,
+    pub output: PaperQuantity,
     /// The networks in the order of increasing strain.
     pub sub_models: Vec<SubModel>,
 }
 
-use Quantity::{DeviatorFabric, DeviatorStrain, ForceDistribution, StressRatio};
+use PaperQuantity::{DeviatorFabric, DeviatorStrain, ForceDistribution, StressRatio};
 
 /// A row of the tables of the paper: start and end of the range, number of neurons in each of the two hidden layers, epochs.
 type Row = (f64, f64, usize, u64);
 
 /// Tables 1-6 of the paper.
-const TABLES: [(&str, &[Quantity], Quantity, [Row; 3]); 6] = [
+const TABLES: [(&str, &[PaperQuantity], PaperQuantity, [Row; 3]); 6] = [
     (
         "F1",
         &[DeviatorStrain, ForceDistribution],
@@ -184,7 +184,7 @@ impl Mapping {
     }
 
     /// The mapping as a fit of a study, for the given bins of f.
-    pub fn fit(&self, bins: &Bins) -> FitSpec {
+    pub fn fit(&self, bins: &MappingBins) -> FitSpec {
         let inputs = self.inputs.iter().flat_map(|input| input.columns(bins));
         let spec = FitSpec::new(inputs, self.output.columns(bins)).with_name(&self.name);
         spec.with_coordinate(DeviatorStrain.column()).with_sub_models(self.sub_models.clone())
@@ -195,14 +195,14 @@ impl Mapping {
     /// # Errors
     /// If it has columns that no mapping of the paper has.
     pub fn from_fit(spec: &FitSpec) -> Result<Mapping> {
-        let quantities = |names: &[String]| -> Result<Vec<Quantity>> {
+        let quantities = |names: &[String]| -> Result<Vec<PaperQuantity>> {
             let mut found = Vec::new();
             for name in names {
-                let quantity = Quantity::of_column(name).ok_or_else(|| LearnError::Unknown {
+                let quantity = PaperQuantity::of_column(name).ok_or_else(|| LearnError::Unknown {
                     kind: "quantity of the paper",
                     name: name.clone(),
                     known: [DeviatorStrain, StressRatio, DeviatorFabric, ForceDistribution]
-                        .map(Quantity::column)
+                        .map(PaperQuantity::column)
                         .join(", "),
                 })?;
                 if found.last() != Some(&quantity) {
@@ -255,7 +255,7 @@ mod tests {
             for pair in mapping.sub_models.windows(2) {
                 assert_eq!(pair[0].range[1], pair[1].range[0]);
             }
-            let end = if mapping.output == Quantity::ForceDistribution { 0.298 } else { 0.3 };
+            let end = if mapping.output == PaperQuantity::ForceDistribution { 0.298 } else { 0.3 };
             assert_eq!(mapping.sub_models[2].range[1], end);
         }
     }
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_mapping_is_a_fit_of_columns() {
-        let bins = Bins { binned: "force".into(), width: 0.25, centres: vec![0.125, 0.375] };
+        let bins = MappingBins { binned: "force".into(), width: 0.25, centres: vec![0.125, 0.375] };
         let f3 = paper_mapping("F3").unwrap();
         let fit = f3.fit(&bins);
         let densities = ["probability_density_0.125", "probability_density_0.375"];

@@ -3,8 +3,8 @@
 use granum_core::observer::Observer;
 use granum_learn::dataset::{Dataset, Variable};
 use granum_learn::networks::{
-    Bins, Form, NetworkCheckpoints, NetworkMapping, NetworkSettings, NetworksBySubModel, NoCheckpoints,
-    SubModel, SubModelNetworks, training_rows::Rule,
+    Form, MappingBins, NetworkCheckpoints, NetworkMapping, NetworkSettings, NetworksBySubModel,
+    NoCheckpoints, SubModel, SubModelNetworks, training_rows::Rule,
 };
 use granum_learn::surrogate::{Columns, Content, FitSpec, Surrogate, SurrogateMethod};
 use granum_learn::{LearnError, Result};
@@ -13,7 +13,7 @@ use granum_nets::trainer::SharedTrainer;
 use serde::Deserialize;
 
 use crate::data::{PaperDataOptions, check_run, learned_bins};
-use crate::mapping::{Mapping, Quantity, paper_mappings};
+use crate::mapping::{Mapping, PaperQuantity, paper_mappings};
 
 /// Name of the method.
 pub const NAME: &str = "antony2006";
@@ -107,7 +107,7 @@ impl MappingMethod {
         Ok((states, own))
     }
 
-    fn chosen(&self, spec: &FitSpec, dataset: &Dataset, bins: &Bins) -> Result<Mapping> {
+    fn chosen(&self, spec: &FitSpec, dataset: &Dataset, bins: &MappingBins) -> Result<Mapping> {
         let columns = spec.columns(dataset)?;
         let names = |variables: &[Variable]| variables.iter().map(|v| v.name.clone()).collect::<Vec<_>>();
         let (inputs, outputs) = (names(&columns.inputs), names(&columns.outputs));
@@ -184,8 +184,8 @@ struct OldContent {
 #[derive(Deserialize)]
 struct OldMapping {
     name: String,
-    inputs: Vec<Quantity>,
-    output: Quantity,
+    inputs: Vec<PaperQuantity>,
+    output: PaperQuantity,
     sub_models: Vec<OldSubModel>,
 }
 
@@ -199,11 +199,11 @@ struct OldSubModel {
 impl OldContent {
     fn networks(self, columns: &Columns) -> Result<SubModelNetworks> {
         let width = self.forces.windows(2).map(|pair| pair[1] - pair[0]).next().unwrap_or(1.0);
-        let bins = Bins { binned: "force".into(), width, centres: self.forces };
-        let quantity = |quantity: Quantity| granum_learn::networks::Quantity {
+        let bins = MappingBins { binned: "force".into(), width, centres: self.forces };
+        let quantity = |quantity: PaperQuantity| granum_learn::networks::MappingQuantity {
             name: quantity.column().into(),
             unit: String::new(),
-            bins: (quantity == Quantity::ForceDistribution).then(|| bins.clone()),
+            bins: (quantity == PaperQuantity::ForceDistribution).then(|| bins.clone()),
         };
         let sub_model = |old: OldSubModel| SubModel {
             range: old.strain_range,

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use granum_learn::Result;
 use granum_learn::dataset::{Dataset, RunStates};
-use granum_learn::study::{Role, Study};
+use granum_learn::study::{MemberRole, Study};
 use granum_learn::surrogate::RunInputs;
 
 use crate::evaluation::training_seconds;
@@ -25,7 +25,7 @@ use crate::summary::SpeedSummary;
 /// If a state contains a value that is not finite.
 pub fn measure(study: &Study, run: &RunStates, dem_seconds: f64, repetitions: usize) -> Result<SpeedSummary> {
     let states = Dataset::new(vec![run.clone()])?;
-    let networks = study.members().filter(|member| member.role == Role::Asked);
+    let networks = study.members().filter(|member| member.role == MemberRole::Asked);
     let asked = networks.map(|member| {
         let surrogate = member.surrogate.as_ref();
         Ok((surrogate, RunInputs::from_dataset(&states, surrogate.columns())?))

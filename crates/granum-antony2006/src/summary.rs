@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Evaluation;
-use crate::learning_curve::LearningCurve;
+use crate::learning_curve::PaperLearningCurve;
 use crate::size_study::SizeStudy;
 use granum_learn::input_use::Verdict;
 use granum_learn::networks::NetworkScores;
@@ -17,7 +17,7 @@ use granum_learn::student_t::PairedTest;
 
 /// The contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct PaperSummary {
     /// The sample and the runs.
     pub dem: DemSummary,
     /// The mappings by name, `F1` to `F6`.
@@ -30,7 +30,7 @@ pub struct Summary {
     pub size_study: Option<SizeStudy>,
     /// The learning curve for more than one training run, if it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub learning_curve: Option<LearningCurve>,
+    pub learning_curve: Option<PaperLearningCurve>,
     /// Interpretation of the results in plain sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reading: Vec<String>,
@@ -247,7 +247,7 @@ mod tests {
             help: PairedTest::new(&[0.01, 0.02, 0.03]),
             ..Default::default()
         };
-        let summary = Summary {
+        let summary = PaperSummary {
             dem: DemSummary { grains: 5000, runs: vec![RunSummary::default()], ..Default::default() },
             mappings: [("F1".to_owned(), mapping)].into(),
             ..Default::default()
@@ -284,7 +284,7 @@ mod tests {
         assert!(json.pointer("/mappings/F1/sub_models/0/trainer").unwrap().is_string());
         assert!(json.pointer("/mappings/F1/verdict").unwrap().is_string());
         assert!(json.pointer("/mappings/F1/sub_models/0/constant").unwrap().is_boolean());
-        let back: Summary = serde_json::from_value(json).unwrap();
+        let back: PaperSummary = serde_json::from_value(json).unwrap();
         assert_eq!(back, summary);
     }
 }

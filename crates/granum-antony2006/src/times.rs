@@ -6,7 +6,7 @@ use std::path::Path;
 use granum_io::sealed::{unseal, write_sealed};
 use serde::{Deserialize, Serialize};
 
-use crate::summary::{SpeedSummary, Summary};
+use crate::summary::{PaperSummary, SpeedSummary};
 use granum_learn::Result;
 use granum_learn::networks::TIMES_FILE;
 
@@ -39,7 +39,7 @@ pub struct RunTime {
 
 impl SummaryTimes {
     /// The times that a summary holds in memory.
-    pub fn from_summary(summary: &Summary) -> SummaryTimes {
+    pub fn from_summary(summary: &PaperSummary) -> SummaryTimes {
         let runs = summary.dem.runs.iter().map(|run| RunTime {
             role: run.role.clone(),
             seed: run.seed,
@@ -64,7 +64,7 @@ impl SummaryTimes {
     }
 
     /// Adds the times to a summary that was read from its file.
-    pub fn add_to(self, summary: &mut Summary) {
+    pub fn add_to(self, summary: &mut PaperSummary) {
         summary.speed = self.speed;
         for run in &mut summary.dem.runs {
             let own = self.dem.runs.iter().find(|time| time.role == run.role && time.seed == run.seed);
@@ -82,13 +82,13 @@ mod tests {
     fn times_are_kept_beside_the_summary_and_come_back() {
         let run = RunSummary { role: "unseen".into(), seed: 12, wall_seconds: 2.5, grain_steps: 1e9 };
         let speed = SpeedSummary { dem_seconds: 2.0, factor: 9e3, states: 40, ..SpeedSummary::default() };
-        let mut whole = Summary { speed, ..Summary::default() };
+        let mut whole = PaperSummary { speed, ..PaperSummary::default() };
         whole.dem.runs.push(run);
         let text = serde_json::to_string(&whole).unwrap();
         assert!(!text.contains("seconds") && !text.contains("factor"), "{text}");
         let folder = tempfile::tempdir().unwrap();
         SummaryTimes::from_summary(&whole).write(folder.path()).unwrap();
-        let mut back: Summary = serde_json::from_str(&text).unwrap();
+        let mut back: PaperSummary = serde_json::from_str(&text).unwrap();
         SummaryTimes::read(folder.path()).unwrap().add_to(&mut back);
         assert_eq!(back, whole);
         std::fs::write(folder.path().join(TIMES_FILE), "{}").unwrap();

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use granum_dem::config::Material;
-use granum_dem::contact::evaluation::interaction::{Kinematics, interact};
+use granum_dem::contact::evaluation::interaction::{PairMotion, interact};
 use granum_dem::contact::evaluation::memory::Memory;
 use granum_dem::contact::evaluation::set::Compiled;
 use granum_dem::contact::normal::{Hertz, Jkr};
@@ -152,7 +152,7 @@ fn steps<L: Lanes, A: Access<L>, N: NormalLaw, T: TangentialLaw>(run: Run<'_, N,
         for b in (0..BATCHES).step_by(A::WIDTH) {
             let given = &run.kinematics[b * KINEMATICS..(b + A::WIDTH) * KINEMATICS];
             let load = |c: usize| A::load(given, c, KINEMATICS);
-            let kinematics = Kinematics {
+            let kinematics = PairMotion {
                 branch: [load(0), load(1), load(2)],
                 velocity: [sign * load(3), sign * load(4), sign * load(5)],
                 rolling: [load(6), load(7), load(8)],

@@ -15,7 +15,7 @@ use crate::images::{self, IMAGES};
 use crate::inner_list::{InnerList, Nearness};
 use crate::kernel::{ContactStages, Views};
 use crate::known_constants::KnownConstants;
-use crate::loading::measure::Event;
+use crate::loading::measure::MeasureGoal;
 use crate::pair_table::{MaterialPair, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
 use crate::properties::Properties;
@@ -56,8 +56,8 @@ pub(crate) struct Integrator {
     pub(crate) contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
-    /// Events that end a series of steps early.
-    pub(crate) events: Vec<Event>,
+    /// Goals that end a series of steps early.
+    pub(crate) goals: Vec<MeasureGoal>,
     /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
@@ -82,7 +82,7 @@ impl Integrator {
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
             nearness: Vec::new(),
-            events: Vec::new(),
+            goals: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
             volumes: Vec::new(),
@@ -333,13 +333,13 @@ impl Integrator {
         Ok(())
     }
 
-    /// True if one of the events has occurred.
+    /// True if one of the goals is reached.
     pub(crate) fn event_has_come(&self) -> bool {
-        if self.events.is_empty() {
+        if self.goals.is_empty() {
             return false;
         }
         let macro_state = self.state.macro_state();
-        self.events.iter().any(|event| event.has_come(&macro_state))
+        self.goals.iter().any(|goal| goal.has_come(&macro_state))
     }
 
     pub(crate) fn views(&mut self) -> Views {

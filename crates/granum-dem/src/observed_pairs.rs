@@ -4,7 +4,7 @@ use granum_simd::{Isa, Kernel, Lanes, Row4, Row8, dispatch};
 
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::frame::Frame;
+use crate::contact::evaluation::frame::ContactFrame;
 use crate::contact::evaluation::observed::ObservedBatch;
 use crate::images::{self, IMAGES, NO_IMAGE};
 use crate::state::State;
@@ -109,7 +109,7 @@ impl<B: Iterator<Item = usize>> Kernel for Geometry<'_, B> {
             let old =
                 [L::load(&memory.normal[0].0), L::load(&memory.normal[1].0), L::load(&memory.normal[2].0)];
             let components = [L::load(&memory.history[0].0), L::load(&memory.history[1].0)];
-            let force = Frame::new(old).vector(components);
+            let force = ContactFrame::new(old).vector(components);
             for (rows, values) in [
                 (&mut pairs.branch, [x, y, z]),
                 (&mut pairs.normal, [x / length, y / length, z / length]),

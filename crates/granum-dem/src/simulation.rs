@@ -13,7 +13,7 @@ use crate::inner_list::InnerList;
 use crate::integrator::Integrator;
 use crate::kernel::ContactStages;
 use crate::ledger::Ledger;
-use crate::loading::measure::Event;
+use crate::loading::measure::MeasureGoal;
 use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
 use crate::servo::{CellControl, Servo};
@@ -209,15 +209,15 @@ impl Simulation {
         &self.integrator.state
     }
 
-    /// Advances until the first step at which one of the events has occurred, but by at most `most_steps` steps.
+    /// Advances until the first step at which one of the goals is reached, but by at most `most_steps` steps.
     ///
     /// # Errors
     /// As for [`Simulation::advance`].
-    pub fn advance_to(&mut self, events: &[Event], most_steps: u64) -> Result<(), SimulationError> {
-        self.integrator.events.clear();
-        self.integrator.events.extend_from_slice(events);
+    pub fn advance_to(&mut self, goals: &[MeasureGoal], most_steps: u64) -> Result<(), SimulationError> {
+        self.integrator.goals.clear();
+        self.integrator.goals.extend_from_slice(goals);
         let result = self.advance(most_steps);
-        self.integrator.events.clear();
+        self.integrator.goals.clear();
         result
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_core::Part;
 use granum_core::assembly::Matrix;
 use granum_dem::loading::MacroState;
-use granum_io::formats::{Formats, FrameCell, JoinOptions, Observation, ReadOptions};
+use granum_io::formats::{Formats, FrameCell, JoinOptions, ObservedAssembly, ReadOptions};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/results").join(name)
@@ -22,16 +22,16 @@ fn plain(name: &str) -> (PathBuf, ReadOptions) {
     (sample(name), ReadOptions::default())
 }
 
-fn read(files: &[(PathBuf, ReadOptions)]) -> Vec<Observation> {
+fn read(files: &[(PathBuf, ReadOptions)]) -> Vec<ObservedAssembly> {
     Formats::standard().read_results(files, &JoinOptions::default()).unwrap()
 }
 
 /// Stress of the contacts, Pa, compression positive.
-fn stress(observation: &Observation) -> Matrix {
+fn stress(observation: &ObservedAssembly) -> Matrix {
     MacroState::from_assembly(&observation.assembly).stress
 }
 
-fn lammps(columns: &str) -> Vec<Observation> {
+fn lammps(columns: &str) -> Vec<ObservedAssembly> {
     read(&[plain("lammps/grains.dump"), with_columns("lammps/contacts.dump", columns)])
 }
 
@@ -261,7 +261,7 @@ fn what_is_written_for_other_programs_is_read_again() {
                     "{name}"
                 );
                 // Distances to the first grain, which no shift of the corner changes.
-                let apart = |o: &Observation, k: usize, a: usize| {
+                let apart = |o: &ObservedAssembly, k: usize, a: usize| {
                     o.assembly.grains[k].position[a] - o.assembly.grains[0].position[a]
                 };
                 let k = one.id as usize - 1;
@@ -419,7 +419,7 @@ fn the_stress_of_a_liggghts_run_is_its_own() {
     let text = std::fs::read_to_string(sample("liggghts/stress.txt")).unwrap();
     let rows = text.lines().map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect());
     let rows: Vec<Vec<f64>> = rows.collect();
-    let apart = |observation: &Observation, row: &[f64]| {
+    let apart = |observation: &ObservedAssembly, row: &[f64]| {
         let ours = stress(observation);
         let ours = [ours[0][0], ours[1][1], ours[2][2], ours[1][0], ours[2][0], ours[2][1]];
         ours.iter().zip(&row[2..]).map(|(one, two)| (one - two).abs() / row[2]).fold(0.0, f64::max)

@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use granum_core::Part;
 use granum_core::assembly::Matrix;
 use granum_dem::loading::MacroState;
-use granum_io::formats::{Formats, JoinOptions, Observation, ReadOptions};
+use granum_io::formats::{Formats, JoinOptions, ObservedAssembly, ReadOptions};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/results").join(name)
 }
 
-fn try_read(files: &[PathBuf]) -> granum_io::Result<Vec<Observation>> {
+fn try_read(files: &[PathBuf]) -> granum_io::Result<Vec<ObservedAssembly>> {
     let files: Vec<_> = files.iter().map(|file| (file.clone(), ReadOptions::default())).collect();
     Formats::standard().read_results(&files, &JoinOptions::default())
 }
 
-fn recorded(names: &[&str]) -> Vec<Observation> {
+fn recorded(names: &[&str]) -> Vec<ObservedAssembly> {
     let files: Vec<_> = names.iter().map(|name| sample("yade/recorder").join(name)).collect();
     try_read(&files).unwrap()
 }
@@ -28,7 +28,7 @@ fn printed(what: &str) -> Vec<f64> {
     line.split_whitespace().skip(2).map(|word| word.parse().unwrap()).collect()
 }
 
-fn stress(observation: &Observation) -> Matrix {
+fn stress(observation: &ObservedAssembly) -> Matrix {
     MacroState::from_assembly(&observation.assembly).stress
 }
 

@@ -28,6 +28,16 @@ pub enum RunRole {
     Unseen,
 }
 
+impl RunRole {
+    /// The role as one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            RunRole::Training => "training",
+            RunRole::Unseen => "unseen",
+        }
+    }
+}
+
 /// A run of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

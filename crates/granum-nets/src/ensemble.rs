@@ -7,7 +7,7 @@ use crate::data::Data;
 use crate::model::Model;
 use crate::model_definition::ModelDefinition;
 use crate::model_error::ModelError;
-use crate::prediction::{BatchPrediction, Prediction};
+use crate::prediction::{BatchPrediction, NetworkPrediction};
 use crate::trainer::error::TerminationReason;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::trainer_trait::Trainer;
@@ -16,11 +16,11 @@ use crate::trainer::trainer_trait::Trainer;
 ///
 /// ```
 /// use granum_nets::trainer::{LevenbergMarquardt, NoObserver};
-/// use granum_nets::{Column, Data, Ensemble, ModelDefinition};
+/// use granum_nets::{ModelColumn, Data, Ensemble, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..20).map(|k| k as f64 / 19.0).collect();
 /// let y = x.iter().map(|x| (3.0 * x).sin()).collect();
-/// let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![4]);
+/// let definition = ModelDefinition::new(vec![ModelColumn::new("x", "1")], ModelColumn::new("y", "1"), vec![4]);
 /// let (data, trainer) = (Data::new(x, 1, y)?, LevenbergMarquardt::default());
 /// let (ensemble, _) = Ensemble::fit(&definition, &data, &trainer, &[1, 2, 3], 1, &mut NoObserver)?;
 /// let [inside, outside] = [0.5, 2.0].map(|x| ensemble.predict(&[x]).unwrap());
@@ -87,7 +87,7 @@ impl Ensemble {
     ///
     /// # Errors
     /// As [`Model::predict`].
-    pub fn predict(&self, row: &[f64]) -> Result<Prediction, ModelError> {
+    pub fn predict(&self, row: &[f64]) -> Result<NetworkPrediction, ModelError> {
         let predictions = self.members.iter().map(|m| m.predict(row)).collect::<Result<Vec<_>, _>>()?;
         let count = predictions.len() as f64;
         let value = predictions.iter().map(|p| p.value).sum::<f64>() / count;
@@ -98,7 +98,7 @@ impl Ensemble {
             (within, _) => Some(between / (count - 1.0) + within.unwrap_or(0.0)),
         };
         let outside = self.members[0].outside(row);
-        Ok(Prediction { value, standard_deviation: variance.map(f64::sqrt), outside })
+        Ok(NetworkPrediction { value, standard_deviation: variance.map(f64::sqrt), outside })
     }
 
     /// Mean prediction of the members for many rows (a flat array in row-major order).
@@ -119,14 +119,14 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model_definition::Column;
+    use crate::model_definition::ModelColumn;
     use crate::trainer::LevenbergMarquardt;
     use granum_core::observer::{Event, Flow, NoObserver, Progress};
 
     fn definition() -> ModelDefinition {
         ModelDefinition {
-            inputs: vec![Column::new("x", "1")],
-            output: Column::new("y", "Pa"),
+            inputs: vec![ModelColumn::new("x", "1")],
+            output: ModelColumn::new("y", "Pa"),
             quantities: Vec::new(),
             shares: Vec::new(),
             hidden: vec![6, 5],

@@ -124,7 +124,7 @@ mod tests {
 
     use super::*;
     use crate::trainer::{LevenbergMarquardt, NoObserver};
-    use crate::{Column, Model, ModelDefinition};
+    use crate::{Model, ModelColumn, ModelDefinition};
 
     fn table(points: usize) -> Data {
         // There are two bins, each with the errors of four observations.
@@ -209,8 +209,8 @@ mod tests {
 
     fn fit(data: &Data, isa: Isa) -> Model {
         let definition = ModelDefinition {
-            inputs: vec![Column::new("x", "1")],
-            output: Column::new("y", "1"),
+            inputs: vec![ModelColumn::new("x", "1")],
+            output: ModelColumn::new("y", "1"),
             quantities: Vec::new(),
             shares: Vec::new(),
             hidden: vec![6, 6],

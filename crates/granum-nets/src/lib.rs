@@ -2,15 +2,15 @@
 //!
 //! ```
 //! use granum_nets::trainer::{self, NoObserver, Options};
-//! use granum_nets::{Column, Data, Model, ModelDefinition};
+//! use granum_nets::{ModelColumn, Data, Model, ModelDefinition};
 //!
 //! // Forty rows of one input and one target.
 //! let strain: Vec<f64> = (0..40).map(|k| 0.3 * k as f64 / 39.0).collect();
 //! let ratio = strain.iter().map(|e| 0.6 * (1.0 - (-30.0 * e).exp())).collect();
 //! let data = Data::new(strain, 1, ratio)?;
 //!
-//! let inputs = vec![Column::new("deviator_strain", "1")];
-//! let definition = ModelDefinition::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
+//! let inputs = vec![ModelColumn::new("deviator_strain", "1")];
+//! let definition = ModelDefinition::new(inputs, ModelColumn::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
 //! let trainer = trainer::by_name("levenberg-marquardt", &Options::default())?;
 //! let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut NoObserver)?;
 //! println!("{} epochs: {}", report.epochs, report.termination);
@@ -67,11 +67,11 @@ pub use granum_simd::Isa;
 pub use gru::Gru;
 pub use intervals::Intervals;
 pub use model::Model;
-pub use model_definition::{Column, ModelDefinition};
+pub use model_definition::{ModelColumn, ModelDefinition};
 pub use model_error::ModelError;
 pub use network::{LARGEST_LAYER, MOST_LAYERS, MOST_WEIGHTS, Network, NetworkError};
 pub use objective::Objective;
-pub use prediction::{BatchPrediction, Deviation, Prediction};
+pub use prediction::{BatchPrediction, Deviation, NetworkPrediction};
 pub use provenance::{Fit, Provenance};
 pub use scaler::Scaler;
 pub use sequence_model::{SequenceDefinition, SequenceModel};

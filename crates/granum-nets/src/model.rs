@@ -7,7 +7,7 @@ use granum_core::observer::Observer;
 use crate::data::Data;
 use crate::forward::RowNetwork;
 use crate::intervals::Intervals;
-use crate::model_definition::{Column, ModelDefinition};
+use crate::model_definition::{ModelColumn, ModelDefinition};
 use crate::model_error::ModelError;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
@@ -24,11 +24,11 @@ const CONSTANT: f64 = 1e-3;
 ///
 /// ```
 /// use granum_nets::trainer::{LevenbergMarquardt, NoObserver};
-/// use granum_nets::{Column, Data, Model, ModelDefinition};
+/// use granum_nets::{ModelColumn, Data, Model, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 /// let y = x.iter().map(|x| 2.0 * x * x).collect();
-/// let definition = ModelDefinition::new(vec![Column::new("x", "m")], Column::new("y", "m2"), vec![4]);
+/// let definition = ModelDefinition::new(vec![ModelColumn::new("x", "m")], ModelColumn::new("y", "m2"), vec![4]);
 /// let trainer = LevenbergMarquardt::default();
 /// let (model, _) = Model::fit(&definition, &Data::new(x, 1, y)?, &trainer, &mut NoObserver)?;
 /// // A saved model is read back with identical bits.
@@ -38,8 +38,8 @@ const CONSTANT: f64 = 1e-3;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Model {
-    pub(crate) inputs: Vec<Column>,
-    pub(crate) output: Column,
+    pub(crate) inputs: Vec<ModelColumn>,
+    pub(crate) output: ModelColumn,
     pub(crate) input_scalers: Vec<Scaler>,
     pub(crate) output_scaler: Scaler,
     pub(crate) network: Network,
@@ -155,7 +155,7 @@ impl Model {
     }
 
     pub(crate) fn assemble(
-        (inputs, output): (Vec<Column>, Column),
+        (inputs, output): (Vec<ModelColumn>, ModelColumn),
         input_scalers: Vec<Scaler>,
         output_scaler: Scaler,
         network: Network,
@@ -180,12 +180,12 @@ impl Model {
     }
 
     /// Input columns, in the order of a row.
-    pub fn inputs(&self) -> &[Column] {
+    pub fn inputs(&self) -> &[ModelColumn] {
         &self.inputs
     }
 
     /// Output column.
-    pub fn output(&self) -> &Column {
+    pub fn output(&self) -> &ModelColumn {
         &self.output
     }
 

@@ -7,35 +7,35 @@ use crate::network::{Network, NetworkError};
 /// Name and unit of a column.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Column {
+pub struct ModelColumn {
     /// Name, e.g. `deviator_strain`.
     pub name: String,
     /// Unit, e.g. `Pa`; `1` for a pure number.
     pub unit: String,
 }
 
-impl Column {
+impl ModelColumn {
     /// A column with its unit.
-    pub fn new(name: &str, unit: &str) -> Column {
-        Column { name: name.into(), unit: unit.into() }
+    pub fn new(name: &str, unit: &str) -> ModelColumn {
+        ModelColumn { name: name.into(), unit: unit.into() }
     }
 }
 
 /// The definition of a model: its columns, the size of the network and the seed of its weights.
 ///
 /// ```
-/// use granum_nets::{Column, ModelDefinition};
+/// use granum_nets::{ModelColumn, ModelDefinition};
 ///
-/// let inputs = vec![Column::new("deviator_strain", "1"), Column::new("mean_stress", "Pa")];
-/// let definition = ModelDefinition::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(3);
+/// let inputs = vec![ModelColumn::new("deviator_strain", "1"), ModelColumn::new("mean_stress", "Pa")];
+/// let definition = ModelDefinition::new(inputs, ModelColumn::new("stress_ratio", "1"), vec![10, 10]).with_seed(3);
 /// assert_eq!(definition.layers(), [2, 10, 10, 1]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelDefinition {
     /// Input columns, in the order of the rows.
-    pub inputs: Vec<Column>,
+    pub inputs: Vec<ModelColumn>,
     /// Output column.
-    pub output: Column,
+    pub output: ModelColumn,
     /// For each column the number of the quantity to which it belongs. Columns of one quantity, such as the bins of a
     /// distribution, are scaled together, so that they keep their proportions and together have the weight of one input.
     /// If empty, each column is a separate quantity.
@@ -53,7 +53,7 @@ pub struct ModelDefinition {
 impl ModelDefinition {
     /// A definition with the given inputs, output and hidden layers, in which every column is a separate quantity with a share
     /// of 1, and the seed is 0.
-    pub fn new(inputs: Vec<Column>, output: Column, hidden: Vec<usize>) -> ModelDefinition {
+    pub fn new(inputs: Vec<ModelColumn>, output: ModelColumn, hidden: Vec<usize>) -> ModelDefinition {
         ModelDefinition { inputs, output, quantities: Vec::new(), shares: Vec::new(), hidden, seed: 0 }
     }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::activation::Activation;
 use crate::model::Model;
-use crate::model_definition::Column;
+use crate::model_definition::ModelColumn;
 use crate::model_error::ModelError;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
@@ -119,7 +119,7 @@ impl Model {
 /// The content of the file.
 fn content(model: &Model) -> File {
     let column =
-        |c: &Column, s: &Scaler| FileColumn { name: c.name.clone(), unit: c.unit.clone(), scaler: *s };
+        |c: &ModelColumn, s: &Scaler| FileColumn { name: c.name.clone(), unit: c.unit.clone(), scaler: *s };
     let mut at = 0;
     let shapes = model.network.layers().windows(2).zip(model.network.activations());
     let layers = shapes.map(|(shape, &activation)| {
@@ -258,7 +258,7 @@ fn assemble(file: File) -> Result<Model, String> {
         let names: Vec<&str> = file.inputs.iter().map(|column| column.name.as_str()).collect();
         intervals.check(&names)?;
     }
-    let split = |c: FileColumn| (Column { name: c.name, unit: c.unit }, c.scaler);
+    let split = |c: FileColumn| (ModelColumn { name: c.name, unit: c.unit }, c.scaler);
     let (inputs, input_scalers) = file.inputs.into_iter().map(split).unzip();
     let (output, output_scaler) = split(file.output);
     let columns = (inputs, output);

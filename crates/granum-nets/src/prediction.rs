@@ -9,7 +9,7 @@ use crate::uncertainty::Laplace;
 
 /// A prediction for one row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
+pub struct NetworkPrediction {
     /// The value, in the unit of the output.
     pub value: f64,
     /// Standard deviation of an observation around the value (noise and uncertainty of the weights), if the model provides
@@ -65,10 +65,10 @@ impl Model {
     ///
     /// # Errors
     /// If the row has the wrong length or a value is not finite.
-    pub fn predict(&self, row: &[f64]) -> Result<Prediction, ModelError> {
+    pub fn predict(&self, row: &[f64]) -> Result<NetworkPrediction, ModelError> {
         let value = self.value(row)?;
         let standard_deviation = self.standard_deviations(row)?.map(|d| d[0]);
-        Ok(Prediction { value, standard_deviation, outside: self.outside(row) })
+        Ok(NetworkPrediction { value, standard_deviation, outside: self.outside(row) })
     }
 
     /// The predicted value for one row without further information, e.g. for a control loop.

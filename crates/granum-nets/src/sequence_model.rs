@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::Data;
 use crate::differentiable::Differentiable;
 use crate::gru::Gru;
-use crate::model_definition::Column;
+use crate::model_definition::ModelColumn;
 use crate::model_error::ModelError;
 use crate::provenance::Provenance;
 use crate::scaler::Scaler;
@@ -20,9 +20,9 @@ use crate::trainer::trainer_trait::Trainer;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceDefinition {
     /// Input columns, in the order of the rows.
-    pub inputs: Vec<Column>,
+    pub inputs: Vec<ModelColumn>,
     /// Output columns.
-    pub outputs: Vec<Column>,
+    pub outputs: Vec<ModelColumn>,
     /// Number of hidden neurons, which are the memory of the model.
     pub hidden: usize,
     /// Seed of the initial weights.
@@ -34,13 +34,13 @@ pub struct SequenceDefinition {
 ///
 /// ```
 /// use granum_nets::trainer::{Adam, NoObserver};
-/// use granum_nets::{Column, Data, SequenceDefinition, SequenceModel, Sequences};
+/// use granum_nets::{ModelColumn, Data, SequenceDefinition, SequenceModel, Sequences};
 ///
 /// // A moving average of the present and the last input, in kPa.
 /// let x: Vec<f64> = (0..120).map(|k| (1.9 * f64::from(k)).sin()).collect();
 /// let y = (0..120).map(|k| 50.0 * (x[k] + if k % 6 == 0 { x[k] } else { x[k - 1] })).collect();
 /// let data = Data::new(x.clone(), 1, y)?.with_sequences(Sequences::new(vec![6; 20])?)?;
-/// let column = |name, unit| vec![Column::new(name, unit)];
+/// let column = |name, unit| vec![ModelColumn::new(name, unit)];
 /// let definition =
 ///     SequenceDefinition { inputs: column("x", "1"), outputs: column("y", "kPa"), hidden: 6, seed: 1 };
 /// let trainer = Adam { epochs: 300, learning_rate: 0.02, ..Adam::default() };
@@ -53,8 +53,8 @@ pub struct SequenceDefinition {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceModel {
-    inputs: Vec<Column>,
-    outputs: Vec<Column>,
+    inputs: Vec<ModelColumn>,
+    outputs: Vec<ModelColumn>,
     input_scalers: Vec<Scaler>,
     output_scalers: Vec<Scaler>,
     gru: Gru,
@@ -148,12 +148,12 @@ impl SequenceModel {
     }
 
     /// Input columns, in the order of a row.
-    pub fn inputs(&self) -> &[Column] {
+    pub fn inputs(&self) -> &[ModelColumn] {
         &self.inputs
     }
 
     /// Output columns.
-    pub fn outputs(&self) -> &[Column] {
+    pub fn outputs(&self) -> &[ModelColumn] {
         &self.outputs
     }
 
@@ -177,8 +177,8 @@ impl SequenceModel {
     /// # Errors
     /// If a number cannot be represented in JSON.
     pub fn to_value(&self) -> Result<serde_json::Value, ModelError> {
-        let columns = |columns: &[Column], scalers: &[Scaler]| {
-            let column = |(column, scaler): (&Column, &Scaler)| FileColumn {
+        let columns = |columns: &[ModelColumn], scalers: &[Scaler]| {
+            let column = |(column, scaler): (&ModelColumn, &Scaler)| FileColumn {
                 name: column.name.clone(),
                 unit: column.unit.clone(),
                 scaler: *scaler,
@@ -244,7 +244,7 @@ fn failed(name: &str, problem: String) -> ModelError {
 }
 
 /// Columns and their scalers, whose numbers are checked.
-fn split(columns: Vec<FileColumn>, name: &str) -> Result<(Vec<Column>, Vec<Scaler>), ModelError> {
+fn split(columns: Vec<FileColumn>, name: &str) -> Result<(Vec<ModelColumn>, Vec<Scaler>), ModelError> {
     for FileColumn { name: column, scaler, .. } in &columns {
         let Scaler { minimum, maximum, low, high } = *scaler;
         let finite = [minimum, maximum, low, high, maximum - minimum].iter().all(|v| v.is_finite());
@@ -253,7 +253,7 @@ fn split(columns: Vec<FileColumn>, name: &str) -> Result<(Vec<Column>, Vec<Scale
             return Err(failed(name, text));
         }
     }
-    Ok(columns.into_iter().map(|c| (Column { name: c.name, unit: c.unit }, c.scaler)).unzip())
+    Ok(columns.into_iter().map(|c| (ModelColumn { name: c.name, unit: c.unit }, c.scaler)).unzip())
 }
 
 /// The sequences with the inputs of their first rows as start vectors.

@@ -346,7 +346,7 @@ impl Kernel for TraceOfInverse<'_> {
                 widest::<L>(),
                 #[inline(always)]
                 |first, width| {
-                    // Column block `first` is zero above row `8 first`.
+                    // ModelColumn block `first` is zero above row `8 first`.
                     let from = first * LANES;
                     let scalars = Scalars {
                         values: &Row8::numbers(values)[from * stride * LANES + q * LANES..],

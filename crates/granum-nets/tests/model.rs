@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use granum_nets::trainer::{LevenbergMarquardt, NoObserver, Trainer, Traingdx};
-use granum_nets::{Column, Data, Model, ModelDefinition, ModelError};
+use granum_nets::{Data, Model, ModelColumn, ModelDefinition, ModelError};
 use proptest::prelude::*;
 
 fn definition() -> ModelDefinition {
     ModelDefinition {
         inputs: vec![
-            Column::new("deviator_strain", "1"),
-            Column::new("mean_stress", "Pa"),
-            Column::new("constant", "m"),
+            ModelColumn::new("deviator_strain", "1"),
+            ModelColumn::new("mean_stress", "Pa"),
+            ModelColumn::new("constant", "m"),
         ],
-        output: Column::new("stress_ratio", "1"),
+        output: ModelColumn::new("stress_ratio", "1"),
         quantities: Vec::new(),
         shares: Vec::new(),
         hidden: vec![8, 7],
@@ -128,7 +128,7 @@ fn rows_that_are_none_are_refused() {
     assert_eq!(message(&[0.1, f64::NAN, 0.0]), "row 0, input mean_stress: NaN is not a finite number");
     assert!(model.predict_batch(&[0.1; 4]).is_err());
     assert!(model.predict_batch(&[]).unwrap().values.is_empty());
-    let wrong = ModelDefinition { inputs: vec![Column::new("x", "1")], ..definition() };
+    let wrong = ModelDefinition { inputs: vec![ModelColumn::new("x", "1")], ..definition() };
     assert!(matches!(
         Model::fit(&wrong, &data(20), &LevenbergMarquardt::default(), &mut NoObserver),
         Err(ModelError::Columns(_))

@@ -12,7 +12,7 @@ use super::strength::Measures;
 
 /// The curves of a run in the measures of the laboratory: engineering strains, compression positive.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RunCurves {
+pub struct ComparedRun {
     /// Name of the run.
     pub name: String,
     /// The curves.
@@ -26,9 +26,9 @@ fn engineering(strain: &f64) -> f64 {
     1.0 - (-strain).exp()
 }
 
-impl RunCurves {
+impl ComparedRun {
     /// The curves of the test proper of a record with these stages ([`Curves::test_rows`]); strains count from its start.
-    pub fn from_record(name: &str, record: &Record, stages: &[Stage]) -> RunCurves {
+    pub fn from_record(name: &str, record: &Record, stages: &[Stage]) -> ComparedRun {
         let of = Curves::new(record, stages);
         let rows = of.test_rows();
         let take = |values: &[f64]| values.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec);
@@ -41,7 +41,7 @@ impl RunCurves {
             mean_stress: take(of.mean_stress()),
             void_ratio: take(&of.void_ratio()),
         };
-        RunCurves { name: name.to_owned(), curves, measures: Measures::new() }
+        ComparedRun { name: name.to_owned(), curves, measures: Measures::new() }
     }
 }
 
@@ -69,7 +69,7 @@ fn at(x: f64, xs: &[f64], ys: &[f64]) -> Option<f64> {
 }
 
 /// Compares a run with a test at the axial strains of the test.
-pub fn errors(run: &RunCurves, test: &LaboratoryTest) -> Errors {
+pub fn errors(run: &ComparedRun, test: &LaboratoryTest) -> Errors {
     let strains = &run.curves.axial_strain;
     let common = |x: &&f64| at(**x, strains, strains).is_some();
     let up_to = test.axial_strain.iter().filter(common).fold(0.0, |most: f64, x| most.max(*x));
@@ -104,7 +104,7 @@ pub fn errors(run: &RunCurves, test: &LaboratoryTest) -> Errors {
 type Values = fn(&LaboratoryTest) -> &[f64];
 
 /// Draws runs as lines over tests as open marks; without tests, runs over each other.
-pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String) {
+pub fn figure(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> (Figure, String) {
     let curves: [(&str, Axis, Values); 3] = [
         ("deviator stress", Axis::new("Deviator stress *q*").unit("Pa").including(0.0), |test| {
             &test.deviator_stress
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn errors_are_those_between_the_curves() {
-        let run = RunCurves { name: "run".into(), curves: test(110e3), ..Default::default() };
+        let run = ComparedRun { name: "run".into(), curves: test(110e3), ..Default::default() };
         let found = errors(&run, &test(100e3));
         assert!((found.up_to - 0.2).abs() < 1e-12);
         assert!((found.peak.unwrap() - 0.1).abs() < 1e-9);
@@ -179,13 +179,13 @@ mod tests {
         let shorter =
             LaboratoryTest { axial_strain: run.curves.axial_strain[..11].to_vec(), ..run.curves.clone() };
         let found =
-            errors(&RunCurves { name: "run".into(), curves: shorter, ..Default::default() }, &test(100e3));
+            errors(&ComparedRun { name: "run".into(), curves: shorter, ..Default::default() }, &test(100e3));
         assert!((found.up_to - 0.1).abs() < 1e-12);
     }
 
     #[test]
     fn what_a_test_lacks_is_not_compared() {
-        let run = RunCurves { name: "run".into(), curves: test(1e5), ..Default::default() };
+        let run = ComparedRun { name: "run".into(), curves: test(1e5), ..Default::default() };
         let lacking = LaboratoryTest { deviator_stress: Vec::new(), void_ratio: Vec::new(), ..test(1e5) };
         let found = errors(&run, &lacking);
         assert_eq!((found.deviator_stress, found.peak, found.void_ratio), (None, None, None));

@@ -11,6 +11,7 @@ use granum_dem::loading::Stage;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
 use granum_learn::LearnError;
+use granum_learn::runs::RunRole;
 use granum_run::strength::Curves;
 use granum_run::strength::symmetry::shear_at_constant_p;
 use granum_sensors::Record;
@@ -24,7 +25,7 @@ pub struct RunReport {
     /// Name of the run, that of its folder.
     pub name: String,
     /// Role of the run.
-    pub role: Role,
+    pub role: RoleInStudy,
     /// The case.
     pub case: Case,
     /// The contents of `run.json`.
@@ -43,7 +44,7 @@ pub struct RunReport {
 /// The role of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Role {
+pub enum RoleInStudy {
     /// It does not belong to a study.
     #[default]
     Single,
@@ -53,13 +54,22 @@ pub enum Role {
     Unseen,
 }
 
-impl Role {
+impl From<RunRole> for RoleInStudy {
+    fn from(role: RunRole) -> RoleInStudy {
+        match role {
+            RunRole::Training => RoleInStudy::Training,
+            RunRole::Unseen => RoleInStudy::Unseen,
+        }
+    }
+}
+
+impl RoleInStudy {
     /// The role as one word.
     pub fn word(self) -> &'static str {
         match self {
-            Role::Single => "run",
-            Role::Training => "training",
-            Role::Unseen => "unseen",
+            RoleInStudy::Single => "run",
+            RoleInStudy::Training => RunRole::Training.name(),
+            RoleInStudy::Unseen => RunRole::Unseen.name(),
         }
     }
 }
@@ -108,7 +118,7 @@ impl RunReport {
     ///
     /// # Errors
     /// If the case, the record or a snapshot is missing or damaged; the message names the file.
-    pub fn read(run: &Run, role: Role) -> Result<Self, LearnError> {
+    pub fn read(run: &Run, role: RoleInStudy) -> Result<Self, LearnError> {
         let names = run.snapshots()?;
         let snapshot =
             |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
@@ -123,7 +133,7 @@ impl RunReport {
     ///
     /// # Errors
     /// As [`RunReport::read`].
-    pub fn read_without_pictures(run: &Run, role: Role) -> Result<Self, LearnError> {
+    pub fn read_without_pictures(run: &Run, role: RoleInStudy) -> Result<Self, LearnError> {
         let about = run.record()?;
         let case = run.case()?;
         Ok(RunReport {

@@ -29,7 +29,7 @@ pub mod symbols;
 pub mod trust;
 
 pub use campaign::report as campaign_report;
-pub use data::{Role, RunReport};
+pub use data::{RoleInStudy, RunReport};
 pub use other_data::report as data_report;
 pub use overlay::report as overlay_report;
 pub use page::Document;

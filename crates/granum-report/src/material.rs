@@ -1,6 +1,6 @@
 //! The behaviour of the material: stress, volume, contacts and fabric as functions of strain.
 
-use super::data::{Role, RunReport};
+use super::data::{RoleInStudy, RunReport};
 use super::figure::literal;
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
@@ -26,20 +26,20 @@ fn round_up(strain: f64) -> f64 {
 /// Colour and name of a run in figures that show several.
 fn style(runs: &[RunReport], k: usize) -> (Stroke, String) {
     match runs[k].role {
-        Role::Unseen => {
-            let unseen = runs[..k].iter().filter(|run| run.role == Role::Unseen).count();
+        RoleInStudy::Unseen => {
+            let unseen = runs[..k].iter().filter(|run| run.role == RoleInStudy::Unseen).count();
             let shade = ["#7a7a7a", "#b0b0b0", "#949494", "#c6c6c6"][unseen % 4];
             (Stroke::new(shade, 1.4), "unseen runs".to_owned())
         }
-        Role::Training => (Stroke::new(color(0), 1.8), "training run".to_owned()),
-        Role::Single => (Stroke::new(color(k), 1.8), literal(&runs[k].name)),
+        RoleInStudy::Training => (Stroke::new(color(0), 1.8), "training run".to_owned()),
+        RoleInStudy::Single => (Stroke::new(color(k), 1.8), literal(&runs[k].name)),
     }
 }
 
 /// One line for each run, with the training run on top.
 fn lines(runs: &[RunReport], column: &str) -> Vec<Layer> {
     let mut order: Vec<usize> = (0..runs.len()).collect();
-    order.sort_by_key(|&k| runs[k].role != Role::Unseen);
+    order.sort_by_key(|&k| runs[k].role != RoleInStudy::Unseen);
     order
         .into_iter()
         .map(|k| {

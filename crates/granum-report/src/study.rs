@@ -3,7 +3,7 @@
 use granum_core::Table as Columns;
 use granum_core::words::listed;
 use granum_learn::networks::NetworkScores;
-use granum_learn::study::{FitScores, MemberScores, PartScore, Role, StoredStudy, StudyFit};
+use granum_learn::study::{FitScores, MemberRole, MemberScores, PartScore, StoredStudy, StudyFit};
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
@@ -56,7 +56,7 @@ fn error(part: &PartScore) -> f64 {
 
 /// The smallest error of a method that was asked for.
 fn tile(scores: &FitScores) -> [String; 3] {
-    let asked = scores.members.iter().filter(|member| member.role == Role::Asked);
+    let asked = scores.members.iter().filter(|member| member.role == MemberRole::Asked);
     let best = asked.min_by(|a, b| error(&a.unseen).total_cmp(&error(&b.unseen)));
     let value = best.map_or(f64::NAN, |member| error(&member.unseen));
     [
@@ -68,9 +68,9 @@ fn tile(scores: &FitScores) -> [String; 3] {
 
 fn role(member: &MemberScores) -> &'static str {
     match member.role {
-        Role::Asked => "asked for",
-        Role::CoordinateOnly => "coordinate only",
-        Role::Baseline => "baseline",
+        MemberRole::Asked => "asked for",
+        MemberRole::CoordinateOnly => "coordinate only",
+        MemberRole::Baseline => "baseline",
     }
 }
 
@@ -169,7 +169,7 @@ fn scatter_sentence(scores: &FitScores) -> Option<String> {
 /// The error of each output of the methods that were asked for.
 fn outputs_table(page: &mut Page, scores: &FitScores) -> Table {
     let asked: Vec<&MemberScores> =
-        scores.members.iter().filter(|member| member.role == Role::Asked).collect();
+        scores.members.iter().filter(|member| member.role == MemberRole::Asked).collect();
     let caption = format!("Relative RMSE on unseen runs of each output of {}.", literal(&scores.name));
     let mut table = Table::new(&page.own_table_label(), &caption, &["Output"]);
     table.columns.extend(asked.iter().map(|member| literal(&member.method)));
@@ -281,7 +281,7 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
     for output in some_outputs(fit) {
         let exact = table.values(&output).unwrap_or(&[]);
         let mut plot = Plot::new(axis(table, &output, "Measured "), axis(table, &output, "Predicted "));
-        let asked = fit.members.iter().filter(|member| member.role == Role::Asked);
+        let asked = fit.members.iter().filter(|member| member.role == MemberRole::Asked);
         for (k, member) in asked.enumerate() {
             let predicted = table.values(&format!("predicted_{output}_by_{}", member.name)).unwrap_or(&[]);
             let dots = exact.iter().zip(predicted).map(|(x, y)| [*x, *y]).collect();
@@ -310,12 +310,8 @@ fn repeat_section(page: &mut Page, stored: &StoredStudy) -> Markup {
     let columns = ["Run", "Role", "Seed"];
     let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), "The runs.", &columns) };
     for run in &study.runs {
-        let role = match run.role {
-            granum_learn::runs::RunRole::Training => "training",
-            granum_learn::runs::RunRole::Unseen => "unseen",
-        };
         let seed = run.values.get(granum_io::case::SEED).cloned().unwrap_or_else(|| "–".into());
-        table.row(vec![literal(&run.name), role.into(), seed]);
+        table.row(vec![literal(&run.name), run.role.name().into(), seed]);
     }
     let facts = [
         format!(

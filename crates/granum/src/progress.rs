@@ -4,7 +4,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use granum_run::laboratory::Field;
+use granum_run::laboratory::ProgressField;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::messages;
@@ -73,7 +73,7 @@ impl Progress {
     /// Updates the progress of the phase: the completed fraction, if it is known, and the fields to show, e.g. "strain
     /// 0.120", "q/p 0.61". On a terminal, the fields of the highest rank are dropped if the line is too long. Frequent
     /// calls are cheap.
-    pub fn update(&mut self, fraction: Option<f64>, fields: impl FnOnce(Room) -> Vec<Field>) {
+    pub fn update(&mut self, fraction: Option<f64>, fields: impl FnOnce(Room) -> Vec<ProgressField>) {
         let elapsed = self.started.elapsed();
         let left = fraction.and_then(|fraction| time_left(fraction, elapsed));
         let done = fraction.unwrap_or(0.0).clamp(0.0, 1.0);
@@ -81,7 +81,7 @@ impl Progress {
             Display::Silent => {}
             Display::Bar(bar) => {
                 let mut fields = fields(Room::Screen);
-                fields.extend(left.map(|left| Field::new(0, format!("{left} left"))));
+                fields.extend(left.map(|left| ProgressField::new(0, format!("{left} left"))));
                 let taken = self.phase.chars().count() + AROUND;
                 bar.set_position((done * LENGTH as f64) as u64);
                 bar.set_message(fitting(fields, columns().saturating_sub(taken)));
@@ -93,7 +93,7 @@ impl Progress {
                 *last = Some(Instant::now());
                 let percent = fraction.map_or(String::new(), |_| format!(" {:.0} %", 100.0 * done));
                 let mut fields = fields(Room::Line);
-                fields.extend(left.map(|left| Field::new(0, format!("{left} left"))));
+                fields.extend(left.map(|left| ProgressField::new(0, format!("{left} left"))));
                 messages::line(format_args!("{}{percent}: {}", self.phase, fitting(fields, usize::MAX)));
             }
         }
@@ -143,7 +143,7 @@ fn columns() -> usize {
 }
 
 /// The fields in one line of at most so many columns; if it is too long, the fields of the highest rank are dropped first.
-fn fitting(mut fields: Vec<Field>, columns: usize) -> String {
+fn fitting(mut fields: Vec<ProgressField>, columns: usize) -> String {
     loop {
         let line = fields.iter().map(|field| field.text.as_str()).collect::<Vec<_>>().join(GAP);
         let worst = fields.iter().map(|field| field.rank).max().unwrap_or(0);
@@ -193,14 +193,14 @@ mod tests {
             [(1, "strain 0.123"), (2, "q/p 0.612"), (3, "p 20.0 kPa"), (0, "density 0.620"), (0, "18.4 M/s")]
                 .into_iter()
                 .chain([(0, "59 min 59 s left")])
-                .map(|(rank, text)| Field::new(rank, text))
+                .map(|(rank, text)| ProgressField::new(rank, text))
                 .collect::<Vec<_>>()
         };
         let room = |phase: &str, columns: usize| columns - phase.len() - AROUND;
         let line = fitting(fields(), room("test", 80));
         assert_eq!(line, "strain 0.123  q/p 0.612  density 0.620  18.4 M/s  59 min 59 s left");
         assert_eq!(fitting(fields(), room("test", 100)).matches("p 20.0 kPa").count(), 1);
-        let mut many = vec![Field::new(0, "seed 11"), Field::new(4, "relaxation")];
+        let mut many = vec![ProgressField::new(0, "seed 11"), ProgressField::new(4, "relaxation")];
         many.extend(fields());
         let line = fitting(many, room("DEM", 80));
         assert_eq!(line, "seed 11  strain 0.123  density 0.620  18.4 M/s  59 min 59 s left");

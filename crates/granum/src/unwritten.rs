@@ -14,7 +14,7 @@ use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::interrupt::INTERRUPTED;
 use crate::progress::{Progress, Room, readable};
-use granum_run::laboratory::Field;
+use granum_run::laboratory::ProgressField;
 
 /// Time between two looks at the flag of an interruption.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -55,7 +55,7 @@ impl Unwritten {
                         progress.phase(work);
                         progress
                     });
-                    progress.update(None, |_: Room| vec![Field::new(0, readable(started.elapsed()))]);
+                    progress.update(None, |_: Room| vec![ProgressField::new(0, readable(started.elapsed()))]);
                 }
             }
         };

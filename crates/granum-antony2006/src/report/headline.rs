@@ -239,7 +239,7 @@ fn scatter_sentence(study: &StudyReport) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Summary;
+    use crate::PaperSummary;
     use crate::summary::PartScores;
     use granum_learn::student_t::PairedTest;
 
@@ -256,7 +256,7 @@ mod tests {
 
     fn study(mappings: &[(&str, MappingSummary)]) -> StudyReport {
         let mappings = mappings.iter().map(|(name, m)| ((*name).to_owned(), m.clone())).collect();
-        StudyReport { summary: Summary { mappings, ..Default::default() }, ..Default::default() }
+        StudyReport { summary: PaperSummary { mappings, ..Default::default() }, ..Default::default() }
     }
 
     #[test]

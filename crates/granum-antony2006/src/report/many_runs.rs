@@ -1,6 +1,6 @@
 //! Results with more training runs than in the paper: error as a function of the number of training runs.
 
-use crate::learning_curve::{CurvePoint, LearningCurve};
+use crate::learning_curve::{CurvePoint, PaperLearningCurve};
 use granum_learn::learning_curve::MeanError;
 use maud::{Markup, html};
 
@@ -10,7 +10,7 @@ use granum_report::page::{Page, Table, paragraphs, rich};
 use granum_report::symbols;
 
 /// The section, with its figure, table and sentences.
-pub fn section(page: &mut Page, curve: &LearningCurve) -> Markup {
+pub fn section(page: &mut Page, curve: &PaperLearningCurve) -> Markup {
     let (figure, caption) = figure(curve);
     let figure = page.own_figure("more-runs", &caption, &figure);
     let label = page.own_table_label();
@@ -31,13 +31,13 @@ pub fn section(page: &mut Page, curve: &LearningCurve) -> Markup {
 }
 
 /// Names of the mappings, in order.
-fn names(curve: &LearningCurve) -> Vec<String> {
+fn names(curve: &PaperLearningCurve) -> Vec<String> {
     let mut names: Vec<String> = curve.points.iter().map(|point| point.mapping.clone()).collect();
     names.dedup();
     names
 }
 
-fn figure(curve: &LearningCurve) -> (Figure, String) {
+fn figure(curve: &PaperLearningCurve) -> (Figure, String) {
     let panels: Vec<Panel> = names(curve).iter().map(|name| Panel::plot(plot(curve, name))).collect();
     let caption = format!(
         "Error on {} unseen runs against the number of training runs of {} grains. The band is one standard error over \
@@ -49,7 +49,7 @@ fn figure(curve: &LearningCurve) -> (Figure, String) {
     (figure.sized(860.0, 250.0).legend(Legend::Above), caption)
 }
 
-fn plot(curve: &LearningCurve, name: &str) -> Plot {
+fn plot(curve: &PaperLearningCurve, name: &str) -> Plot {
     let line = |value: &dyn Fn(&CurvePoint) -> Option<MeanError>| -> Vec<[f64; 2]> {
         let points = curve.points_of(name);
         points.filter_map(|p| Some([p.training_runs as f64, 100.0 * value(p)?.mean])).collect()
@@ -78,7 +78,7 @@ fn plot(curve: &LearningCurve, name: &str) -> Plot {
         .with(Layer::dots(network, Shape::Circle, 3.6, color(1)).named("networks"))
 }
 
-fn table(label: &str, curve: &LearningCurve) -> Table {
+fn table(label: &str, curve: &PaperLearningCurve) -> Table {
     let columns = [
         "Mapping",
         "Training runs",

@@ -3,8 +3,8 @@
 use granum_report::RunReport;
 use serde::{Deserialize, Serialize};
 
-use crate::figures::Figure as FigureData;
-use crate::summary::Summary;
+use crate::figures::PaperFigure;
+use crate::summary::PaperSummary;
 
 mod headline;
 mod many_runs;
@@ -20,9 +20,9 @@ pub use study::report as study_report;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyReport {
     /// The numerical results of the study.
-    pub summary: Summary,
+    pub summary: PaperSummary,
     /// The curves of Figures 3-8.
-    pub figures: Vec<FigureData>,
+    pub figures: Vec<PaperFigure>,
     /// The DEM runs, with the training runs first. The pictures show the first run.
     pub runs: Vec<RunReport>,
     /// The command with which the study can be repeated.

@@ -1,8 +1,8 @@
 //! Figures 3-8: networks as lines, unseen DEM as points, the seed scatter as a band; and the scores.
 
-use crate::Summary;
-use crate::figures::{Band, Curve, Figure as Data, Panel as DataPanel};
-use crate::mapping::Quantity;
+use crate::PaperSummary;
+use crate::figures::{Band, Curve, PaperFigure, PaperPanel};
+use crate::mapping::PaperQuantity;
 
 use granum_report::figure::palette::{COLORS, GREY, INK, PALE, color};
 use granum_report::figure::ticks::fixed;
@@ -21,9 +21,9 @@ pub fn figure_number(mapping: &str) -> Option<usize> {
 const MOST_POINTS: usize = 45;
 
 /// One of Figures 3-8 with its caption.
-pub fn figure(data: &Data) -> (Figure, String) {
+pub fn figure(data: &PaperFigure) -> (Figure, String) {
     let formula = symbols::markup(&data.formula);
-    if data.output == Quantity::ForceDistribution {
+    if data.output == PaperQuantity::ForceDistribution {
         distributions(data, &formula)
     } else {
         scalar(data, &formula)
@@ -39,7 +39,7 @@ fn triples(band: &Band) -> Vec<[f64; 3]> {
 }
 
 /// The runs of a panel, in order.
-fn runs(panel: &DataPanel) -> Vec<&str> {
+fn runs(panel: &PaperPanel) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for curve in &panel.points {
         if !names.contains(&curve.run.as_str()) {
@@ -55,9 +55,9 @@ fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 /// A scalar as a function of strain, and next to it the errors of the networks: Figures 3, 5 and 8.
-fn scalar(data: &Data, formula: &str) -> (Figure, String) {
+fn scalar(data: &PaperFigure, formula: &str) -> (Figure, String) {
     let (label, symbol) = match data.output {
-        Quantity::DeviatorFabric => ("Deviator fabric *φ*_{d}", "*φ*_{d}"),
+        PaperQuantity::DeviatorFabric => ("Deviator fabric *φ*_{d}", "*φ*_{d}"),
         _ => ("Stress ratio *q*/*p*", "*q*/*p*"),
     };
     let mut panels = Vec::new();
@@ -78,7 +78,7 @@ fn scalar(data: &Data, formula: &str) -> (Figure, String) {
     (Figure::new(&format!("Networks and DEM: {}", data.formula), 2, panels).sized(720.0, 330.0), caption)
 }
 
-fn values(panel: &DataPanel, label: &str) -> Plot {
+fn values(panel: &PaperPanel, label: &str) -> Plot {
     let mut plot = Plot::new(strain_axis(panel), Axis::new(label).including(0.0));
     for band in &panel.bands {
         plot = plot.with(Layer::band(triples(band), BAND).named("scatter of DEM with the seed"));
@@ -104,7 +104,7 @@ fn values(panel: &DataPanel, label: &str) -> Plot {
     plot.with_all(borders(panel))
 }
 
-fn differences(panel: &DataPanel, symbol: &str) -> Plot {
+fn differences(panel: &PaperPanel, symbol: &str) -> Plot {
     let label = format!("Networks minus DEM, Δ({symbol})");
     let mut plot = Plot::new(strain_axis(panel), Axis::new(&label).including(0.0));
     for band in &panel.bands {
@@ -131,11 +131,11 @@ fn differences(panel: &DataPanel, symbol: &str) -> Plot {
 /// Colour of the seed scatter.
 const BAND: &str = "#5a5a5a";
 
-fn strain_axis(panel: &DataPanel) -> Axis {
+fn strain_axis(panel: &PaperPanel) -> Axis {
     Axis::new(STRAIN).between(0.0, panel.strain_range[1])
 }
 
-fn borders(panel: &DataPanel) -> Vec<Layer> {
+fn borders(panel: &PaperPanel) -> Vec<Layer> {
     boundaries(panel).into_iter().map(|strain| Layer::vertical(strain, "#a8a8a8")).collect()
 }
 
@@ -148,7 +148,7 @@ fn interpolated(curve: &Curve, x: f64) -> Option<f64> {
 }
 
 /// Strains at the boundaries between sub-models.
-fn boundaries(panel: &DataPanel) -> Vec<f64> {
+fn boundaries(panel: &PaperPanel) -> Vec<f64> {
     let Some(first) = panel.lines.first() else { return Vec::new() };
     let starts = panel.lines.iter().filter(|curve| curve.run == first.run && curve.sub_model > 1);
     starts.filter_map(|curve| curve.x.first().copied()).collect()
@@ -156,7 +156,7 @@ fn boundaries(panel: &DataPanel) -> Vec<f64> {
 
 /// P(f) as a function of f with one panel per sub-model: Figures 4, 6 and 7. Curves of larger strains are shifted down by
 /// decades.
-fn distributions(data: &Data, formula: &str) -> (Figure, String) {
+fn distributions(data: &PaperFigure, formula: &str) -> (Figure, String) {
     let legend = [
         Layer::band(Vec::new(), BAND).named("scatter of DEM with the seed"),
         Layer::points(Vec::new(), SHAPES[0], INK).named("DEM, unseen run 1"),
@@ -189,7 +189,7 @@ fn distributions(data: &Data, formula: &str) -> (Figure, String) {
 
 /// The vertical range of all panels: that of the DEM values, including a shift of two decades. Curves of networks that
 /// deviate strongly leave the frame.
-fn density_range(panels: &[DataPanel]) -> Option<[f64; 2]> {
+fn density_range(panels: &[PaperPanel]) -> Option<[f64; 2]> {
     let values = panels.iter().flat_map(|panel| &panel.points).flat_map(|curve| &curve.y).copied();
     let shown = values.filter(|y| y.is_finite() && *y > 0.0);
     let [low, high] = shown.fold([f64::INFINITY, 0.0f64], |[low, high], y| [low.min(y), high.max(y)]);
@@ -204,7 +204,7 @@ fn short(value: f64) -> String {
 }
 
 /// The strains of a panel: those of its bands, or those of its points if there is no scatter.
-fn strains(panel: &DataPanel) -> Vec<f64> {
+fn strains(panel: &PaperPanel) -> Vec<f64> {
     let of_points = || {
         let first = panel.points.first().map(|curve| curve.run.clone());
         panel.points.iter().filter(|c| Some(&c.run) == first.as_ref()).filter_map(|c| c.strain).collect()
@@ -216,7 +216,7 @@ fn strains(panel: &DataPanel) -> Vec<f64> {
     }
 }
 
-fn distribution_panel(panel: &DataPanel, labelled: bool, range: Option<[f64; 2]>) -> Plot {
+fn distribution_panel(panel: &PaperPanel, labelled: bool, range: Option<[f64; 2]>) -> Plot {
     let density = if labelled { "Probability density *P*(*f*), shifted" } else { "" };
     let mut plot = Plot::new(
         Axis::new("Normal force *f* = *N*/⟨*N*⟩"),
@@ -265,7 +265,7 @@ fn first_point(curve: &Curve) -> Option<[f64; 2]> {
 }
 
 /// The scores as a table: the networks, the baselines, and the networks with sensor values from other runs or states.
-pub fn score_table(label: &str, summary: &Summary) -> Table {
+pub fn score_table(label: &str, summary: &PaperSummary) -> Table {
     let caption = "Relative RMSE of the mappings on unseen DEM runs (if there are none, on held-out states): root mean \
                    square error over the root mean square of the DEM values. Strain only: networks of the same size \
                    whose only input is strain. Ridge: linear regression on the same sensors and splines over strain. \
@@ -301,7 +301,7 @@ pub fn score_table(label: &str, summary: &Summary) -> Table {
 }
 
 /// Table on the use of the sensors by the mappings; `None` without unseen runs.
-pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
+pub fn sensor_table(label: &str, summary: &PaperSummary) -> Option<Table> {
     let runs = summary.mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max()?;
     let caption = format!(
         "Do the networks use their sensors? Use: error with another unseen run\u{2019}s sensors minus error with the run\u{2019}s \
@@ -332,7 +332,7 @@ pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
 }
 
 /// The scores as a figure.
-pub fn score_figure(summary: &Summary) -> (Figure, String) {
+pub fn score_figure(summary: &PaperSummary) -> (Figure, String) {
     let count = summary.mappings.len();
     let row = |k: usize| (count - 1 - k) as f64;
     let names: Vec<String> = summary
@@ -387,7 +387,7 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
 
 /// Figure of the error as a function of the size of the networks, for the claim of the paper that the fabric permits smaller
 /// networks.
-pub fn size_figure(summary: &Summary) -> Option<(Figure, String)> {
+pub fn size_figure(summary: &PaperSummary) -> Option<(Figure, String)> {
     let study = summary.size_study.as_ref()?;
     let mut panels = Vec::new();
     let has_unseen = study.curves.iter().any(|curve| curve.points.iter().any(|p| p.median_unseen.is_some()));

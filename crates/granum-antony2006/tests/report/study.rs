@@ -5,15 +5,15 @@ use std::sync::OnceLock;
 
 use granum_antony2006::StudyReport;
 use granum_antony2006::interpretation;
-use granum_antony2006::learning_curve::LearningCurve;
+use granum_antony2006::learning_curve::PaperLearningCurve;
 use granum_antony2006::size_study::SizeStudyOptions;
-use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary, SpeedSummary, Summary};
+use granum_antony2006::summary::{DemSummary, MappingSummary, PaperSummary, RunSummary, SpeedSummary};
 use granum_antony2006::{
     Evaluation, Mapping, PaperData, PaperDataOptions, PaperOptions, SizeStudy, paper_mappings,
 };
 use granum_learn::NamedRecord;
 use granum_learn::study::NoStudyObserver;
-use granum_report::{Role, RunReport};
+use granum_report::{RoleInStudy, RunReport};
 
 use crate::synthetic;
 
@@ -23,9 +23,10 @@ fn small_mappings() -> Vec<Mapping> {
 }
 
 fn train() -> StudyReport {
-    let mut runs: Vec<RunReport> = [(Role::Training, 1), (Role::Unseen, 2), (Role::Unseen, 3)]
-        .map(|(role, seed)| synthetic::run(role, seed))
-        .to_vec();
+    let mut runs: Vec<RunReport> =
+        [(RoleInStudy::Training, 1), (RoleInStudy::Unseen, 2), (RoleInStudy::Unseen, 3)]
+            .map(|(role, seed)| synthetic::run(role, seed))
+            .to_vec();
     runs[0].start = Some(synthetic::assembly(0.0));
     runs[0].end = Some(synthetic::assembly(0.35));
     let named = |run: &'static str, k: usize, runs: &'static [RunReport]| NamedRecord {
@@ -43,7 +44,7 @@ fn train() -> StudyReport {
     let study = options.train(&data, &NoStudyObserver).expect("small networks train");
     let evaluations = Evaluation::of_study(&study, &data).expect("states are finite");
     let curve =
-        LearningCurve::measure(&data, 2000, &options, &NoStudyObserver).expect("small networks train");
+        PaperLearningCurve::measure(&data, 2000, &options, &NoStudyObserver).expect("small networks train");
     let size_options =
         SizeStudyOptions { neurons: vec![1, 2, 4], seeds: 2, study: options, ..Default::default() };
     let size_study = SizeStudy::run(&data, &size_options, &NoStudyObserver).expect("small networks train");
@@ -51,7 +52,7 @@ fn train() -> StudyReport {
         .expect("states are finite");
     // Measured times vary between tests, but the page must not.
     let speed = SpeedSummary { network_seconds: 0.02, factor: 9000.0, training_seconds: 4.0, ..measured };
-    let summary = Summary {
+    let summary = PaperSummary {
         dem: DemSummary {
             grains: 5000,
             solid_fraction: 0.61,

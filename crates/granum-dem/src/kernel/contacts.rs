@@ -17,7 +17,7 @@ use super::push::Push;
 use super::source::ConstantSource;
 use super::views::Views;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::{Interaction, Kinematics};
+use crate::contact::evaluation::interaction::{Interaction, PairMotion};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::law::energy_channel::{LAWS, SetEnergies};
 use crate::contact::law::limits::{LAW_CHANNELS, MAX_HISTORY};
@@ -285,7 +285,7 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     ];
     let constants = own[0].beside(&own[1]);
     let (p, q) = (&x.kinematics, &y.kinematics);
-    let kinematics = Kinematics {
+    let kinematics = PairMotion {
         branch: beside(p.branch, q.branch),
         velocity: beside(p.velocity, q.velocity),
         rolling: beside(p.rolling, q.rolling),

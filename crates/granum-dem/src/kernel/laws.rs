@@ -4,7 +4,7 @@ use granum_simd::{Lanes, Row8, Twice};
 
 use super::views::Views;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::{Interaction, Kinematics, interact};
+use crate::contact::evaluation::interaction::{Interaction, PairMotion, interact};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::evaluation::set::Compiled;
 use crate::contact::law::constants::named;
@@ -104,7 +104,7 @@ pub(crate) trait StageLaws {
     fn interact<L: Lanes>(
         &self,
         constants: &PairConstants<L>,
-        kinematics: &Kinematics<L>,
+        kinematics: &PairMotion<L>,
         dt: L,
         memory: &mut Memory<L>,
         place: BatchData<'_>,
@@ -113,7 +113,7 @@ pub(crate) trait StageLaws {
     fn interact_two<L: Lanes>(
         &self,
         constants: &PairConstants<Twice<L>>,
-        kinematics: &Kinematics<Twice<L>>,
+        kinematics: &PairMotion<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>>;
@@ -180,7 +180,7 @@ where
     fn interact<L: Lanes>(
         &self,
         constants: &PairConstants<L>,
-        kinematics: &Kinematics<L>,
+        kinematics: &PairMotion<L>,
         dt: L,
         memory: &mut Memory<L>,
         _place: BatchData<'_>,
@@ -191,7 +191,7 @@ where
     fn interact_two<L: Lanes>(
         &self,
         constants: &PairConstants<Twice<L>>,
-        kinematics: &Kinematics<Twice<L>>,
+        kinematics: &PairMotion<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>> {
@@ -276,7 +276,7 @@ where
     fn interact<L: Lanes>(
         &self,
         constants: &PairConstants<L>,
-        kinematics: &Kinematics<L>,
+        kinematics: &PairMotion<L>,
         dt: L,
         memory: &mut Memory<L>,
         place: BatchData<'_>,
@@ -289,7 +289,7 @@ where
     fn interact_two<L: Lanes>(
         &self,
         _constants: &PairConstants<Twice<L>>,
-        _kinematics: &Kinematics<Twice<L>>,
+        _kinematics: &PairMotion<Twice<L>>,
         _dt: Twice<L>,
         _memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>> {

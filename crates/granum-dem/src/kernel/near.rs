@@ -8,7 +8,7 @@ use super::order::Order;
 use super::source::ConstantSource;
 use super::views::Views;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::Kinematics;
+use crate::contact::evaluation::interaction::PairMotion;
 use crate::pairs::NORMAL_COLUMNS;
 use granum_simd::vectors::{dot, scale};
 
@@ -32,7 +32,7 @@ impl<L: Lanes> Common<L> {
 #[derive(Clone, Copy)]
 pub(super) struct PairBatch<L> {
     pub(super) batch: usize,
-    pub(super) kinematics: Kinematics<L>,
+    pub(super) kinematics: PairMotion<L>,
     /// Smaller mass of the two grains, kg; zero where all are equal.
     pub(super) mass: L,
 }
@@ -65,7 +65,7 @@ impl<L: Lanes> PairBatch<L> {
     #[inline(always)]
     pub(super) fn none() -> Self {
         let three = [L::zero(); 3];
-        let kinematics = Kinematics {
+        let kinematics = PairMotion {
             branch: three,
             velocity: three,
             rolling: three,
@@ -155,7 +155,7 @@ pub(super) fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE:
     }
     // The relative spin is copied unchanged: sets without moments never write it.
     let relative_spin = slot.kinematics.relative_spin;
-    slot.kinematics = Kinematics { branch, velocity, rolling, mean_spin, relative_spin };
+    slot.kinematics = PairMotion { branch, velocity, rolling, mean_spin, relative_spin };
     (slot.batch, slot.mass) = (b, mass);
     true
 }

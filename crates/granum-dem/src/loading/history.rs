@@ -10,36 +10,36 @@ pub const MOST_ROWS: usize = 5000;
 /// The quantity in a column of a history, with the number of its component ([`COMPONENTS`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub enum HistoryQuantity {
     /// Strain since the start of the test; shear strains are angles.
     Strain(u8),
     /// Stress, Pa.
     Stress(u8),
 }
 
-impl Quantity {
+impl HistoryQuantity {
     /// Every quantity.
-    pub fn all() -> impl Iterator<Item = Quantity> {
-        (0..6).map(Quantity::Strain).chain((0..6).map(Quantity::Stress))
+    pub fn all() -> impl Iterator<Item = HistoryQuantity> {
+        (0..6).map(HistoryQuantity::Strain).chain((0..6).map(HistoryQuantity::Stress))
     }
 
     /// Its name, e.g. `xx_strain`.
     pub fn name(self) -> String {
         match self {
-            Quantity::Strain(k) => format!("{}_strain", COMPONENTS[usize::from(k.min(5))]),
-            Quantity::Stress(k) => format!("{}_stress", COMPONENTS[usize::from(k.min(5))]),
+            HistoryQuantity::Strain(k) => format!("{}_strain", COMPONENTS[usize::from(k.min(5))]),
+            HistoryQuantity::Stress(k) => format!("{}_stress", COMPONENTS[usize::from(k.min(5))]),
         }
     }
 
     /// The quantity of that name.
-    pub fn named(name: &str) -> Option<Quantity> {
-        Quantity::all().find(|quantity| quantity.name() == name)
+    pub fn named(name: &str) -> Option<HistoryQuantity> {
+        HistoryQuantity::all().find(|quantity| quantity.name() == name)
     }
 
     /// The number of its component.
     pub fn component(self) -> usize {
         match self {
-            Quantity::Strain(k) | Quantity::Stress(k) => usize::from(k.min(5)),
+            HistoryQuantity::Strain(k) | HistoryQuantity::Stress(k) => usize::from(k.min(5)),
         }
     }
 }
@@ -47,16 +47,16 @@ impl Quantity {
 /// Points of a path: strains and stresses, compression positive. Components without a column are not strained.
 ///
 /// ```
-/// use granum_dem::loading::{History, Quantity};
+/// use granum_dem::loading::{History, HistoryQuantity};
 ///
-/// let columns = vec![Quantity::Strain(0), Quantity::Stress(1)];
+/// let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(1)];
 /// let history = History { columns, rows: vec![vec![0.0, 1e5], vec![0.02, 1e5]] };
 /// assert_eq!(history.fault(), None);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     /// The quantity in each column.
-    pub columns: Vec<Quantity>,
+    pub columns: Vec<HistoryQuantity>,
     /// One value per column in every row.
     pub rows: Vec<Vec<f64>>,
 }
@@ -96,14 +96,14 @@ mod tests {
 
     #[test]
     fn quantities_have_one_name_each_and_faults_are_named() {
-        for quantity in Quantity::all() {
-            assert_eq!(Quantity::named(&quantity.name()), Some(quantity));
+        for quantity in HistoryQuantity::all() {
+            assert_eq!(HistoryQuantity::named(&quantity.name()), Some(quantity));
         }
-        let history = |columns: &[Quantity], rows: &[&[f64]]| History {
+        let history = |columns: &[HistoryQuantity], rows: &[&[f64]]| History {
             columns: columns.to_vec(),
             rows: rows.iter().map(|row| row.to_vec()).collect(),
         };
-        let (strain, stress) = (Quantity::Strain(0), Quantity::Stress(0));
+        let (strain, stress) = (HistoryQuantity::Strain(0), HistoryQuantity::Stress(0));
         let fault = |history: History| history.fault().unwrap_or_default();
         assert!(fault(history(&[strain, stress], &[&[0.0, 0.0]])).contains("xx_strain and xx_stress"));
         assert!(fault(history(&[strain], &[])).contains("0 rows"));

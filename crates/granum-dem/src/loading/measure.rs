@@ -161,7 +161,7 @@ impl Measure {
 
 /// A value of a measure to be reached: a series of steps ends at the first step that reaches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub struct MeasureGoal {
     /// The measure.
     pub measure: Measure,
     /// Subtracted from the measure before the comparison.
@@ -172,7 +172,7 @@ pub struct Event {
     pub rising: bool,
 }
 
-impl Event {
+impl MeasureGoal {
     /// True if the value has been reached or passed.
     pub fn has_come(&self, macro_state: &MacroState) -> bool {
         let here = self.measure.value(macro_state) - self.origin;
@@ -198,9 +198,9 @@ mod tests {
             strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]],
             ..MacroState::default()
         };
-        let rising = Event { measure: Measure::Strain(0), origin: 0.1, value: 0.05, rising: true };
+        let rising = MeasureGoal { measure: Measure::Strain(0), origin: 0.1, value: 0.05, rising: true };
         assert!(!rising.has_come(&macro_state(0.14)) && rising.has_come(&macro_state(0.16)));
-        let falling = Event { rising: false, ..rising };
+        let falling = MeasureGoal { rising: false, ..rising };
         assert!(falling.has_come(&macro_state(0.14)) && !falling.has_come(&macro_state(0.16)));
         assert!(!rising.has_come(&macro_state(f64::NAN)));
     }

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 pub use self::control::{Constraint, Control, Drive, Kinematics, Ramp, SERVO_LIMIT, Speed, Target};
 pub use self::control_error::ControlError;
-pub use self::history::{History, MOST_ROWS, Quantity};
-pub use self::measure::{Event, MacroState, Measure};
+pub use self::history::{History, HistoryQuantity, MOST_ROWS};
+pub use self::measure::{MacroState, Measure, MeasureGoal};
 pub use self::recorded_states::RecordedStates;
 pub(crate) use self::until::overlap_text;
 pub use self::until::{Reason, StageProgress, Until};
@@ -261,11 +261,11 @@ pub fn follow(
     let measure = stage.record.measure;
     let origin = stage_progress.origin(measure);
     let most_time = most_time(stage, stage_progress, simulation);
-    let mut events = Vec::new();
-    add_events(stage, stage_progress, observer, &mut events);
+    let mut goals = Vec::new();
+    add_events(stage, stage_progress, observer, &mut goals);
     let since = simulation.state().step() - stage_progress.start_step;
     // A run that was stopped between two checks goes on to the next one.
-    let mut between = !since.is_multiple_of(STRIDE) && !slices::has_come(&events, simulation);
+    let mut between = !since.is_multiple_of(STRIDE) && !slices::has_come(&goals, simulation);
     loop {
         if !std::mem::take(&mut between) {
             let here = measure.value(&simulation.state().macro_state()) - origin;
@@ -287,10 +287,10 @@ pub fn follow(
             if observer.progress(&progress_of(stage, stage_progress, simulation)) == Flow::Stop {
                 return Ok(Ending::Stopped);
             }
-            add_events(stage, stage_progress, observer, &mut events);
+            add_events(stage, stage_progress, observer, &mut goals);
         }
         let left = STRIDE - (simulation.state().step() - stage_progress.start_step) % STRIDE;
-        let flow = slices::advance(simulation, &events, left, observer, |simulation| {
+        let flow = slices::advance(simulation, &goals, left, observer, |simulation| {
             progress_of(stage, stage_progress, simulation)
         })?;
         if flow == Flow::Stop {
@@ -311,20 +311,25 @@ fn progress_of<'a>(
     Progress { fraction, measure: Some(stage.record.measure), ..progress }
 }
 
-/// The events at which something may be due in a stage.
+/// The goals at which something may be due in a stage.
 fn add_events(
     stage: &Stage,
     stage_progress: &StageProgress,
     observer: &dyn Observer,
-    events: &mut Vec<Event>,
+    goals: &mut Vec<MeasureGoal>,
 ) {
-    events.clear();
+    goals.clear();
     let (measure, next) = (stage.record.measure, observer.next_observation());
     if next.is_finite() {
-        events.push(Event { measure, origin: stage_progress.origin(measure), value: next, rising: true });
+        goals.push(MeasureGoal {
+            measure,
+            origin: stage_progress.origin(measure),
+            value: next,
+            rising: true,
+        });
     }
-    events.extend(turning_point(stage, stage_progress));
-    stage_progress.events(&stage.until, events);
+    goals.extend(turning_point(stage, stage_progress));
+    stage_progress.goals(&stage.until, goals);
 }
 
 /// The reason for the end if grains overlap too far. This is checked at the start and every [`STRIDE`] steps, whatever is observed.
@@ -339,18 +344,18 @@ fn too_deep(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulati
 
 /// Reverses a stage at its turning points.
 fn turn(stage: &Stage, stage_progress: &mut StageProgress, simulation: &mut Simulation) {
-    let Some(event) = turning_point(stage, stage_progress) else { return };
-    if event.has_come(&simulation.state().macro_state()) {
+    let Some(goal) = turning_point(stage, stage_progress) else { return };
+    if goal.has_come(&simulation.state().macro_state()) {
         simulation.reverse();
         stage_progress.turn(simulation.state());
     }
 }
 
-fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<Event> {
+fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<MeasureGoal> {
     let Turns { measure, high, low } = stage.turns?;
     let rising = stage_progress.reversals.is_multiple_of(2);
     let value = if rising { high } else { low };
-    Some(Event { measure, origin: stage_progress.origin(measure), value, rising })
+    Some(MeasureGoal { measure, origin: stage_progress.origin(measure), value, rising })
 }
 
 /// The longest permitted duration of a stage, s. A stage that ends at a given time is permitted twice that time.

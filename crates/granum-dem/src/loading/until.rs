@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::measure::{Event, MacroState, Measure};
+use super::measure::{MacroState, Measure, MeasureGoal};
 use crate::invariants;
 use crate::simulation::Simulation;
 use crate::state::State;
@@ -210,12 +210,12 @@ impl StageProgress {
         let mut reason = None;
         for until in ends {
             let came = match *until {
-                Until::Reaches { measure, value } => self.event(measure, value).has_come(&macro_state),
+                Until::Reaches { measure, value } => self.goal(measure, value).has_come(&macro_state),
                 Until::Reversals(count) => self.reversals >= count,
-                Until::RampOver => self.ramp_end().is_none_or(|event| event.has_come(&macro_state)),
+                Until::RampOver => self.ramp_end().is_none_or(|goal| goal.has_come(&macro_state)),
                 Until::PorePressureRatio(ratio) => self.liquefied(ratio).has_come(&macro_state),
                 Until::DoubleAmplitude { measure, value } => {
-                    self.span(measure, value).iter().flatten().any(|event| event.has_come(&macro_state))
+                    self.span(measure, value).iter().flatten().any(|goal| goal.has_come(&macro_state))
                 }
                 Until::AtRest { unbalanced_force } => self.rests(unbalanced_force, state),
                 Until::CriticalState { window, stress_ratio, volumetric_strain } => {
@@ -240,13 +240,13 @@ impl StageProgress {
         (lost && volume_rate >= 0.0).then_some(Reason::Unjammed { mean_stress, before })
     }
 
-    /// The events at which an end condition may be met.
-    pub(super) fn events(&self, ends: &[Until], into: &mut Vec<Event>) {
+    /// The goals at which an end condition may be met.
+    pub(super) fn goals(&self, ends: &[Until], into: &mut Vec<MeasureGoal>) {
         for until in ends {
             match *until {
-                Until::Reaches { measure, value } => into.push(self.event(measure, value)),
+                Until::Reaches { measure, value } => into.push(self.goal(measure, value)),
                 Until::CriticalState { window, .. } => {
-                    into.push(self.event(Measure::ArcLength, self.next_mark(window)));
+                    into.push(self.goal(Measure::ArcLength, self.next_mark(window)));
                 }
                 Until::RampOver => into.extend(self.ramp_end()),
                 Until::PorePressureRatio(ratio) => into.push(self.liquefied(ratio)),
@@ -258,26 +258,31 @@ impl StageProgress {
         }
     }
 
-    /// The event that the ramps have ended.
-    fn ramp_end(&self) -> Option<Event> {
-        self.ramp.map(|time| self.event(Measure::Time, time))
+    /// The goal that the ramps end.
+    fn ramp_end(&self) -> Option<MeasureGoal> {
+        self.ramp.map(|time| self.goal(Measure::Time, time))
     }
 
-    /// The event that the mean stress has decreased by a fraction of its initial value.
-    fn liquefied(&self, ratio: f64) -> Event {
+    /// The goal that the mean stress decreases by a fraction of its initial value.
+    fn liquefied(&self, ratio: f64) -> MeasureGoal {
         let value = (1.0 - ratio) * invariants::mean(&self.start.stress);
-        Event { measure: Measure::MeanStress, origin: 0.0, value, rising: false }
+        MeasureGoal { measure: Measure::MeanStress, origin: 0.0, value, rising: false }
     }
 
-    /// The events that a measure has changed by `value` since the last reversal, in either direction.
-    fn span(&self, measure: Measure, value: f64) -> Option<[Event; 2]> {
+    /// The goals that a measure changes by `value` since the last reversal, in either direction.
+    fn span(&self, measure: Measure, value: f64) -> Option<[MeasureGoal; 2]> {
         let origin = measure.value(self.turned.as_ref()?);
-        Some([(value, true), (-value, false)].map(|(value, rising)| Event { measure, origin, value, rising }))
+        Some([(value, true), (-value, false)].map(|(value, rising)| MeasureGoal {
+            measure,
+            origin,
+            value,
+            rising,
+        }))
     }
 
-    fn event(&self, measure: Measure, value: f64) -> Event {
+    fn goal(&self, measure: Measure, value: f64) -> MeasureGoal {
         let origin = self.origin(measure);
-        Event { measure, origin, value, rising: value >= measure.value(&self.start) - origin }
+        MeasureGoal { measure, origin, value, rising: value >= measure.value(&self.start) - origin }
     }
 
     fn rests(&mut self, unbalanced_force: f64, state: &State) -> bool {

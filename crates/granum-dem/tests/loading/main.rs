@@ -11,8 +11,8 @@ use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation
 use granum_dem::invariants;
 use granum_dem::loading::preset::{Given, PathValue};
 use granum_dem::loading::{
-    Control, Drive, Ending, History, Measure, Quantity, Ramp, Reason, Speed, Stage, StageEnd, StageProgress,
-    Start, Target, Turns, Until, begin, follow, preset,
+    Control, Drive, Ending, History, HistoryQuantity, Measure, Ramp, Reason, Speed, Stage, StageEnd,
+    StageProgress, Start, Target, Turns, Until, begin, follow, preset,
 };
 use granum_dem::observer::{Flow, Observer, Progress, Work};
 use granum_dem::preparation::{SampleSpecification, prepare};
@@ -425,7 +425,7 @@ fn a_hold_keeps_stresses_or_strains() {
 #[test]
 fn a_history_is_followed_row_by_row() {
     let mut s = sample();
-    let columns = vec![Quantity::Strain(0), Quantity::Stress(1), Quantity::Stress(2)];
+    let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(1), HistoryQuantity::Stress(2)];
     let rows = vec![vec![0.0, -20e3, -20e3], vec![-0.004, -24e3, -24e3], vec![-0.003, -22e3, -26e3]];
     let mut given = Given::from([("compression".into(), "negative".into())]);
     given.insert("file".into(), PathValue::History(History { columns, rows }));

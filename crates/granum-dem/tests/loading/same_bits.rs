@@ -24,7 +24,7 @@ fn short(name: &str) -> Given {
         "proportional" => drop(given.insert("ratios_of".into(), "stress".into())),
         "unload-reload" => drop(given.insert("at".into(), PathValue::List(vec![1e-3]))),
         "history" => {
-            let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
+            let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(2)];
             let rows = vec![vec![1e-3, 22e3], vec![5e-4, 21e3]];
             given.insert("file".into(), PathValue::History(History { columns, rows }));
         }

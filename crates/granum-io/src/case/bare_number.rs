@@ -15,7 +15,7 @@ use std::path::Path;
 
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::loading::preset::{PathParameter, PathParameterKind, Paths};
-use granum_dem::loading::{Measure, Quantity};
+use granum_dem::loading::{HistoryQuantity, Measure};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -84,8 +84,8 @@ impl NumberKind {
         }
     }
 
-    fn of_quantity(quantity: Quantity) -> NumberKind {
-        if matches!(quantity, Quantity::Stress(_)) { NumberKind::Stress } else { NumberKind::Strain }
+    fn of_quantity(quantity: HistoryQuantity) -> NumberKind {
+        if matches!(quantity, HistoryQuantity::Stress(_)) { NumberKind::Stress } else { NumberKind::Strain }
     }
 }
 

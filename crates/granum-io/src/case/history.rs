@@ -5,7 +5,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use granum_dem::loading::{History, MOST_ROWS, Quantity};
+use granum_dem::loading::{History, HistoryQuantity, MOST_ROWS};
 use toml::de::DeValue;
 
 use super::bare_number::Doubt;
@@ -22,7 +22,7 @@ pub(super) const HISTORY_KEYS: [&str; 3] = ["file", "columns", "rows"];
 /// The quantity to which a column of a file belongs.
 struct SourceColumn {
     /// None for the time.
-    quantity: Option<Quantity>,
+    quantity: Option<HistoryQuantity>,
     /// The factor by which a value is multiplied.
     factor: f64,
     /// True if the header names no unit.
@@ -30,8 +30,8 @@ struct SourceColumn {
 }
 
 /// The dimension of a column.
-pub(super) fn dimension_of(quantity: Quantity) -> Dimension {
-    dimension(if matches!(quantity, Quantity::Stress(_)) { "Pa" } else { "1" })
+pub(super) fn dimension_of(quantity: HistoryQuantity) -> Dimension {
+    dimension(if matches!(quantity, HistoryQuantity::Stress(_)) { "Pa" } else { "1" })
 }
 
 /// Reads a file.
@@ -46,7 +46,10 @@ pub(super) fn read(path: &Path) -> Result<History> {
 ///
 /// # Errors
 /// As for [`read`]; [`Error::Input`] at the name of the column.
-pub(super) fn check_bare(path: &Path, mut doubt: impl FnMut(Quantity, f64) -> Option<Doubt>) -> Result<()> {
+pub(super) fn check_bare(
+    path: &Path,
+    mut doubt: impl FnMut(HistoryQuantity, f64) -> Option<Doubt>,
+) -> Result<()> {
     let history = read(path)?;
     let lines = &mut Lines::open(path)?;
     let columns = header(lines)?;
@@ -134,8 +137,8 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
     if name == "time" {
         return Ok(SourceColumn { quantity: None, factor: 1.0, is_bare: false });
     }
-    let Some(quantity) = Quantity::named(name) else {
-        let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
+    let Some(quantity) = HistoryQuantity::named(name) else {
+        let names: Vec<String> = HistoryQuantity::all().map(HistoryQuantity::name).collect();
         let help = meant(name, names.iter().map(String::as_str).chain(["time"]));
         return Err((format!("{name} is not a column of a history"), help));
     };
@@ -150,7 +153,7 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
 }
 
 fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell: &str) -> Result<f64> {
-    let name = place.quantity.map_or_else(|| "time".to_string(), Quantity::name);
+    let name = place.quantity.map_or_else(|| "time".to_string(), HistoryQuantity::name);
     let value = lines::number(lines, &name, start, cell)? * place.factor + 0.0;
     if value.is_finite() {
         return Ok(value);
@@ -159,15 +162,15 @@ fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell:
 }
 
 /// The key `columns` of a stage.
-pub(super) fn columns(value: &Node<'_>) -> Parsed<Vec<Quantity>> {
+pub(super) fn columns(value: &Node<'_>) -> Parsed<Vec<HistoryQuantity>> {
     let DeValue::Array(items) = value.get_ref() else {
         let help = "e.g. columns = [\"xx_strain\", \"yy_stress\"]".to_string();
         return Err(Mistake(value.span(), "is not a list of columns".into(), Some(help)));
     };
     let column = |item: &Node<'_>| {
         let name = text(item)?;
-        Quantity::named(&name).ok_or_else(|| {
-            let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
+        HistoryQuantity::named(&name).ok_or_else(|| {
+            let names: Vec<String> = HistoryQuantity::all().map(HistoryQuantity::name).collect();
             let help = meant(&name, names.iter().map(String::as_str));
             Mistake(item.span(), "is not a column of a history".into(), Some(help))
         })
@@ -176,7 +179,7 @@ pub(super) fn columns(value: &Node<'_>) -> Parsed<Vec<Quantity>> {
 }
 
 /// The key `rows` of a stage with these columns.
-pub(super) fn rows(value: &Node<'_>, columns: Vec<Quantity>) -> Parsed<History> {
+pub(super) fn rows(value: &Node<'_>, columns: Vec<HistoryQuantity>) -> Parsed<History> {
     let wrong =
         |why: String| Mistake(value.span(), why, Some("e.g. rows = [[0.0, 1e5], [0.01, 1e5]]".into()));
     let DeValue::Array(items) = value.get_ref() else { return Err(wrong("is not a list of rows".into())) };
@@ -219,7 +222,7 @@ mod tests {
     #[test]
     fn units_stand_in_the_header_and_time_is_no_quantity() {
         let found = read("# an element\ntime,xx_strain (%),yy_stress [kPa]\n0,0,100\n1,0.5,120\n").unwrap();
-        assert_eq!(found.columns, [Quantity::Strain(0), Quantity::Stress(1)]);
+        assert_eq!(found.columns, [HistoryQuantity::Strain(0), HistoryQuantity::Stress(1)]);
         assert_eq!(found.rows, [[0.0, 100e3], [0.005, 120e3]]);
     }
 

@@ -1,7 +1,9 @@
 //! Tests of the tables `[[stage]]`.
 
 use granum_dem::loading::preset::{self, Given, PathParameterKind, PathValue};
-use granum_dem::loading::{Drive, History, Kinematics, Measure, Quantity, Ramp, Speed, Start, Target, Until};
+use granum_dem::loading::{
+    Drive, History, HistoryQuantity, Kinematics, Measure, Ramp, Speed, Start, Target, Until,
+};
 use proptest::prelude::*;
 
 use super::*;
@@ -345,7 +347,7 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
             let number = (low + place * (high - low)).clamp(low, high);
             let value = match parameter.kind {
                 PathParameterKind::History => {
-                    let columns = vec![Quantity::Strain(0), Quantity::Stress(5)];
+                    let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(5)];
                     PathValue::History(History { columns, rows: vec![vec![0.1 * place, -1e5 * place]; 2] })
                 }
                 _ if !given || ["strain_rate", "density_scaling"].contains(&parameter.key) => continue,

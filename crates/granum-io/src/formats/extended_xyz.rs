@@ -12,7 +12,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
-use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
+use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -47,7 +47,7 @@ impl ResultFormat for ExtendedXyz {
     fn is_written(&self) -> bool {
         true
     }
-    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         write_atomically(path, |file| {
             for observation in observations {
                 write_frame(file, observation)?;
@@ -177,7 +177,7 @@ impl Layout {
     }
 }
 
-fn write_frame(file: &mut impl Write, observation: &Observation) -> std::io::Result<()> {
+fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io::Result<()> {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     let mut properties = String::from("species:S:1:id:I:1:pos:R:3");
     let columns = [

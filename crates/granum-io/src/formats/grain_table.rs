@@ -19,7 +19,7 @@ use granum_core::{Part, Table};
 use super::beginning::{extension, head};
 use super::column_names;
 use super::packing_csv::{self, PackingCsv};
-use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::{PackingFormat, csv, parquet};
 use crate::error::{Error, Result};
 
@@ -305,7 +305,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    fn contacts(&self, rows: Range<usize>) -> Result<Vec<Pair>> {
+    fn contacts(&self, rows: Range<usize>) -> Result<Vec<FileContact>> {
         self.check(rows.clone())?;
         let Some([Some(first), Some(second)]) = self.names.pair().map(|pair| pair.map(|at| self.column(at)))
         else {
@@ -323,7 +323,7 @@ impl<'a> Source<'a> {
             let scalar = |values: Option<&[f64]>| values.map(|values| values[row]);
             let [branch, normal, tangential_force, force] =
                 vectors.map(|columns| columns.map(|columns| vector(columns, row)));
-            pairs.push(Pair {
+            pairs.push(FileContact {
                 first: self.whole("the id of a grain", row, first[row])?,
                 second: self.whole("the id of a grain", row, second[row])?,
                 branch,
@@ -366,7 +366,7 @@ fn instants(rows: usize, marks: [Option<&[f64]>; 2]) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Formats, JoinOptions, Observation};
+    use super::super::{Formats, JoinOptions, ObservedAssembly};
     use super::*;
     use granum_core::Column;
     use proptest::prelude::*;
@@ -376,7 +376,7 @@ mod tests {
         "position_z,id,position_x,position_y,radius\n1,7,3.6,1,0.5\n1,2,0.5,1,0.5\n1,3,1.45,1,0.5\n";
 
     /// Reads files of these names and texts as a user gives them, in a cell of edge 4 if they have none.
-    fn read(files: &[(&str, &str)]) -> Result<Vec<Observation>> {
+    fn read(files: &[(&str, &str)]) -> Result<Vec<ObservedAssembly>> {
         let folder = tempfile::tempdir().unwrap();
         let given: Vec<_> = files
             .iter()
@@ -394,7 +394,7 @@ mod tests {
     fn what_is_not_given_follows_from_places_and_radii() {
         let contacts = "first,second,normal_force\n2,7,3\n2,3,5\n";
         let found = read(&[("grains.csv", GRAINS), ("contacts.csv", contacts)]).unwrap();
-        let [Observation { assembly, parts, .. }] = &found[..] else { panic!("{found:?}") };
+        let [ObservedAssembly { assembly, parts, .. }] = &found[..] else { panic!("{found:?}") };
         assert_eq!(assembly.grains.iter().map(|grain| grain.id).collect::<Vec<_>>(), [2, 3, 7]);
         let across = assembly.contacts[0];
         assert_eq!((across.i, across.j, across.normal_force), (0, 2, 3.0));

@@ -8,7 +8,7 @@ use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
 use super::places;
-use super::result::{Frame, FrameCell, Observation, Pair};
+use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
 use super::strain::add_strains;
 use crate::error::{Error, Result, in_file};
 use crate::packing::plausible::{self, Found};
@@ -41,7 +41,7 @@ impl JoinOptions {
 /// # Errors
 /// If there are no grains, if no frame of grains belongs to a frame of contacts, or if a contact refers to a grain that does not
 /// exist.
-pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<Vec<Observation>> {
+pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<Vec<ObservedAssembly>> {
     let mut grains: Vec<(PathBuf, Frame)> = Vec::new();
     let mut others: Vec<(PathBuf, Vec<Frame>)> = Vec::new();
     for (path, frames) in files {
@@ -149,7 +149,7 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
 }
 
 /// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
-fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Observation> {
+fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<ObservedAssembly> {
     let Frame { step, time, cell, grains, lines, contacts, centres, mut parts, materials } = frame;
     let (mut grains, lines) = in_order(path, grains, lines)?;
     let cell = cell.or(options.cell);
@@ -184,7 +184,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         parts = add_contacts(path, &mut assembly, parts, &pairs)?;
     }
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
-    Ok(Observation { lines, ..Observation::new(assembly, parts, origin) })
+    Ok(ObservedAssembly { lines, ..ObservedAssembly::new(assembly, parts, origin) })
 }
 
 /// The check that all readers of grains share.
@@ -256,7 +256,12 @@ fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector
     best.1
 }
 
-fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &[Pair]) -> Result<Parts> {
+fn add_contacts(
+    path: &Path,
+    assembly: &mut Assembly,
+    mut parts: Parts,
+    pairs: &[FileContact],
+) -> Result<Parts> {
     let grains = &assembly.grains;
     let index = |id: u64| {
         grains.binary_search_by_key(&id, |grain| grain.id).map_err(|_| {
@@ -298,7 +303,7 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
         contacts.iter().map(|contact| ([grains[contact.i].id, grains[contact.j].id], contact.branch));
     plausible::check_branches(&path.shown(), &assembly.cell, branches)?;
     // A part is known where every contact has it.
-    let every = |known: &dyn Fn(&Pair) -> bool| pairs.iter().all(known);
+    let every = |known: &dyn Fn(&FileContact) -> bool| pairs.iter().all(known);
     parts = parts.with(Part::Contacts);
     let known = [
         (Part::Overlaps, radii || every(&|pair| pair.approach.is_some())),
@@ -317,7 +322,7 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
 }
 
 /// Normal force, compression positive, and tangential force on the first grain, where they are known.
-fn forces(pair: &Pair, normal: &Vector) -> (Option<f64>, Option<Vector>) {
+fn forces(pair: &FileContact, normal: &Vector) -> (Option<f64>, Option<Vector>) {
     let Some(force) = pair.force else { return (pair.normal_force, pair.tangential_force) };
     let compression = -dot(&force, normal);
     let tangential = std::array::from_fn(|a| force[a] + compression * normal[a]);
@@ -342,7 +347,7 @@ mod tests {
         frame
     }
 
-    fn contacts(step: u64, pair: Pair) -> Frame {
+    fn contacts(step: u64, pair: FileContact) -> Frame {
         Frame { step: Some(step), contacts: Some(vec![pair]), ..Frame::default() }
     }
 
@@ -350,7 +355,8 @@ mod tests {
     fn contacts_find_their_grains_by_step_and_across_the_boundary() {
         let grains =
             vec![frame(5, &[[0.0; 3], [1.0, 0.0, 0.0]]), frame(7, &[[2.9, 0.0, 0.0], [-0.2, 0.0, 3.0]])];
-        let pair = Pair { first: 10, second: 9, force: Some([-3.0, 0.5, 0.0]), ..Pair::default() };
+        let pair =
+            FileContact { first: 10, second: 9, force: Some([-3.0, 0.5, 0.0]), ..FileContact::default() };
         let files = vec![("c".into(), vec![contacts(7, pair)]), ("g".into(), grains)];
         let found = join(files, &JoinOptions::default()).unwrap();
         assert_eq!(found.len(), 2);
@@ -372,12 +378,12 @@ mod tests {
     fn what_does_not_belong_together_is_refused() {
         let grains = || vec![("g".into(), vec![frame(5, &[[0.0; 3], [1.0, 0.0, 0.0]])])];
         let message = |files| join(files, &JoinOptions::default()).unwrap_err().to_string();
-        let pair = Pair { first: 10, second: 9, ..Pair::default() };
+        let pair = FileContact { first: 10, second: 9, ..FileContact::default() };
         let mut files: Vec<(PathBuf, Vec<Frame>)> = grains();
         files.push(("c".into(), vec![contacts(6, pair)]));
         assert_eq!(message(files), "c: there are no grains of step 6 for its contacts");
         let mut files: Vec<(PathBuf, Vec<Frame>)> = grains();
-        files.push(("c".into(), vec![contacts(5, Pair { second: 4, ..pair })]));
+        files.push(("c".into(), vec![contacts(5, FileContact { second: 4, ..pair })]));
         assert!(message(files).contains("a contact names the grain 4"));
         let only = vec![("c".into(), vec![contacts(5, pair)])];
         assert_eq!(message(only), "c: has no grains: give the file of the grains beside it");

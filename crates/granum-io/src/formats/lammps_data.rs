@@ -12,7 +12,7 @@ use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
 use granum_core::geometry::{apply, cross, length, multiply};
 
-use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
+use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -47,7 +47,7 @@ impl ResultFormat for LammpsData {
     fn is_written(&self) -> bool {
         true
     }
-    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         let [observation] = observations else {
             let message = format!("a LAMMPS data file holds one instant, not {}", observations.len());
             return Err(Error::content(path, message));
@@ -194,7 +194,7 @@ fn skip_section(words: &mut Words) -> Result<()> {
     Ok(())
 }
 
-fn write(path: &Path, observation: &Observation) -> Result<()> {
+fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
     let assembly = &observation.assembly;
     let (turn, edges) = restricted(&assembly.cell);
     let origin = apply(&turn, observation.origin);

@@ -18,7 +18,7 @@ use granum_core::assembly::{Grain, Vector};
 use granum_core::geometry::apply;
 
 use super::column_names;
-use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
 
@@ -365,11 +365,11 @@ impl PairLayout {
         })
     }
 
-    fn pair(&self, words: &Words) -> Result<Pair> {
-        let mut pair = Pair {
+    fn pair(&self, words: &Words) -> Result<FileContact> {
+        let mut pair = FileContact {
             first: words.whole(self.first, "the id of an atom")?,
             second: words.whole(self.second, "the id of an atom")?,
-            ..Pair::default()
+            ..FileContact::default()
         };
         let read =
             |places: Option<[usize; 3]>, what| places.map(|places| vector(words, places, what)).transpose();

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use super::result::{Frame, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
 
@@ -56,7 +56,7 @@ impl ResultFormat for MercuryFstat {
 }
 
 /// The contact of a line; none for its second appearance.
-fn pair(words: &Words) -> Result<Option<Pair>> {
+fn pair(words: &Words) -> Result<Option<FileContact>> {
     if words.len() != 16 {
         let message = format!("the contact has {} columns; 16 are needed", words.len());
         return Err(words.error(message));
@@ -75,13 +75,13 @@ fn pair(words: &Words) -> Result<Option<Pair>> {
         (words.number(8, "the normal force")?, words.number(9, "the tangential force")?);
     let (n, t) =
         (words.vector(10, "a component of the normal")?, words.vector(13, "a component of the tangent")?);
-    Ok(Some(Pair {
+    Ok(Some(FileContact {
         first,
         second,
         normal: Some(n.map(|x| -x)),
         approach: Some(words.number(6, "the overlap")?),
         normal_force: Some(normal_force),
         tangential_force: Some(t.map(|x| tangential_force * x)),
-        ..Pair::default()
+        ..FileContact::default()
     }))
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
-use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
 
@@ -113,9 +113,9 @@ fn grain(words: &Words) -> Result<Grain> {
     })
 }
 
-fn pair(words: &Words, at: usize) -> Result<Pair> {
+fn pair(words: &Words, at: usize) -> Result<FileContact> {
     let force =
         words.words().position(|word| word == "force").map(|at| words.vector(at + 1, "force")).transpose()?;
     let (first, second) = (words.whole(at + 1, "particleIds")?, words.whole(at + 2, "particleIds")?);
-    Ok(Pair { first, second, force, ..Pair::default() })
+    Ok(FileContact { first, second, force, ..FileContact::default() })
 }

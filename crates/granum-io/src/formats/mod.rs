@@ -47,7 +47,7 @@ pub mod yade_text;
 
 pub use join::JoinOptions;
 pub use packing_format::PackingFormat;
-pub use result::{Frame, FrameCell, Observation, Pair, ReadOptions, ResultFormat};
+pub use result::{FileContact, Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 pub use table_format::TableFormat;
 
 /// The formats that a program supports.
@@ -211,7 +211,7 @@ impl Formats {
         &self,
         files: &[(std::path::PathBuf, ReadOptions)],
         options: &JoinOptions,
-    ) -> Result<Vec<Observation>> {
+    ) -> Result<Vec<ObservedAssembly>> {
         let mut read = Vec::with_capacity(files.len());
         for (path, file_options) in files {
             let head = head(path)?;
@@ -271,7 +271,12 @@ impl Formats {
     ///
     /// # Errors
     /// If no format has the name or the extension, or as for [`ResultFormat::write`].
-    pub fn write_results(&self, path: &Path, name: Option<&str>, observations: &[Observation]) -> Result<()> {
+    pub fn write_results(
+        &self,
+        path: &Path,
+        name: Option<&str>,
+        observations: &[ObservedAssembly],
+    ) -> Result<()> {
         self.written_format(path, name)?.write(path, observations)
     }
 
@@ -282,7 +287,7 @@ impl Formats {
     pub fn write_packing(&self, path: &Path, packing: &Packing) -> Result<()> {
         match self.packing(path) {
             Ok(format) => format.write(path, packing),
-            Err(_) => self.write_results(path, None, &[Observation::of_packing(packing)]),
+            Err(_) => self.write_results(path, None, &[ObservedAssembly::of_packing(packing)]),
         }
     }
 

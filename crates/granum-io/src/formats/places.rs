@@ -6,7 +6,7 @@ use std::path::Path;
 use granum_core::assembly::{Assembly, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
-use super::result::Pair;
+use super::result::FileContact;
 use crate::error::{Error, Result};
 
 /// How far a place may be from the centre of its grain, relative to the radius: files of single precision round it.
@@ -20,8 +20,8 @@ pub(super) fn identify(
     assembly: &Assembly,
     corner: Vector,
     centres: &[Vector],
-    pairs: Vec<Pair>,
-) -> Result<Vec<Pair>> {
+    pairs: Vec<FileContact>,
+) -> Result<Vec<FileContact>> {
     let grid = Grid::new(assembly);
     let mut ids: Vec<Option<u64>> = vec![None; centres.len()];
     let mut id = |number: u64| -> Result<u64> {
@@ -51,7 +51,7 @@ pub(super) fn identify(
     for pair in pairs {
         let (first, second) = (id(pair.first)?, id(pair.second)?);
         if seen.insert((first.min(second), first.max(second))) {
-            found.push(Pair { first, second, ..pair });
+            found.push(FileContact { first, second, ..pair });
         }
     }
     Ok(found)
@@ -157,7 +157,7 @@ mod tests {
     fn grains_are_found_by_their_images_and_each_contact_once() {
         let centres =
             vec![[3.99 + 0.02, 1.0, 1.0], [1.001, 1.0, 1.0], [4.2 - 4.0, 3.0, 5.0], [0.011, 1.0, 1.0]];
-        let pair = |first, second| Pair { first, second, ..Pair::default() };
+        let pair = |first, second| FileContact { first, second, ..FileContact::default() };
         let found = identify(
             Path::new("c.vtp"),
             &assembly(),
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_place_without_a_grain_is_refused() {
-        let pair = Pair { first: 0, second: 1, ..Pair::default() };
+        let pair = FileContact { first: 0, second: 1, ..FileContact::default() };
         let centres = [[1.0; 3], [2.0; 3]];
         let error = identify(Path::new("c.vtp"), &assembly(), [0.0; 3], &centres, vec![pair]).unwrap_err();
         assert!(error.to_string().starts_with("c.vtp: a contact has its end at [2.0, 2.0, 2.0]"), "{error}");

@@ -69,7 +69,7 @@ pub trait ResultFormat: Send + Sync {
     ///
     /// # Errors
     /// If the format is only read, holds one instant and is given several, or the file cannot be written.
-    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         let _ = observations;
         Err(Error::content(path, format!("granum reads {} but does not write it", self.name())))
     }
@@ -130,7 +130,7 @@ pub struct Frame {
     /// The line of each grain in the file, from 1, for messages; empty for files without lines.
     pub lines: Vec<usize>,
     /// The contacts, by the ids of their grains; none where the file has no list of them.
-    pub contacts: Option<Vec<Pair>>,
+    pub contacts: Option<Vec<FileContact>>,
     /// Centres by whose place in this list, from 0, the contacts name their grains instead of ids, in files that have no ids; else
     /// empty.
     pub centres: Vec<Vector>,
@@ -143,7 +143,7 @@ pub struct Frame {
 impl Frame {
     /// The grains and the cell of a packing.
     pub(crate) fn of_packing(packing: &crate::Packing) -> Frame {
-        let Observation { assembly, parts, origin, .. } = Observation::of_packing(packing);
+        let ObservedAssembly { assembly, parts, origin, .. } = ObservedAssembly::of_packing(packing);
         let cell = FrameCell { origin, edges: assembly.cell };
         let mut frame = Frame { cell: Some(cell), parts, materials: assembly.materials, ..Frame::default() };
         // Places in a file count from its own origin.
@@ -162,7 +162,7 @@ impl Frame {
 
 /// A contact as a file has it. What is `None` is not in the file; branch and normal then follow from the places of the grains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pair {
+pub struct FileContact {
     /// Id of the first grain.
     pub first: u64,
     /// Id of the second grain.
@@ -187,7 +187,7 @@ pub struct Pair {
 
 /// An assembly of another program at one instant, and which of its parts are known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Observation {
+pub struct ObservedAssembly {
     /// The assembly; a corner of its cell is at the origin.
     pub assembly: Assembly,
     /// Which of its parts are known.
@@ -198,15 +198,15 @@ pub struct Observation {
     pub lines: Vec<usize>,
 }
 
-impl Observation {
+impl ObservedAssembly {
     /// An assembly of which these parts are known, in a cell with this corner, m.
-    pub fn new(assembly: Assembly, parts: Parts, origin: Vector) -> Observation {
-        Observation { assembly, parts, origin, lines: Vec::new() }
+    pub fn new(assembly: Assembly, parts: Parts, origin: Vector) -> ObservedAssembly {
+        ObservedAssembly { assembly, parts, origin, lines: Vec::new() }
     }
 
     /// An assembly of granum, of which everything is known.
-    pub fn complete(assembly: Assembly) -> Observation {
-        Observation::new(assembly, Parts::all(), [0.0; 3])
+    pub fn complete(assembly: Assembly) -> ObservedAssembly {
+        ObservedAssembly::new(assembly, Parts::all(), [0.0; 3])
     }
 
     /// The packing of its grains, numbered from 1; `path` is the file for messages.
@@ -241,7 +241,7 @@ impl Observation {
     }
 
     /// A packing, of which cell, places and radii are known.
-    pub fn of_packing(packing: &crate::Packing) -> Observation {
+    pub fn of_packing(packing: &crate::Packing) -> ObservedAssembly {
         let grains = packing.grains.iter().enumerate().map(|(k, grain)| Grain {
             id: grain.id,
             position: packing.from_corner(grain),
@@ -256,6 +256,6 @@ impl Observation {
             ..Assembly::default()
         };
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
-        Observation::new(assembly, parts, packing.origin)
+        ObservedAssembly::new(assembly, parts, packing.origin)
     }
 }

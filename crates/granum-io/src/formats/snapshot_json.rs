@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_core::{Part, Parts};
 
-use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use crate::error::{Error, Result};
 use crate::run::Run;
 use crate::snapshot::read_snapshot;
@@ -34,7 +34,7 @@ impl ResultFormat for SnapshotJson {
             None => read_snapshot(folder, &name.to_string_lossy())?,
         };
         let id = |index: usize| assembly.grains.get(index).map_or(0, |grain| grain.id);
-        let contact = |contact: &granum_core::assembly::Contact| Pair {
+        let contact = |contact: &granum_core::assembly::Contact| FileContact {
             first: id(contact.i),
             second: id(contact.j),
             branch: Some(contact.branch),
@@ -44,7 +44,7 @@ impl ResultFormat for SnapshotJson {
             approach: Some(contact.approach),
             energies: Some([contact.normal_energy, contact.tangential_energy]),
             sliding: Some(contact.sliding),
-            ..Pair::default()
+            ..FileContact::default()
         };
         let mut frame = Frame { step: Some(assembly.step), time: Some(assembly.time), ..Frame::default() };
         frame.cell = Some(FrameCell { origin: [0.0; 3], edges: assembly.cell });

@@ -4,7 +4,7 @@ use granum_core::assembly::Matrix;
 use granum_core::geometry::{apply, invert, multiply};
 use granum_core::{Part, Parts};
 
-use super::result::Observation;
+use super::result::ObservedAssembly;
 
 /// Terms of the series of the logarithm; the last is below 1e-18 for a stretch by a factor of three in one interval.
 const TERMS: usize = 60;
@@ -16,7 +16,7 @@ const ONE: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 ///
 /// Velocities of grains are those against the homogeneous deformation. Where the cell keeps its shape they are what the file
 /// has; where it changes, the gradient at the very instant is not in the file, and velocities are not among the known parts.
-pub(crate) fn add_strains(observations: &mut [Observation]) {
+pub(crate) fn add_strains(observations: &mut [ObservedAssembly]) {
     let cells: Vec<Matrix> = observations.iter().map(|o| o.assembly.cell).collect();
     if observations.len() < 2 || !observations.iter().all(|o| o.parts.has(Part::Cell)) {
         return;
@@ -50,7 +50,7 @@ pub(crate) fn add_strains(observations: &mut [Observation]) {
     }
 }
 
-fn add_rates(observations: &mut [Observation], steps: &[Matrix]) {
+fn add_rates(observations: &mut [ObservedAssembly], steps: &[Matrix]) {
     let times: Vec<f64> = observations.iter().map(|o| o.assembly.time).collect();
     if times.windows(2).any(|pair| pair[1] <= pair[0]) {
         return;
@@ -142,9 +142,9 @@ mod tests {
         let at = |k: f64| {
             let mut assembly = granum_core::Assembly { time: 2.0 * k, ..Default::default() };
             assembly.cell = [[(-0.1 * k).exp(), 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, (0.05 * k).exp()]];
-            Observation::new(assembly, parts, [0.0; 3])
+            ObservedAssembly::new(assembly, parts, [0.0; 3])
         };
-        let mut series: Vec<Observation> = (0..4).map(|k| at(f64::from(k))).collect();
+        let mut series: Vec<ObservedAssembly> = (0..4).map(|k| at(f64::from(k))).collect();
         add_strains(&mut series);
         let last = &series[3];
         assert!((last.assembly.strain[0][0] - 0.3).abs() < 1e-14);

@@ -12,7 +12,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
-use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
 
@@ -147,13 +147,13 @@ impl Content {
         let pair = |k: usize| {
             let normal = normal.as_ref().map(|values| values[k]);
             let force = across.as_ref().zip(along.as_ref());
-            Pair {
+            FileContact {
                 first: first[k] as u64,
                 second: second[k] as u64,
                 normal,
                 // Both act on the second body.
                 force: force.map(|(n, t)| std::array::from_fn(|a| -n[k][a] - t[k][a])),
-                ..Pair::default()
+                ..FileContact::default()
             }
         };
         Ok(Frame { contacts: Some((0..count).map(pair).collect()), ..Frame::default() })

@@ -15,7 +15,7 @@ use granum_core::Part;
 use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use granum_core::geometry::{apply, invert};
 
-use super::result::{Frame, Observation, ReadOptions, ResultFormat};
+use super::result::{Frame, ObservedAssembly, ReadOptions, ResultFormat};
 use super::vtk_xml::VtkXml;
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -43,7 +43,7 @@ impl ResultFormat for Vtp {
     fn is_written(&self) -> bool {
         true
     }
-    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         let [observation] = observations else {
             let message = format!("a VTP file holds one instant, not {}", observations.len());
             return Err(Error::content(path, message));
@@ -120,7 +120,7 @@ fn cut(
 /// A vector of each grain.
 type OfGrain = fn(&Grain) -> Vector;
 
-fn text(observation: &Observation) -> String {
+fn text(observation: &ObservedAssembly) -> String {
     let assembly = &observation.assembly;
     let (grains, contacts) = (&assembly.grains, &assembly.contacts);
     let pieces = pieces(assembly);
@@ -219,7 +219,7 @@ fn text(observation: &Observation) -> String {
 }
 
 /// Cell, corner, time and step.
-fn fields(xml: &mut String, observation: &Observation) {
+fn fields(xml: &mut String, observation: &ObservedAssembly) {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     xml.push_str("<FieldData>\n");
     let mut field = |name: &str, values: &[f64]| {

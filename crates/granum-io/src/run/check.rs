@@ -9,7 +9,7 @@ use crate::shell::ShowPath;
 
 /// A file of a run that is not the one that the run wrote.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct FileFault {
     /// Its name in the folder, e.g. `snapshots/end.json`.
     pub name: String,
     /// The file.
@@ -22,7 +22,7 @@ const MISSING: &str = "is missing, although run.json lists it";
 const CHANGED: &str = "was changed or exchanged since the run wrote it: its SHA-256 is not that in run.json";
 const FOREIGN: &str = "is not a file of this run: run.json does not list it";
 
-impl Fault {
+impl FileFault {
     /// The error of a reader that needs the file.
     pub fn error(&self) -> Error {
         let message = format!("{}; put the file back, or run the case again", self.what);
@@ -30,7 +30,7 @@ impl Fault {
     }
 }
 
-impl std::fmt::Display for Fault {
+impl std::fmt::Display for FileFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} {}", self.path.shown(), self.what)
     }
@@ -41,9 +41,9 @@ impl std::fmt::Display for Fault {
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read.
-pub(super) fn fault(folder: &Path, record: &RunRecord, name: &str) -> Result<Option<Fault>> {
+pub(super) fn fault(folder: &Path, record: &RunRecord, name: &str) -> Result<Option<FileFault>> {
     let path = folder.join(name);
-    let fault = |what| Some(Fault { name: name.to_string(), path: path.clone(), what });
+    let fault = |what| Some(FileFault { name: name.to_string(), path: path.clone(), what });
     let (known, before) = (record.content.get(name), record.replaced.get(name));
     if !path.is_file() {
         // A run that was killed while it wrote the file for the first time.

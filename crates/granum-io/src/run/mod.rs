@@ -32,7 +32,7 @@ use granum_sensors::{Record, RecordedState};
 
 use self::states::STATES;
 
-pub use check::Fault;
+pub use check::FileFault;
 pub use run_folder::RunFolder;
 
 pub use record::{
@@ -157,7 +157,7 @@ impl Run {
     ///
     /// # Errors
     /// As [`Run::record`] and [`Run::case`]; [`Error::File`] if a file cannot be read.
-    pub fn faults(&self) -> Result<Vec<Fault>> {
+    pub fn faults(&self) -> Result<Vec<FileFault>> {
         self.case()?;
         let record = self.record()?;
         let mut names: Vec<&str> = record.content.keys().map(String::as_str).collect();

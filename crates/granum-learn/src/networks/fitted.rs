@@ -70,7 +70,7 @@ impl SubModelNetworks {
         }
         let (inputs, output) = (mapping.network_inputs(), mapping.network_output());
         for (k, network) in networks.iter().enumerate() {
-            let names = |columns: &[granum_nets::Column]| {
+            let names = |columns: &[granum_nets::ModelColumn]| {
                 columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>().join(", ")
             };
             let (found, wanted) = (names(network.inputs()), names(&inputs));

@@ -183,12 +183,12 @@ impl NetworkCheckpoints for KeptNetworks {
 mod tests {
     use super::*;
     use granum_nets::trainer::{Flow, Progress, by_name};
-    use granum_nets::{Column, Data, ModelDefinition};
+    use granum_nets::{Data, ModelColumn, ModelDefinition};
 
     fn definition() -> ModelDefinition {
         ModelDefinition {
             seed: 5,
-            ..ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![3])
+            ..ModelDefinition::new(vec![ModelColumn::new("x", "1")], ModelColumn::new("y", "1"), vec![3])
         }
     }
 

@@ -27,7 +27,7 @@ pub enum Form {
 /// A quantity among the inputs and the output: a column, or some bins of a histogram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Quantity {
+pub struct MappingQuantity {
     /// Name of the column, or of the histogram.
     pub name: String,
     /// Unit; empty for a dimensionless number.
@@ -35,13 +35,13 @@ pub struct Quantity {
     pub unit: String,
     /// The bins that are used; `None` for a column.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bins: Option<Bins>,
+    pub bins: Option<MappingBins>,
 }
 
 /// Bins of a histogram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Bins {
+pub struct MappingBins {
     /// The binned variable.
     pub binned: String,
     /// Width of a bin.
@@ -50,7 +50,7 @@ pub struct Bins {
     pub centres: Vec<f64>,
 }
 
-impl Bins {
+impl MappingBins {
     /// The columns of a data set with these bins of the histogram of the given name.
     pub fn columns(&self, histogram: &str) -> Vec<String> {
         let group = ColumnGroup {
@@ -63,7 +63,7 @@ impl Bins {
     }
 }
 
-impl Quantity {
+impl MappingQuantity {
     /// The columns of a data set with the quantity.
     pub fn variables(&self) -> Vec<Variable> {
         let variable = |name: String| Variable { name, unit: self.unit.clone() };
@@ -95,11 +95,11 @@ pub struct NetworkMapping {
     /// Its name.
     pub name: String,
     /// The inputs.
-    pub inputs: Vec<Quantity>,
+    pub inputs: Vec<MappingQuantity>,
     /// Number of the coordinate among the inputs, from 0.
     pub coordinate: usize,
     /// The output.
-    pub output: Quantity,
+    pub output: MappingQuantity,
     /// Form in which histograms that are inputs enter the networks.
     pub form: Form,
     /// The networks in the order of the coordinate.
@@ -152,7 +152,7 @@ impl NetworkMapping {
 
     /// The inputs and outputs as columns of a data set.
     pub fn columns(&self) -> Columns {
-        let inputs = self.inputs.iter().flat_map(Quantity::variables).collect();
+        let inputs = self.inputs.iter().flat_map(MappingQuantity::variables).collect();
         Columns { inputs, outputs: self.output.variables() }
     }
 
@@ -177,7 +177,7 @@ impl NetworkMapping {
 
     /// Index of the coordinate in a row of [`NetworkMapping::columns`].
     pub(super) fn place_of_coordinate(&self) -> usize {
-        self.inputs[..self.coordinate].iter().map(Quantity::len).sum()
+        self.inputs[..self.coordinate].iter().map(MappingQuantity::len).sum()
     }
 
     /// Index of the coordinate among the inputs of the networks.
@@ -201,7 +201,7 @@ impl NetworkMapping {
         self.output.bins.is_some()
     }
 
-    pub(super) fn is_point(&self, input: &Quantity) -> bool {
+    pub(super) fn is_point(&self, input: &MappingQuantity) -> bool {
         input.bins.is_some() && self.form == Form::Point
     }
 
@@ -232,29 +232,30 @@ impl NetworkMapping {
     }
 
     /// Names and units of the inputs of the networks.
-    pub fn network_inputs(&self) -> Vec<granum_nets::Column> {
+    pub fn network_inputs(&self) -> Vec<granum_nets::ModelColumn> {
         let mut columns = Vec::new();
         for input in &self.inputs {
             match &input.bins {
                 Some(bins) if self.form == Form::Point => {
-                    columns.push(granum_nets::Column::new(&bins.binned, "1"));
-                    columns.push(granum_nets::Column::new(&input.name, input.unit_of_networks()));
+                    columns.push(granum_nets::ModelColumn::new(&bins.binned, "1"));
+                    columns.push(granum_nets::ModelColumn::new(&input.name, input.unit_of_networks()));
                 }
                 _ => columns.extend(
                     input
                         .variables()
                         .iter()
-                        .map(|v| granum_nets::Column::new(&v.name, input.unit_of_networks())),
+                        .map(|v| granum_nets::ModelColumn::new(&v.name, input.unit_of_networks())),
                 ),
             }
         }
-        columns.extend(self.output.bins.as_ref().map(|bins| granum_nets::Column::new(&bins.binned, "1")));
+        columns
+            .extend(self.output.bins.as_ref().map(|bins| granum_nets::ModelColumn::new(&bins.binned, "1")));
         columns
     }
 
     /// Name and unit of the output of the networks.
-    pub fn network_output(&self) -> granum_nets::Column {
-        granum_nets::Column::new(&self.output.name, self.output.unit_of_networks())
+    pub fn network_output(&self) -> granum_nets::ModelColumn {
+        granum_nets::ModelColumn::new(&self.output.name, self.output.unit_of_networks())
     }
 
     /// For each input of the networks, the number of the quantity to which it belongs; all bins of a histogram are one quantity.
@@ -297,8 +298,8 @@ impl NetworkMapping {
 }
 
 /// The quantities in columns: successive bins of one histogram are one quantity.
-fn quantities(dataset: &Dataset, variables: &[Variable]) -> Result<Vec<Quantity>> {
-    let mut found: Vec<Quantity> = Vec::new();
+fn quantities(dataset: &Dataset, variables: &[Variable]) -> Result<Vec<MappingQuantity>> {
+    let mut found: Vec<MappingQuantity> = Vec::new();
     let groups: &[ColumnGroup] = dataset.runs().first().map_or(&[], RunStates::groups);
     for variable in variables {
         let unit = if variable.unit == "1" { String::new() } else { variable.unit.clone() };
@@ -306,10 +307,10 @@ fn quantities(dataset: &Dataset, variables: &[Variable]) -> Result<Vec<Quantity>
             group.centres.iter().copied().find(|centre| group.column(*centre) == variable.name)
         };
         let Some((group, centre)) = groups.iter().find_map(|group| Some((group, centre(group)?))) else {
-            found.push(Quantity { name: variable.name.clone(), unit, bins: None });
+            found.push(MappingQuantity { name: variable.name.clone(), unit, bins: None });
             continue;
         };
-        if let Some(Quantity { name, bins: Some(bins), .. }) = found.last_mut()
+        if let Some(MappingQuantity { name, bins: Some(bins), .. }) = found.last_mut()
             && *name == group.name
         {
             bins.centres.push(centre);
@@ -318,8 +319,9 @@ fn quantities(dataset: &Dataset, variables: &[Variable]) -> Result<Vec<Quantity>
         for run in dataset.runs() {
             check_width(run, &group.name, group.bin_width)?;
         }
-        let bins = Bins { binned: group.binned.clone(), width: group.bin_width, centres: vec![centre] };
-        found.push(Quantity { name: group.name.clone(), unit, bins: Some(bins) });
+        let bins =
+            MappingBins { binned: group.binned.clone(), width: group.bin_width, centres: vec![centre] };
+        found.push(MappingQuantity { name: group.name.clone(), unit, bins: Some(bins) });
     }
     Ok(found)
 }

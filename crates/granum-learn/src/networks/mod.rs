@@ -27,7 +27,7 @@ mod tests;
 pub use checkpoints::{NetworkCheckpoints, NoCheckpoints};
 pub use fitted::{RowAnswer, StateAnswer, SubModelNetworks, networks_of};
 pub use kept_networks::{KeptNetworks, TIMES_FILE};
-pub use mapping::{Bins, Form, NetworkMapping, Quantity};
+pub use mapping::{Form, MappingBins, MappingQuantity, NetworkMapping};
 pub use method::NetworksBySubModel;
 pub use settings::NetworkSettings;
 pub use sub_model::{SubModel, is_within, sub_model_at};

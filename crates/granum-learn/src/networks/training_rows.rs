@@ -20,7 +20,7 @@
 
 use granum_nets::{Data, DataError};
 
-use super::mapping::{NetworkMapping, Quantity};
+use super::mapping::{MappingQuantity, NetworkMapping};
 use super::sensor_share::{RunRows, sensor_share};
 use super::sub_model::is_within;
 use crate::dataset::Dataset;
@@ -178,7 +178,7 @@ impl<'a> TrainingStates<'a> {
             // The binned variable itself is no measurement.
             match mapping.is_point(input) {
                 true => shares.extend([1.0, share]),
-                false => shares.extend(std::iter::repeat_n(share, Quantity::len(input))),
+                false => shares.extend(std::iter::repeat_n(share, MappingQuantity::len(input))),
             }
         }
         if histogram {

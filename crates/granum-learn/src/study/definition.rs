@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::member::{Member, Role};
+use super::member::{Member, MemberRole};
 use super::thinning::thinned;
 use crate::comparison::check_units;
 use crate::dataset::{Dataset, Split, SplitParts};
@@ -107,7 +107,7 @@ impl StudyDefinition {
             for member in self.members(fit) {
                 granum_io::check_name("name of an output", &member.name)?;
                 let method = methods.by_name(&member.method)?;
-                if member.role == Role::Asked && !method.has_memory() {
+                if member.role == MemberRole::Asked && !method.has_memory() {
                     method.check(&training, &member.spec)?;
                 }
             }
@@ -128,8 +128,8 @@ impl StudyDefinition {
         let name = fit.fit_name();
         let has_others = fit.coordinate.is_some() && fit.inputs.len() > 1;
         let mut members: Vec<Planned> = Vec::new();
-        let mut add = |method: &str, role: Role| {
-            let alone = role == Role::CoordinateOnly;
+        let mut add = |method: &str, role: MemberRole| {
+            let alone = role == MemberRole::CoordinateOnly;
             let mark = if alone { "-coordinate-only" } else { "" };
             let spec = match (&fit.coordinate, alone) {
                 (Some(coordinate), true) => FitSpec { inputs: vec![coordinate.clone()], ..fit.clone() },
@@ -142,16 +142,16 @@ impl StudyDefinition {
             }
         };
         for method in &self.methods {
-            add(method, Role::Asked);
+            add(method, MemberRole::Asked);
         }
-        add(RIDGE, Role::Baseline);
+        add(RIDGE, MemberRole::Baseline);
         if has_others {
             for method in self.methods.iter().filter(|method| *method != MEAN_CURVE) {
-                add(method, Role::CoordinateOnly);
+                add(method, MemberRole::CoordinateOnly);
             }
-            add(RIDGE, Role::CoordinateOnly);
+            add(RIDGE, MemberRole::CoordinateOnly);
         }
-        add(MEAN_CURVE, Role::Baseline);
+        add(MEAN_CURVE, MemberRole::Baseline);
         members
     }
 }
@@ -181,7 +181,7 @@ fn check_words(input: &str, dataset: &Dataset, training: &Dataset) -> Result<()>
 pub(super) struct Planned {
     pub name: String,
     pub method: String,
-    pub role: Role,
+    pub role: MemberRole,
     pub spec: FitSpec,
 }
 

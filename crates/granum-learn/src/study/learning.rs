@@ -3,7 +3,7 @@
 use granum_core::observer::Progress;
 
 use super::definition::{RIDGE, StudyDefinition};
-use super::member::{Member, Role, StudyFit};
+use super::member::{Member, MemberRole, StudyFit};
 use super::observer::StudyObserver;
 use super::scores::use_of;
 use super::training::Study;
@@ -44,7 +44,7 @@ impl LearningCurve {
                 let study = Study::train(&part, definition, methods, &Unkept { observer, runs: count })?;
                 let unseen = part.split(&definition.split)?.unseen;
                 let asked = study.fits.iter().flat_map(|fit| {
-                    let members = fit.members.iter().filter(|member| member.role == Role::Asked);
+                    let members = fit.members.iter().filter(|member| member.role == MemberRole::Asked);
                     members.map(move |member| (fit, member))
                 });
                 for (k, (fit, member)) in asked.enumerate() {
@@ -116,14 +116,14 @@ impl Sums {
             Some(used) => errors_of_use(&used),
             None => self.errors_alone(study, member, unseen)?,
         };
-        let ridge = |role: Role| {
+        let ridge = |role: MemberRole| {
             let own = fit.members.iter().find(|other| {
                 other.method == RIDGE
-                    && (other.role == Role::CoordinateOnly) == (role == Role::CoordinateOnly)
+                    && (other.role == MemberRole::CoordinateOnly) == (role == MemberRole::CoordinateOnly)
             });
             own.map(|ridge| errors_by_run(study, ridge, unseen)).transpose()
         };
-        let (with_inputs, alone) = (ridge(Role::Baseline)?, ridge(Role::CoordinateOnly)?);
+        let (with_inputs, alone) = (ridge(MemberRole::Baseline)?, ridge(MemberRole::CoordinateOnly)?);
         for (k, errors) in found.iter_mut().enumerate() {
             errors.ridge = with_inputs.as_ref().and_then(|errors| errors.get(k).copied());
             errors.ridge_coordinate_only = alone.as_ref().and_then(|errors| errors.get(k).copied());

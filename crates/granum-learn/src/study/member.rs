@@ -7,7 +7,7 @@ use crate::surrogate::{FitSpec, Surrogate};
 /// The reason why a study contains a surrogate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Role {
+pub enum MemberRole {
     /// Its method was asked for.
     Asked,
     /// It is a baseline whose only input is the coordinate.
@@ -23,7 +23,7 @@ pub struct Member {
     /// Name of its method.
     pub method: String,
     /// Its role.
-    pub role: Role,
+    pub role: MemberRole,
     /// The surrogate.
     pub surrogate: Box<dyn Surrogate>,
 }
@@ -44,7 +44,8 @@ impl StudyFit {
     /// The surrogate with which the help of the other inputs is measured: the same method with the coordinate only, or else
     /// the mean curve.
     pub fn coordinate_only(&self, member: &Member) -> Option<&dyn Surrogate> {
-        let same = |other: &&Member| other.role == Role::CoordinateOnly && other.method == member.method;
+        let same =
+            |other: &&Member| other.role == MemberRole::CoordinateOnly && other.method == member.method;
         let curve = |other: &&Member| other.method == crate::surrogate::mean_curve::NAME;
         let found = self.members.iter().find(same).or_else(|| self.members.iter().find(curve));
         found.map(|member| member.surrogate.as_ref())

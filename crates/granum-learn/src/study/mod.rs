@@ -51,7 +51,7 @@ mod training;
 pub use definition::StudyDefinition;
 pub use files::{StoredStudy, faults, is_study, load, save};
 pub use kept_study::KeptStudy;
-pub use member::{Member, Role, StudyFit};
+pub use member::{Member, MemberRole, StudyFit};
 pub use names::{SCORED_FILE, STUDY_FILE};
 pub use observer::{NoStudyObserver, StudyObserver};
 pub use plan::{PLAN_FILE, StudyPlan};

@@ -6,7 +6,7 @@ use granum_core::parallel;
 use serde::{Deserialize, Serialize};
 
 use super::input_test::MemberTest;
-use super::member::{Member, Role, StudyFit};
+use super::member::{Member, MemberRole, StudyFit};
 use super::training::Study;
 use crate::comparison::{Judged, judged};
 use crate::dataset::{Dataset, SplitParts};
@@ -46,7 +46,7 @@ pub struct MemberScores {
     /// Name of its method.
     pub method: String,
     /// Its role.
-    pub role: Role,
+    pub role: MemberRole,
     /// On the training states.
     pub training: PartScore,
     /// On the held-out states of the training runs.
@@ -199,7 +199,8 @@ pub(crate) fn use_of(fit: &StudyFit, member: &Member, unseen: &Dataset) -> Resul
     let surrogate = member.surrogate.as_ref();
     let coordinate = fit.spec.place_of_coordinate(surrogate.columns());
     let others = surrogate.columns().inputs.len() > usize::from(coordinate.is_some());
-    let baseline = member.role == Role::CoordinateOnly || member.method == crate::surrogate::mean_curve::NAME;
+    let baseline =
+        member.role == MemberRole::CoordinateOnly || member.method == crate::surrogate::mean_curve::NAME;
     let Some(alone) = fit.coordinate_only(member).filter(|_| others && !baseline && unseen.rows() > 0) else {
         return Ok(None);
     };

@@ -7,7 +7,7 @@ use granum_core::observer::{Flow, Progress};
 use granum_core::parallel;
 
 use super::definition::{Planned, StudyDefinition};
-use super::member::{Member, Role, StudyFit};
+use super::member::{Member, MemberRole, StudyFit};
 use super::observer::StudyObserver;
 use super::timed::Timed;
 use crate::dataset::Dataset;
@@ -69,7 +69,7 @@ impl Study {
             };
             let result = match fitted(planned, data, methods, threads, observer, &timed) {
                 Ok(surrogate) => Ok(surrogate),
-                Err(error @ LearnError::Surrogate { .. }) if planned.role != Role::Asked => {
+                Err(error @ LearnError::Surrogate { .. }) if planned.role != MemberRole::Asked => {
                     Err(format!("{} is missing: {error}", planned.name))
                 }
                 Err(LearnError::Stopped { .. }) => return Err(stopped()),

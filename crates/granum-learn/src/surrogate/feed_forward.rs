@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
 use granum_nets::trainer::SharedTrainer;
-use granum_nets::{Column, Data, Model, ModelDefinition};
+use granum_nets::{Data, Model, ModelColumn, ModelDefinition};
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
@@ -87,7 +87,7 @@ impl SurrogateMethod for FeedForward {
             quantities: quantities(dataset, &columns),
             ..ModelDefinition::new(
                 columns.inputs.iter().map(network_column).collect(),
-                Column::new("", "1"),
+                ModelColumn::new("", "1"),
                 self.hidden.clone(),
             )
         };
@@ -143,8 +143,8 @@ impl SurrogateMethod for FeedForward {
     }
 }
 
-fn network_column(variable: &Variable) -> Column {
-    Column::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
+fn network_column(variable: &Variable) -> ModelColumn {
+    ModelColumn::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
 }
 
 /// For each input the number of its quantity; all bins of a histogram are one quantity.

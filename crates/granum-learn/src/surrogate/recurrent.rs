@@ -20,7 +20,7 @@
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
 use granum_nets::trainer::{Adam, Options, SharedTrainer, TerminationReason};
-use granum_nets::{Column, Data, SequenceDefinition, SequenceModel, Sequences};
+use granum_nets::{Data, ModelColumn, SequenceDefinition, SequenceModel, Sequences};
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
@@ -35,7 +35,7 @@ use crate::error::{LearnError, Result};
 ///
 /// ```
 /// use granum_core::observer::NoObserver;
-/// use granum_core::{Column, Table};
+/// use granum_core::{ModelColumn, Table};
 /// use granum_learn::surrogate::{FitSpec, Recurrent, RunInputs, SurrogateMethod};
 /// use granum_learn::{Dataset, RunStates};
 ///
@@ -47,7 +47,7 @@ use crate::error::{LearnError, Result};
 ///         Some(*most)
 ///     });
 ///     let y = largest.collect();
-///     let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
+///     let table = Table::new(vec![ModelColumn::new("x", "", x), ModelColumn::new("y", "", y)])?;
 ///     RunStates::new(&format!("run-{k}"), table)
 /// };
 /// let dataset = Dataset::new((0..16).map(run).collect::<granum_learn::Result<_>>()?)?;
@@ -167,7 +167,7 @@ impl SurrogateMethod for Recurrent {
         let kept: Kept = content.read()?;
         let read = |value: &serde_json::Value| SequenceModel::from_value(value, "network").map_err(failed);
         let networks = kept.networks.iter().map(read).collect::<Result<Vec<_>>>()?;
-        let alike = |columns: &[Column], variables: &[Variable]| {
+        let alike = |columns: &[ModelColumn], variables: &[Variable]| {
             columns.iter().map(|column| &column.name).eq(variables.iter().map(|variable| &variable.name))
         };
         let fits = |model: &SequenceModel| {
@@ -191,8 +191,8 @@ impl SurrogateMethod for Recurrent {
     }
 }
 
-fn network_column(variable: &Variable) -> Column {
-    Column::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
+fn network_column(variable: &Variable) -> ModelColumn {
+    ModelColumn::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
 }
 
 /// Range of each input over the rows.

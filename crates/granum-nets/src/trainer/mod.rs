@@ -9,7 +9,7 @@
 //!     Flow, NoObserver, Observer, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
 //!     training_progress,
 //! };
-//! use granum_nets::{Column, Data, Differentiable, Model, ModelDefinition, Objective};
+//! use granum_nets::{ModelColumn, Data, Differentiable, Model, ModelDefinition, Objective};
 //!
 //! /// Resilient propagation (Riedmiller and Braun 1993): the sign of the gradient decides, each weight has its own step.
 //! struct Rprop {
@@ -63,7 +63,7 @@
 //!
 //! let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 //! let y = x.iter().map(|x| 2.0 * x * x).collect();
-//! let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![6]);
+//! let definition = ModelDefinition::new(vec![ModelColumn::new("x", "1")], ModelColumn::new("y", "1"), vec![6]);
 //! let (model, report) = Model::fit(&definition, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut NoObserver)?;
 //! assert!((model.value(&[0.5])? - 0.5).abs() < 0.02 && report.trainer == "rprop");
 //! assert_eq!(model.provenance().trainer, "rprop");

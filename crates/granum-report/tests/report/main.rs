@@ -6,13 +6,13 @@ mod checks;
 mod names_and_noise;
 mod synthetic;
 
-use granum_report::{self as report, Role, RunReport};
+use granum_report::{self as report, RoleInStudy, RunReport};
 
 use checks::{check, keep};
 
 #[test]
 fn a_run_has_every_section_and_figure() {
-    let mut run = synthetic::run(Role::Single, 3);
+    let mut run = synthetic::run(RoleInStudy::Single, 3);
     run.start = Some(synthetic::assembly(0.0));
     run.end = Some(synthetic::assembly(0.35));
     let document = report::run_report(&run);
@@ -47,7 +47,7 @@ fn names_cannot_break_the_page() {
 
 #[test]
 fn a_run_is_read_from_its_folder_as_it_was_written() {
-    let mut run = synthetic::run(Role::Single, 5);
+    let mut run = synthetic::run(RoleInStudy::Single, 5);
     run.start = Some(synthetic::assembly(0.0));
     run.end = Some(synthetic::assembly(0.2));
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -65,7 +65,8 @@ fn a_run_is_read_from_its_folder_as_it_was_written() {
             out.write_snapshot(name, assembly.as_ref().expect("set above")).expect("written");
         }
     }
-    let read = RunReport::read(&granum_io::Run::at(&path).expect("a run"), Role::Single).expect("readable");
+    let read =
+        RunReport::read(&granum_io::Run::at(&path).expect("a run"), RoleInStudy::Single).expect("readable");
     assert_eq!(read.name, "run-5");
     for (found, written) in read.record.series.columns().iter().zip(run.record.series.columns()) {
         assert!(found == written, "{} differs", written.name);

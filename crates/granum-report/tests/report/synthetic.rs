@@ -5,7 +5,7 @@ use std::path::Path;
 use granum_core::assembly::{Assembly, Contact, Grain};
 use granum_core::{Column, Table};
 use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
-use granum_report::{Role, RunReport};
+use granum_report::{RoleInStudy, RunReport};
 use granum_sensors::Record;
 use granum_sensors::{Histogram, force_distribution};
 
@@ -180,7 +180,7 @@ pub fn assembly(bias: f64) -> Assembly {
 }
 
 /// A run with all data that a report can show.
-pub fn run(role: Role, seed: u64) -> RunReport {
+pub fn run(role: RoleInStudy, seed: u64) -> RunReport {
     let mut run = RunReport {
         name: format!("{}-{seed}", role.word()),
         role,

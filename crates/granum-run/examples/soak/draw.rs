@@ -3,7 +3,7 @@
 use granum_dem::config::{NormalKind, Rate, Recording, Shear};
 use granum_dem::contact::choice::check::{parameters_of, sets};
 use granum_dem::loading::preset::{self, Given, PathValue};
-use granum_dem::loading::{History, Quantity};
+use granum_dem::loading::{History, HistoryQuantity};
 use granum_io::Case;
 use granum_io::case::{CaseStage, CaseTest};
 use rand_chacha::ChaCha8Rng;
@@ -211,7 +211,7 @@ impl Draws {
                 given.insert("at".into(), PathValue::List(vec![0.5 * strain]));
             }
             "history" => {
-                let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
+                let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(2)];
                 let rows = vec![vec![strain, 1.1 * pressure], vec![0.5 * strain, pressure]];
                 given.insert("file".into(), PathValue::History(History { columns, rows }));
             }

@@ -16,7 +16,7 @@ const MANY_TIMES: f64 = 100.0;
 
 /// Estimates of the steps of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct RunEstimate {
     /// Steps of one trial of the preparation.
     pub preparation: f64,
     /// Steps of the test.
@@ -52,14 +52,14 @@ impl Scales {
 }
 
 /// Estimates the steps of a case; `None` where it cannot be done.
-pub fn estimate(case: &Case) -> Option<Estimate> {
+pub fn estimate(case: &Case) -> Option<RunEstimate> {
     let p = &case.preparation;
     let compacted = Scales::at_stress(case, p.compaction_stress.unwrap_or(p.mean_stress))?;
     let preparation = compacted.steps(COMPACTION, p.inertial_number * compacted.rate);
     let test = case.test_definition();
     let tested = Scales::at_stress(case, test.mean_stress(p.mean_stress))?;
     let test = test.stages.iter().map(|stage| stage_steps(stage, &tested)).sum();
-    Some(Estimate { preparation, test })
+    Some(RunEstimate { preparation, test })
 }
 
 /// Steps of a stage that ends at a strain; none for others.

@@ -12,17 +12,17 @@ use crate::strength::symmetry::axial_deviator;
 
 /// A part of a line of progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct ProgressField {
     /// Text for display.
     pub text: String,
     /// Order in which fields are dropped from a line that is too long: the largest rank first, rank 0 never.
     pub rank: u8,
 }
 
-impl Field {
+impl ProgressField {
     /// A field with a rank and a text.
-    pub fn new(rank: u8, text: impl Into<String>) -> Field {
-        Field { text: text.into(), rank }
+    pub fn new(rank: u8, text: impl Into<String>) -> ProgressField {
+        ProgressField { text: text.into(), rank }
     }
 }
 
@@ -51,24 +51,26 @@ pub fn line(progress: &Progress) -> String {
 /// The progress of a run in short form, for a line of a terminal. If the line is too long, the mean stress, which a test
 /// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last. A sample that is
 /// being made has its coordination number Z in place of the stress ratio.
-pub fn fields(progress: &Progress) -> Vec<Field> {
+pub fn fields(progress: &Progress) -> Vec<ProgressField> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
     if progress.trial > 1 && progress.phase != Phase::Test {
-        fields.push(Field::new(1, format!("trial {}", progress.trial)));
+        fields.push(ProgressField::new(1, format!("trial {}", progress.trial)));
     }
     if is_of_path(progress) {
-        fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
+        fields.push(ProgressField::new(1, format!("strain {:.3}", strain(progress))));
     }
     if progress.phase == Phase::Test {
-        fields.push(Field::new(2, stress_ratio(progress)));
+        fields.push(ProgressField::new(2, stress_ratio(progress)));
     }
-    fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
-    fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
+    fields.push(ProgressField::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
+    fields.push(ProgressField::new(0, format!("density {:.3}", s.solid_fraction())));
     if progress.phase != Phase::Test {
-        fields.push(Field::new(2, format!("Z {:.2}", coordination_number(progress))));
+        fields.push(ProgressField::new(2, format!("Z {:.2}", coordination_number(progress))));
     }
-    fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
+    fields.extend(
+        progress.grain_steps_per_second.map(|rate| ProgressField::new(0, format!("{}/s", speed(rate)))),
+    );
     fields
 }
 

@@ -12,7 +12,7 @@ use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
 use granum_io::atomic::write_atomically;
 use granum_io::formats::lammps_data::LammpsData;
-use granum_io::formats::{Observation, ResultFormat};
+use granum_io::formats::{ObservedAssembly, ResultFormat};
 use granum_io::{Case, OutputFolder, Packing};
 
 use super::deck_error::DeckError;
@@ -140,7 +140,7 @@ impl LammpsDeck {
         let edges = &self.assembly.cell;
         let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
-        let observation = Observation::new(self.assembly.clone(), parts, origin);
+        let observation = ObservedAssembly::new(self.assembly.clone(), parts, origin);
         LammpsData.write(&folder.file(DATA), &[observation])?;
         write_atomically(&folder.file(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
         Ok(())

@@ -7,7 +7,7 @@ use granum_core::parallel;
 use granum_io::Run;
 use granum_io::shell::ShowPath;
 use granum_report::campaign::{CampaignEntry, CampaignRuns, ReportVariable, VariableValue};
-use granum_report::{Document, Role, RunReport, campaign_report};
+use granum_report::{Document, RoleInStudy, RunReport, campaign_report};
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -31,7 +31,7 @@ pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) ->
         context.check_stopped(|| "nothing was written".into())?;
         let (run, accepted) = finished[k];
         let report =
-            RunReport::read_without_pictures(&Run::at(campaign.folder_of(&run.name))?, Role::Single)?;
+            RunReport::read_without_pictures(&Run::at(campaign.folder_of(&run.name))?, RoleInStudy::Single)?;
         let values = run.values.iter().map(value).collect();
         Ok(CampaignEntry::new(&report, values, accepted, finished.len()))
     };

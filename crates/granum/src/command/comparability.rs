@@ -1,14 +1,14 @@
 //! Whether runs can be compared with the tests of a laboratory's file, and whether the units of this file are probably right.
 
 use granum_io::LaboratoryTest;
-use granum_report::comparison::{RunCurves, errors};
+use granum_report::comparison::{ComparedRun, errors};
 
 use crate::failure::Failure;
 use crate::numbers::rounded;
 
 /// Refuses runs and tests of which no two have a state in common beyond their starts.
-pub fn check_common(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
-    let common = |run: &RunCurves| tests.iter().any(|test| errors(run, test).up_to > 0.0);
+pub fn check_common(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
+    let common = |run: &ComparedRun| tests.iter().any(|test| errors(run, test).up_to > 0.0);
     if runs.iter().any(common) {
         return Ok(());
     }
@@ -43,12 +43,12 @@ pub fn check_common(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Result<(),
 const FAR: f64 = 100.0;
 
 /// A remark for each run and test whose stresses are so far from each other that the unit of the test is probably another one.
-pub fn unlike_stresses(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Vec<String> {
+pub fn unlike_stresses(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> Vec<String> {
     runs.iter().flat_map(|run| tests.iter().filter_map(|test| unlike(run, test))).collect()
 }
 
 /// A remark if the largest deviator stress of a test is so far from that of the run that its unit is probably another one.
-fn unlike(run: &RunCurves, test: &LaboratoryTest) -> Option<String> {
+fn unlike(run: &ComparedRun, test: &LaboratoryTest) -> Option<String> {
     let up_to = errors(run, test).up_to;
     let largest = |curves: &LaboratoryTest| {
         let values = curves.deviator_stress.iter().zip(&curves.axial_strain);

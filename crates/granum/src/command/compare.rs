@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Conventions, LaboratoryTest, check_output_file, read_laboratory};
-use granum_report::comparison::{Errors, RunCurves, errors, figure};
+use granum_report::comparison::{ComparedRun, Errors, errors, figure};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, legend};
@@ -91,7 +91,7 @@ impl Compare {
             Some((lab, folders)) if !lab.is_dir() => {
                 let tests = read_laboratory(lab, &self.conventions()?)?;
                 let tests = self.chosen(&tests)?;
-                let runs: Vec<RunCurves> =
+                let runs: Vec<ComparedRun> =
                     folders.iter().map(|folder| curves(context, folder)).collect::<Result<_, _>>()?;
                 check_common(&runs, &tests)?;
                 unlike_stresses(&runs, &tests).iter().for_each(|remark| context.warn(remark));
@@ -124,7 +124,7 @@ impl Compare {
     }
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
-    fn labelled(&self, context: &Context) -> Result<(Vec<RunCurves>, Vec<RunEntry>), Failure> {
+    fn labelled(&self, context: &Context) -> Result<(Vec<ComparedRun>, Vec<RunEntry>), Failure> {
         let given = !(self.test.is_empty() && self.map.is_empty());
         if given || self.compression.is_some() || self.strain.is_some() {
             let message =
@@ -144,12 +144,12 @@ impl Compare {
         let named = |(folder, name): (&PathBuf, String)| {
             let mut curves = curves(context, folder)?;
             curves.curves.name.clone_from(&name);
-            Ok(RunCurves { name, ..curves })
+            Ok(ComparedRun { name, ..curves })
         };
         Ok((folders.iter().zip(labels).map(named).collect::<Result<_, Failure>>()?, entries))
     }
 
-    fn draw(&self, runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
+    fn draw(&self, runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
         let (figure, _) = figure(runs, tests);
         Ok(granum_io::atomic::write_atomically(&self.output, |file| {
             std::io::Write::write_all(file, figure.to_svg().as_bytes())
@@ -193,14 +193,14 @@ impl Compare {
     }
 }
 
-fn curves(context: &Context, folder: &Path) -> Result<RunCurves, Failure> {
+fn curves(context: &Context, folder: &Path) -> Result<ComparedRun, Failure> {
     let run = open_run(context, folder)?;
     let about = run.record()?;
     check_begun(&run, &about)?;
     let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
     let (case, record) = (run.case()?, read_record(&run)?);
     let measures = granum_run::strength::of_run(&case, &about, &record);
-    Ok(RunCurves { measures, ..RunCurves::from_record(&name, &record, &case.test_stages()) })
+    Ok(ComparedRun { measures, ..ComparedRun::from_record(&name, &record, &case.test_stages()) })
 }
 
 /// The strength of runs, with the scatter of those that differ in their seeds alone, and the critical state line through them.
@@ -212,7 +212,7 @@ struct Strength {
 }
 
 impl Strength {
-    fn from_runs(entries: &[RunEntry], runs: &[RunCurves]) -> Strength {
+    fn from_runs(entries: &[RunEntry], runs: &[ComparedRun]) -> Strength {
         let measures: Vec<Measures> = runs.iter().map(|run| run.measures.clone()).collect();
         let states: Vec<LateState> = measures.iter().filter_map(late_state).collect();
         let cases: Vec<&Case> = entries.iter().map(|entry| &entry.case).collect();
@@ -283,7 +283,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(run: &RunCurves, other: &LaboratoryTest) -> Pair {
+    fn new(run: &ComparedRun, other: &LaboratoryTest) -> Pair {
         Pair { run: run.name.clone(), other: other.name.clone(), errors: errors(run, other) }
     }
 }

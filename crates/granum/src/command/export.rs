@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::Table;
-use granum_io::formats::Observation;
+use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, write_table};
@@ -99,7 +99,7 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let observations: Vec<Observation> = observations.into_iter().map(numbered_from_one).collect();
+        let observations: Vec<ObservedAssembly> = observations.into_iter().map(numbered_from_one).collect();
         let grains = observations.last().map_or(0, |observation| observation.assembly.grains.len());
         let of = match observations.len() {
             0 | 1 => String::new(),
@@ -139,7 +139,7 @@ impl Export {
     }
 
     /// The requested snapshots of a run.
-    fn snapshots(&self, run: &Run) -> Result<Vec<Observation>, Failure> {
+    fn snapshots(&self, run: &Run) -> Result<Vec<ObservedAssembly>, Failure> {
         let names = run.snapshots()?;
         // A sample that was prepared and not tested has one snapshot, that of its start.
         let usual = match &names[..] {
@@ -156,14 +156,14 @@ impl Export {
         }
         let mut found = Vec::with_capacity(chosen.len());
         for name in chosen {
-            found.push(Observation::complete(run.snapshot(name)?));
+            found.push(ObservedAssembly::complete(run.snapshot(name)?));
         }
         found.sort_by(|one, two| one.assembly.time.total_cmp(&two.assembly.time));
         Ok(found)
     }
 
     /// The requested instants of other results.
-    fn instants(&self, mut all: Vec<Observation>) -> Result<Vec<Observation>, Failure> {
+    fn instants(&self, mut all: Vec<ObservedAssembly>) -> Result<Vec<ObservedAssembly>, Failure> {
         let count = all.len();
         let at = match self.snapshot.as_deref() {
             None | Some("all") => return Ok(all),
@@ -209,7 +209,7 @@ fn run_table(run: &Run, name: &str) -> Result<Table, Failure> {
 }
 
 /// The grains or contacts of an observation.
-fn table_of(observation: &Observation, name: &str) -> Result<Table, Failure> {
+fn table_of(observation: &ObservedAssembly, name: &str) -> Result<Table, Failure> {
     match name {
         "grains" => Ok(grains_table(&observation.assembly)?),
         "contacts" => Ok(contacts_table(&observation.assembly)?),
@@ -217,12 +217,12 @@ fn table_of(observation: &Observation, name: &str) -> Result<Table, Failure> {
     }
 }
 
-fn last(observations: &[Observation]) -> Result<&Observation, Failure> {
+fn last(observations: &[ObservedAssembly]) -> Result<&ObservedAssembly, Failure> {
     observations.last().ok_or_else(|| Failure::new("there is nothing to write"))
 }
 
 /// The same with ids from 1, where a program numbers its grains from 0.
-fn numbered_from_one(mut observation: Observation) -> Observation {
+fn numbered_from_one(mut observation: ObservedAssembly) -> ObservedAssembly {
     let grains = &mut observation.assembly.grains;
     if grains.first().is_some_and(|grain| grain.id == 0) {
         grains.iter_mut().for_each(|grain| grain.id += 1);

@@ -6,7 +6,7 @@ use granum_dem::preparation::{Phase, PreparationError};
 use granum_dem::simulation::Hardware;
 use std::time::{Duration, Instant};
 
-use granum_run::laboratory::{self, Field, Laboratory, LaboratoryError};
+use granum_run::laboratory::{self, Laboratory, LaboratoryError, ProgressField};
 use granum_run::{Flow, Observer, Progress as RunProgress, Work};
 
 use super::checkpoints::CheckpointFlags;
@@ -139,7 +139,8 @@ impl<'a> Show<'a> {
         }
         self.begin(Phase::Placing.name());
         let share = placed as f64 / count.max(1) as f64;
-        self.progress.update(Some(share), |_| vec![Field::new(0, format!("{placed} of {count} grains"))]);
+        self.progress
+            .update(Some(share), |_| vec![ProgressField::new(0, format!("{placed} of {count} grains"))]);
     }
 }
 
@@ -148,7 +149,7 @@ impl Observer for Show<'_> {
         self.placing_since = None;
         self.begin(progress.phase.name());
         self.progress.update(progress.fraction, |room| match room {
-            Room::Line => vec![Field::new(0, laboratory::line(progress))],
+            Room::Line => vec![ProgressField::new(0, laboratory::line(progress))],
             Room::Screen => laboratory::fields(progress),
         });
         self.context.flow()

@@ -12,14 +12,15 @@ use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
 use granum_antony2006::{PaperData, PaperDataOptions};
 use granum_antony2006::{StudyReport, study_report};
 use granum_campaign::Campaign;
-use granum_io::formats::Observation;
+use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
 use granum_report::other_data::Instant;
 use granum_report::{
-    Document, Role, RunReport, data_report, overlay_report, run_report, sample_report, surrogate_study_report,
+    Document, RoleInStudy, RunReport, data_report, overlay_report, run_report, sample_report,
+    surrogate_study_report,
 };
 use granum_run::runs_table::find_runs;
 use serde_json::json;
@@ -168,7 +169,7 @@ impl Report {
         }
         let found = self.sources.read(context, &self.data)?;
         let count = found.len();
-        let named = |(k, found): (usize, Observation)| {
+        let named = |(k, found): (usize, ObservedAssembly)| {
             instant(format!("instant {} of {count}", k + 1), found.assembly, found.parts)
         };
         let instants: Vec<Instant> = found.into_iter().enumerate().map(named).collect();
@@ -207,7 +208,7 @@ fn over_each_other(
                 folder.shown()
             ));
         }
-        runs.push(RunReport::read_without_pictures(&run, Role::Single)?);
+        runs.push(RunReport::read_without_pictures(&run, RoleInStudy::Single)?);
     }
     // Runs of different studies may have the same name.
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
@@ -256,10 +257,10 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
                 quoted_path(folder)
             )));
         }
-        return Ok((sample_report(&RunReport::read(&run, Role::Single)?), None));
+        return Ok((sample_report(&RunReport::read(&run, RoleInStudy::Single)?), None));
     }
     records::check_begun(&run, &about)?;
-    Ok((run_report(&RunReport::read(&run, Role::Single)?), None))
+    Ok((run_report(&RunReport::read(&run, RoleInStudy::Single)?), None))
 }
 
 /// Collects the contents of the folder of a reproduction.
@@ -271,8 +272,8 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         .iter()
         .map(|run| {
             let role = match run.role.as_str() {
-                "training" => Role::Training,
-                "unseen" => Role::Unseen,
+                "training" => RoleInStudy::Training,
+                "unseen" => RoleInStudy::Unseen,
                 other => {
                     let message = format!("{}: role {other:?} is neither training nor unseen", path.shown());
                     return Err(Failure::new(message));
@@ -281,12 +282,16 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
             Ok(RunReport::read(&Run::at(runs.join(format!("{}-{}", role.word(), run.seed)))?, role)?)
         })
         .collect::<Result<_, Failure>>()?;
-    let of = |role: Role| -> Vec<NamedRecord> {
+    let of = |role: RoleInStudy| -> Vec<NamedRecord> {
         let own = reports.iter().filter(|report| report.role == role);
         own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
             .collect()
     };
-    let data = PaperData::from_records(&of(Role::Training), &of(Role::Unseen), &PaperDataOptions::default())?;
+    let data = PaperData::from_records(
+        &of(RoleInStudy::Training),
+        &of(RoleInStudy::Unseen),
+        &PaperDataOptions::default(),
+    )?;
     let study = granum_learn::study::load(models, &surrogate_methods())?.study;
     let dataset_hash = data.hash()?;
     if data.dataset.digest() != study.dataset_digest {

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use granum_run::laboratory::{self, Field};
+use granum_run::laboratory::{self, ProgressField};
 use granum_run::queue::{Outcome, Queue, QueueObserver, Shares};
 use granum_run::{Flow, Progress as RunProgress};
 
@@ -43,9 +43,11 @@ impl QueueObserver for ShowQueue<'_> {
         shares.update(run, status);
         let (label, phase) = (&self.labels[run], status.phase.name());
         progress.update(Some(shares.all()), |room| match room {
-            Room::Line => vec![Field::new(0, format!("{label} {phase}  {}", laboratory::line(status)))],
+            Room::Line => {
+                vec![ProgressField::new(0, format!("{label} {phase}  {}", laboratory::line(status)))]
+            }
             Room::Screen => {
-                let mut fields = vec![Field::new(0, label.clone()), Field::new(4, phase)];
+                let mut fields = vec![ProgressField::new(0, label.clone()), ProgressField::new(4, phase)];
                 fields.extend(laboratory::fields(status));
                 fields
             }

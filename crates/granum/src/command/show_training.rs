@@ -11,7 +11,7 @@ use granum_io::shell::{ShowPath, quoted_path};
 use granum_learn::networks::{KeptNetworks, NetworkCheckpoints, NoCheckpoints};
 use granum_learn::study::{KeptStudy, STUDY_FILE, Study, StudyObserver, StudyPlan};
 use granum_learn::{Dataset, LearnError, Surrogate, SurrogateMethods};
-use granum_run::laboratory::Field;
+use granum_run::laboratory::ProgressField;
 
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -89,14 +89,15 @@ impl<'a> Show<'a> {
 impl StudyObserver for Show<'_> {
     fn begins(&self, name: &str, number: usize, all: usize) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.update(Some((number - 1) as f64 / all as f64), |_| vec![Field::new(0, name.to_owned())]);
+        progress
+            .update(Some((number - 1) as f64 / all as f64), |_| vec![ProgressField::new(0, name.to_owned())]);
     }
     fn progress(&self, name: &str, step: &Step) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let network = step.part.as_deref().unwrap_or(name);
         let error = step.value("error").unwrap_or(f64::NAN);
         progress.update(None, |_| {
-            vec![Field::new(0, format!("{network} epoch {} error {error:.2e}", step.done))]
+            vec![ProgressField::new(0, format!("{network} epoch {} error {error:.2e}", step.done))]
         });
     }
     fn finished(&self, name: &str) -> granum_learn::Result<Option<Box<dyn Surrogate>>> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::{Dimension, parse_quantity};
-use granum_io::formats::{FrameCell, JoinOptions, Observation, ReadOptions};
+use granum_io::formats::{FrameCell, JoinOptions, ObservedAssembly, ReadOptions};
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -40,7 +40,7 @@ impl SourceFlags {
     }
 
     /// Reads and joins files of results.
-    pub fn read(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<Observation>, Failure> {
+    pub fn read(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<ObservedAssembly>, Failure> {
         let mut columns: Vec<(PathBuf, Vec<String>)> = Vec::new();
         for text in &self.columns {
             let found = text.split_once('=').filter(|(file, _)| files.contains(&PathBuf::from(file)));

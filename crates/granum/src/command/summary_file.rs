@@ -5,7 +5,7 @@ use std::path::Path;
 
 use granum_antony2006::reproduction::{SPEED_FILE, SUMMARY_FILE};
 use granum_antony2006::times::SummaryTimes;
-use granum_antony2006::{StudyReport, Summary, speed_page};
+use granum_antony2006::{PaperSummary, StudyReport, speed_page};
 use granum_io::atomic::write_atomically;
 use granum_io::sealed::unseal;
 use granum_io::shell::ShowPath;
@@ -13,12 +13,12 @@ use granum_io::shell::ShowPath;
 use crate::failure::Failure;
 
 /// Reads the summary of a finished reproduction.
-pub fn read_summary(folder: &Path) -> Result<Summary, Failure> {
+pub fn read_summary(folder: &Path) -> Result<PaperSummary, Failure> {
     let path = folder.join(SUMMARY_FILE);
     let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
         .map_err(granum_io::Error::file("read", &path))?;
     let text = unseal(&path, &text)?.text;
-    let mut summary: Summary = serde_json::from_str(&text).map_err(|error| {
+    let mut summary: PaperSummary = serde_json::from_str(&text).map_err(|error| {
         Failure::new(format!("{}: this is not a summary of a study ({error})", path.shown()))
     })?;
     if let Some(times) = SummaryTimes::read(folder) {

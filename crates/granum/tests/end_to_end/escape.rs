@@ -7,7 +7,7 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use granum_antony2006::Summary;
+use granum_antony2006::PaperSummary;
 use granum_antony2006::reproduction::{Reproduction, ReproductionOptions};
 use granum_antony2006::summary::RunSummary;
 use serde_json::json;
@@ -210,7 +210,7 @@ fn reproductions_lead_nowhere() {
     place.refused("training-11: is a symbolic link", &["reproduce", "--quick", "--out", "study"]);
     place.harmless(&["status", "study"]);
     for name in hostile(&place) {
-        let mut summary = Summary::default();
+        let mut summary = PaperSummary::default();
         summary.dem.runs.push(RunSummary { role: name, ..RunSummary::default() });
         fs::write(work.join("study/summary.json"), serde_json::to_vec(&summary).unwrap()).unwrap();
         place.harmless(&["status", "study"]);

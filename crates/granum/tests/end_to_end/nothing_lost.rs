@@ -54,7 +54,7 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     let options = ReproductionOptions { quick, trainer: trainer.into(), ..Default::default() };
     Reproduction::new(options, names).write(&folder).unwrap();
     if finished {
-        let summary = serde_json::to_vec(&granum_antony2006::Summary::default()).unwrap();
+        let summary = serde_json::to_vec(&granum_antony2006::PaperSummary::default()).unwrap();
         fs::write(folder.join("summary.json"), summary).unwrap();
         fs::write(folder.join("report.html"), "a report").unwrap();
     } else {

@@ -17,7 +17,7 @@ use granum_simd::vectors::dot;
 
 /// Two unit vectors that complete the normal to a right-handed frame.
 #[derive(Clone, Copy)]
-pub struct Frame<R> {
+pub struct ContactFrame<R> {
     /// First axis of the contact plane.
     pub first: [R; 3],
     /// Second axis of the contact plane.
@@ -30,7 +30,7 @@ fn side<R: Real>(normal: [R; 3]) -> R {
     R::select(normal[2].lt(R::zero()), R::splat(-1.0), R::splat(1.0))
 }
 
-impl<R: Real> Frame<R> {
+impl<R: Real> ContactFrame<R> {
     /// The frame of a unit normal.
     #[inline(always)]
     pub fn new(normal: [R; 3]) -> Self {
@@ -39,7 +39,7 @@ impl<R: Real> Frame<R> {
         let a = R::splat(-1.0) / (s + z);
         let (ax, sx) = (a * x, s * x);
         let cross = ax * y;
-        Frame {
+        ContactFrame {
             first: [sx.mul_add(ax, R::splat(1.0)), s * cross, -sx],
             second: [cross, (a * y).mul_add(y, s), -y],
         }
@@ -68,8 +68,8 @@ pub fn swap_sides(normal: [f64; 3], vector: [f64; 2]) -> [f64; 2] {
     if normal[2] != 0.0 {
         return [-vector[0], vector[1]];
     }
-    let opposite = Frame::new(normal.map(|x| -x));
-    opposite.components(Frame::new(normal).vector(vector)).map(|x| -x)
+    let opposite = ContactFrame::new(normal.map(|x| -x));
+    opposite.components(ContactFrame::new(normal).vector(vector)).map(|x| -x)
 }
 
 /// A rotation in the contact plane: the rotation of a stored vector in one step, relative to the frames.
@@ -136,7 +136,7 @@ mod tests {
         #[test]
         fn frames_are_right_handed(z in -1.0f64..=1.0, azimuth in -4.0f64..4.0) {
             let n = unit(z, azimuth);
-            let frame = Frame::new(n);
+            let frame = ContactFrame::new(n);
             let third = cross(frame.first, frame.second);
             for a in 0..3 {
                 prop_assert!((third[a] - n[a]).abs() < 1e-15);
@@ -154,8 +154,8 @@ mod tests {
             let old = unit(z, azimuth);
             let moved: [f64; 3] = std::array::from_fn(|a| old[a] + 0.5 * 10f64.powf(size) * tilt[a]);
             let new = moved.map(|x| x / dot(moved, moved).sqrt());
-            let expected = reference(old, new, spin, Frame::new(old).vector(v));
-            let found = Frame::new(new).vector(Turn::new(old, new, dot(old, new), spin).apply(v));
+            let expected = reference(old, new, spin, ContactFrame::new(old).vector(v));
+            let found = ContactFrame::new(new).vector(Turn::new(old, new, dot(old, new), spin).apply(v));
             for a in 0..3 {
                 prop_assert!((expected[a] - found[a]).abs() < 1e-14, "{expected:?} {found:?}");
             }
@@ -167,8 +167,8 @@ mod tests {
         for z in [-0.9, -0.3, 0.0, 0.4, 1.0] {
             for azimuth in [-3.0, -1.0, 0.0, 0.5, 2.0] {
                 let (n, v) = (unit(z, azimuth), [0.3, -0.7]);
-                let before = Frame::new(n).vector(v);
-                let after = Frame::new(n.map(|x| -x)).vector(swap_sides(n, v));
+                let before = ContactFrame::new(n).vector(v);
+                let after = ContactFrame::new(n.map(|x| -x)).vector(swap_sides(n, v));
                 for a in 0..3 {
                     assert!((before[a] + after[a]).abs() < 1e-15, "{z} {azimuth}: {before:?} {after:?}");
                 }
@@ -183,8 +183,8 @@ mod tests {
             for (from, to) in [(1e-9, -1e-9), (-1e-4, 2e-4), (0.0, -1e-3), (-0.2, 0.2)] {
                 let (old, new) = (unit(from, azimuth), unit(to, azimuth + 0.01));
                 let v = [0.6, -0.8];
-                let expected = reference(old, new, 0.01, Frame::new(old).vector(v));
-                let found = Frame::new(new).vector(Turn::new(old, new, dot(old, new), 0.01).apply(v));
+                let expected = reference(old, new, 0.01, ContactFrame::new(old).vector(v));
+                let found = ContactFrame::new(new).vector(Turn::new(old, new, dot(old, new), 0.01).apply(v));
                 for a in 0..3 {
                     assert!(
                         (expected[a] - found[a]).abs() < 1e-14,

@@ -6,7 +6,7 @@ use granum_simd::vectors::{add_scaled, cross, dot, keep, scale, select};
 use granum_simd::{Mask, Real};
 
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::frame::{Frame, Turn};
+use crate::contact::evaluation::frame::{ContactFrame, Turn};
 use crate::contact::evaluation::set::LawSet;
 use crate::contact::law::RelativeSpin;
 use crate::contact::law::energy_channel::{LAWS, LawEnergies, SetEnergies};
@@ -16,7 +16,7 @@ use crate::contact::evaluation::memory::Memory;
 
 /// Relative position and motion of the grains of a pair.
 #[derive(Clone, Copy)]
-pub struct Kinematics<R> {
+pub struct PairMotion<R> {
     /// Branch from the centre of i to the nearest image of the centre of j, m.
     pub branch: [R; 3],
     /// Velocity of j relative to i, including the velocity gradient of the cell times the branch vector, m/s.
@@ -110,7 +110,7 @@ fn inverse_of_sum<R: Real>(tilt: R) -> R {
 pub fn interact<R: Real, S: LawSet<R>>(
     laws: &S,
     constants: &PairConstants<R>,
-    kinematics: &Kinematics<R>,
+    kinematics: &PairMotion<R>,
     dt: R,
     memory: &mut Memory<R>,
 ) -> Interaction<R> {
@@ -141,7 +141,7 @@ pub fn interact<R: Real, S: LawSet<R>>(
     // Velocity of the surface of j relative to that of i.
     let surface = add_scaled(kinematics.velocity, -distance, cross(kinematics.rolling, middle));
     let in_plane = add_scaled(surface, -dot(surface, middle), middle);
-    let frame = Frame::new(normal);
+    let frame = ContactFrame::new(normal);
     let slip_velocity = frame.components(in_plane);
     let slip = [dt * slip_velocity[0], dt * slip_velocity[1]];
     let (tangential, step_stiffness, before) =
@@ -252,7 +252,7 @@ struct Plane<'a, R> {
     normal: [R; 3],
     /// Normal of the middle of the step.
     middle: [R; 3],
-    frame: &'a Frame<R>,
+    frame: &'a ContactFrame<R>,
     turn: &'a Turn<R>,
 }
 
@@ -271,7 +271,7 @@ fn resist<R: Real, S: LawSet<R>>(
     laws: &S,
     constants: &PairConstants<R>,
     contact: &crate::contact::Normal<R>,
-    kinematics: &Kinematics<R>,
+    kinematics: &PairMotion<R>,
     Plane { normal, middle, frame, turn }: Plane<'_, R>,
     dt: R,
     memory: &mut Memory<R>,

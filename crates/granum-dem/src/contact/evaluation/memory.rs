@@ -2,7 +2,7 @@
 
 use granum_simd::Real;
 
-use crate::contact::evaluation::frame::{self, Frame};
+use crate::contact::evaluation::frame::{self, ContactFrame};
 use crate::contact::law::limits::{
     MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
@@ -12,7 +12,7 @@ use crate::contact::law::limits::{
 pub struct Memory<R> {
     /// Unit normal at the last step; zero where the pair did not touch.
     pub normal: [R; 3],
-    /// The columns of the tangential law; vectors by their components in the [`Frame`] of the normal.
+    /// The columns of the tangential law; vectors by their components in the [`ContactFrame`] of the normal.
     pub history: [R; MAX_HISTORY],
     /// The columns of the moment law.
     pub moments: [R; MAX_MOMENT_HISTORY],
@@ -53,5 +53,5 @@ pub fn swap_sides(normal: [f64; 3], vectors: usize, history: &mut [f64]) {
 
 /// The tangential force T on grain i stored in a contact history, N.
 pub fn tangential_force(memory: &Memory<f64>) -> [f64; 3] {
-    Frame::new(memory.normal).vector([memory.history[0], memory.history[1]])
+    ContactFrame::new(memory.normal).vector([memory.history[0], memory.history[1]])
 }

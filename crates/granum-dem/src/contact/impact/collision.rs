@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::choice::check::{LawError, check};
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::{Kinematics, interact};
+use crate::contact::evaluation::interaction::{PairMotion, interact};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::slot::columns::One;
@@ -313,7 +313,7 @@ impl Kernel for Motion<'_> {
                 }
             }
             let branch = add_scaled(middle.branch, dt, middle.velocity);
-            let kinematics = Kinematics {
+            let kinematics = PairMotion {
                 branch,
                 velocity: middle.velocity,
                 rolling: middle.spin,

@@ -38,7 +38,7 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// Energies that it accounts for in addition to those of every tangential law.
     const CHANNELS: &'static [EnergyChannel] = &[];
     /// Number of history columns used. The first two are always the tangential force T on grain i, by its components in the
-    /// [`Frame`](crate::contact::evaluation::frame::Frame) of the normal.
+    /// [`ContactFrame`](crate::contact::evaluation::frame::ContactFrame) of the normal.
     const HISTORY: usize;
     /// Number of plane vectors at the beginning of the history (the first in columns 0..2, ...); they rotate with the
     /// contact plane, and change as described at

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::choice::check::{LawError, check};
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::{Kinematics, interact};
+use crate::contact::evaluation::interaction::{PairMotion, interact};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::law::pair_properties::PairProperties;
 use crate::contact::slot::columns::One;
@@ -182,7 +182,7 @@ impl Kernel for Steps<'_> {
                 let distance = self.constants.radius_sum - end.normal_approach;
                 let slip = end.tangential_displacement - before.tangential_displacement;
                 let opening = before.normal_approach - end.normal_approach;
-                let kinematics = Kinematics {
+                let kinematics = PairMotion {
                     branch: [distance * normal[0], distance * normal[1], distance * normal[2]],
                     velocity: [
                         slip.mul_add(along[0], opening * normal[0]),

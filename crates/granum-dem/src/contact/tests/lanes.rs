@@ -75,8 +75,8 @@ fn wave(step: usize, lane: usize, axis: usize) -> f64 {
     (0.05 * step as f64 * (1.0 + 0.1 * axis as f64) + lane as f64).sin()
 }
 
-fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> Kinematics<R> {
-    Kinematics {
+fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> PairMotion<R> {
+    PairMotion {
         branch: [column(0), column(1), column(2)],
         velocity: [column(3), column(4), column(5)],
         rolling: [column(6), column(7), column(8)],

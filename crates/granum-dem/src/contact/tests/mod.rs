@@ -14,7 +14,7 @@ mod twisting;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::choice::kind::{NormalKind, TangentialKind};
 use crate::contact::evaluation::constants::PairConstants;
-use crate::contact::evaluation::interaction::{Interaction, Kinematics, interact};
+use crate::contact::evaluation::interaction::{Interaction, PairMotion, interact};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::evaluation::set::Compiled;
 use crate::contact::law::description::LawDescription;
@@ -58,7 +58,7 @@ impl Bench {
     /// One step to an overlap, with slip increments in two directions perpendicular to the normal.
     fn step(&mut self, overlap: f64, slip: [f64; 2]) -> Interaction<f64> {
         let distance = self.pair.radius_sum - overlap;
-        let kinematics = Kinematics {
+        let kinematics = PairMotion {
             branch: NORMAL.map(|n| n * distance),
             velocity: std::array::from_fn(|a| slip[0] * FIRST[a] + slip[1] * SECOND[a]),
             rolling: [0.0; 3],
@@ -69,7 +69,7 @@ impl Bench {
     }
 
     /// One step with any motion.
-    fn interact(&mut self, kinematics: &Kinematics<f64>, dt: f64) -> Interaction<f64> {
+    fn interact(&mut self, kinematics: &PairMotion<f64>, dt: f64) -> Interaction<f64> {
         interact(&Open::<One>::new(&self.slots), &self.constants, kinematics, dt, &mut self.memory)
     }
 

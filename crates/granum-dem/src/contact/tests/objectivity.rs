@@ -1,7 +1,7 @@
 //! A loaded pair that rotates as a rigid body keeps its forces: one full rotation about (1, 2, 3).
 
 use super::*;
-use crate::contact::evaluation::frame::{Frame, Turn};
+use crate::contact::evaluation::frame::{ContactFrame, Turn};
 use granum_simd::vectors::{add_scaled, cross, scale};
 
 /// The vector rotated by an angle about the unit axis (1, 2, 3) / sqrt 14.
@@ -28,14 +28,14 @@ fn swap(memory: &mut Memory<f64>, plane_vectors: usize) {
 fn history_alone(steps: usize) -> f64 {
     let angle = std::f64::consts::TAU / steps as f64;
     let mut vector = [0.8, -0.6];
-    let begin = Frame::new(START).vector(vector);
+    let begin = ContactFrame::new(START).vector(vector);
     for k in 0..steps {
         let (old, new) = (turned(START, k as f64 * angle), turned(START, (k + 1) as f64 * angle));
         let sum: [f64; 3] = std::array::from_fn(|a| old[a] + new[a]);
         let middle = scale(1.0 / dot(sum, sum).sqrt(), sum);
         vector = Turn::new(old, new, dot(old, new), angle * dot(NORMAL, middle)).apply(vector);
     }
-    let end = Frame::new(START).vector(vector);
+    let end = ContactFrame::new(START).vector(vector);
     let off: [f64; 3] = std::array::from_fn(|a| end[a] - begin[a]);
     dot(off, off).sqrt()
 }
@@ -70,7 +70,7 @@ impl OneTurn {
         let across = scale(1.0 / dot(across, across).sqrt(), across);
         let limit = pair.friction * bench.friction_load(1e-3 * ri);
         let mut force = [0.0; 3];
-        let rest = |slip: f64| Kinematics {
+        let rest = |slip: f64| PairMotion {
             branch: scale(distance, START),
             velocity: scale(slip, across),
             rolling: [0.0; 3],
@@ -92,7 +92,7 @@ impl OneTurn {
             } else {
                 std::array::from_fn(|a| distance * (new[a] - old[a]))
             };
-            let motion = Kinematics {
+            let motion = PairMotion {
                 branch: scale(distance, new),
                 velocity,
                 rolling: spin,
@@ -156,14 +156,14 @@ fn is_seen_alike_in_other_frames(laws: LawPair) {
         let wave = |rate: f64| (rate * step as f64).sin();
         direction = add_scaled(direction, 2e-3, [wave(0.1), wave(0.07), -3.0 + wave(0.05)]);
         direction = scale(1.0 / dot(direction, direction).sqrt(), direction);
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: scale(1e-4 - 1e-8 * (1.2 + wave(0.03)), direction),
             velocity: [2e-2 * wave(0.2), -1e-2 * wave(0.13), 3e-2 * wave(0.11)],
             rolling: [100.0 * wave(0.3), 200.0, -50.0],
             mean_spin: [100.0 * wave(0.3), 200.0, -50.0],
             relative_spin: [-80.0, 60.0 * wave(0.21), 70.0 * wave(0.17)],
         };
-        let seen = |f: Map| Kinematics {
+        let seen = |f: Map| PairMotion {
             branch: f(motion.branch),
             velocity: f(motion.velocity),
             rolling: f(motion.rolling),
@@ -175,10 +175,10 @@ fn is_seen_alike_in_other_frames(laws: LawPair) {
         let negated = |v: [f64; 3]| v.map(|x| -x);
         // Spins are axial vectors: they keep their sign when i and j change roles.
         let swapped =
-            Kinematics { branch: negated(motion.branch), velocity: negated(motion.velocity), ..motion };
+            PairMotion { branch: negated(motion.branch), velocity: negated(motion.velocity), ..motion };
         let reference = benches[0].interact(&motion, 1e-8);
         let scale_of_force = dot(reference.force, reference.force).sqrt().max(1e-6);
-        let cases: [(Kinematics<f64>, Map); 3] =
+        let cases: [(PairMotion<f64>, Map); 3] =
             [(seen(&permuted), &permuted), (seen(&oblique), &oblique), (swapped, &negated)];
         for (k, (motion, map)) in cases.iter().enumerate() {
             if k == 2 && step % 50 == 0 {

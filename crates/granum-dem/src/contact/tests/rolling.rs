@@ -175,7 +175,7 @@ fn error_of_a_turn<M: MomentLaw>(steps: usize) -> f64 {
         let (old, new) = (turned(k as f64 * angle - angle), turned(k as f64 * angle));
         let first = k == 0;
         let spin = if first { [0.0; 3] } else { NORMAL.map(|n| n * angle) };
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: new.map(|n| n * distance),
             velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
             rolling: spin,
@@ -186,10 +186,10 @@ fn error_of_a_turn<M: MomentLaw>(steps: usize) -> f64 {
         couples.push(interact(&laws, &constants, &motion, 1.0, &mut memory));
     }
     // The couple without the dashpot, which acts only in the first step.
-    let first = crate::contact::evaluation::frame::Frame::new(turned(0.0));
+    let first = crate::contact::evaluation::frame::ContactFrame::new(turned(0.0));
     let held = |memory: &Memory<f64>| first.vector([memory.moments[0], memory.moments[1]]);
     let mut start = Memory::<f64>::new();
-    let motion = Kinematics {
+    let motion = PairMotion {
         branch: turned(0.0).map(|n| n * distance),
         velocity: [0.0; 3],
         rolling: [0.0; 3],
@@ -229,7 +229,7 @@ fn check_sides_and_observers<M: MomentLaw>() {
         let wave = |rate: f64| (rate * f64::from(step)).sin();
         let n = [0.3 + 0.1 * wave(0.02), -0.5, 0.8];
         let size = dot(n, n).sqrt();
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: n.map(|x| x / size * (1e-4 - 1e-8)),
             velocity: [1e-2 * wave(0.1), 0.0, 0.0],
             rolling: [10.0, 5.0 * wave(0.3), 0.0],
@@ -237,13 +237,13 @@ fn check_sides_and_observers<M: MomentLaw>() {
             relative_spin: [3000.0 * wave(0.1), -2000.0 * wave(0.07), 1000.0],
         };
         let negated = |v: [f64; 3]| v.map(|x| -x);
-        let swapped = Kinematics {
+        let swapped = PairMotion {
             branch: negated(motion.branch),
             velocity: negated(motion.velocity),
             relative_spin: negated(motion.relative_spin),
             ..motion
         };
-        let turned = Kinematics {
+        let turned = PairMotion {
             branch: map(motion.branch),
             velocity: map(motion.velocity),
             rolling: map(motion.rolling),

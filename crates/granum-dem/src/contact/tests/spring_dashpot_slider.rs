@@ -105,7 +105,7 @@ fn couples_are_those_of_lammps() {
     for step in 0..=200 {
         let overlap = if step < 100 { 2e-8 } else { 8e-9 };
         let [i, j] = if step == 0 { [[0.0; 3]; 2] } else { spins(step) };
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: NORMAL.map(|n| n * (pair.radius_sum - overlap)),
             velocity: [0.0; 3],
             rolling: [0.0; 3],

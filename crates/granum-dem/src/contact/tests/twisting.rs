@@ -159,7 +159,7 @@ fn the_couple_turns_with_the_pair_and_is_opposite_on_the_other_grain() {
         let about = [-0.8 * 0.003, 0.6 * 0.003, 0.0];
         let first = step == 0;
         let spin = if first { [0.0; 3] } else { about };
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: n.map(|x| x * distance),
             velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (n[a] - before[a]) }),
             rolling: spin,
@@ -167,7 +167,7 @@ fn the_couple_turns_with_the_pair_and_is_opposite_on_the_other_grain() {
             relative_spin: if first { [0.0, 0.0, 1e-4] } else { [0.0; 3] },
         };
         let negated = |v: [f64; 3]| v.map(|x| -x);
-        let swapped = Kinematics {
+        let swapped = PairMotion {
             branch: negated(motion.branch),
             velocity: negated(motion.velocity),
             relative_spin: negated(motion.relative_spin),
@@ -221,7 +221,7 @@ fn a_long_turn_as_one_body_changes_nothing() {
         let first = step == 0;
         let (old, new) = (at(step + steps - 1), at(step));
         let spin = if first { [0.0; 3] } else { super::NORMAL.map(|n| n * angle) };
-        let motion = Kinematics {
+        let motion = PairMotion {
             branch: new.map(|n| n * distance),
             velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
             rolling: spin,

@@ -4,7 +4,7 @@ use super::{
     INERTIAL_NUMBER, PathParameter, PathParameterDefault, PathParameterKind, Preset, STATES, optional, word,
 };
 use crate::loading::{
-    Control, Drive, History, Measure, Quantity, Ramp, RecordedStates, Speed, Stage, Target, Until,
+    Control, Drive, History, HistoryQuantity, Measure, Ramp, RecordedStates, Speed, Stage, Target, Until,
 };
 
 pub(super) const PRESET: Preset = Preset {
@@ -36,8 +36,8 @@ fn control(history: &History, row: &[f64], sign: f64, speed: Speed) -> Control {
     for (column, value) in history.columns.iter().zip(row) {
         let end = Ramp::To(sign * value + 0.0);
         components[column.component()] = match column {
-            Quantity::Strain(_) => Drive::Ramp(end),
-            Quantity::Stress(_) => Drive::Stress(Target::ramp(end)),
+            HistoryQuantity::Strain(_) => Drive::Ramp(end),
+            HistoryQuantity::Stress(_) => Drive::Stress(Target::ramp(end)),
         };
     }
     Control::new(speed, components)

@@ -122,13 +122,13 @@ impl Paths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::loading::{History, Quantity, Speed, Start};
+    use crate::loading::{History, HistoryQuantity, Speed, Start};
 
     /// A value for a parameter that has no default.
     fn example(parameter: &PathParameter) -> PathValue {
         match parameter.kind {
             PathParameterKind::History => {
-                let columns = vec![Quantity::Strain(0), Quantity::Stress(1)];
+                let columns = vec![HistoryQuantity::Strain(0), HistoryQuantity::Stress(1)];
                 PathValue::History(History { columns, rows: vec![vec![0.0, 1e5], vec![0.01, 1e5]] })
             }
             _ => PathValue::Number(parameter.bounds[0].max(1e5).min(parameter.bounds[1])),

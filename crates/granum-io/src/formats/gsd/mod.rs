@@ -20,7 +20,7 @@ use granum_core::geometry::apply;
 
 use self::layout::{ChunkType, File, Writer};
 use super::lammps_data::restricted;
-use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
+use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 
@@ -51,7 +51,7 @@ impl ResultFormat for Gsd {
     fn is_written(&self) -> bool {
         true
     }
-    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         let mut writer = Writer::new();
         for observation in observations {
             if !observation.parts.has(Part::Cell) {
@@ -122,7 +122,7 @@ fn frame(path: &Path, file: &File, k: u64) -> Result<Frame> {
 }
 
 /// Adds the chunks of one observation.
-fn add(writer: &mut Writer, observation: &Observation) {
+fn add(writer: &mut Writer, observation: &ObservedAssembly) {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     let (turn, edges) = restricted(&assembly.cell);
     let middle = apply(&edges, [0.5; 3]);

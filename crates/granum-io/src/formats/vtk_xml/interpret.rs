@@ -8,7 +8,7 @@ use granum_core::geometry::determinant;
 
 use super::document::{Array, Document, GridCell, Shape};
 use crate::error::{Error, Result};
-use crate::formats::result::{Frame, FrameCell, Pair};
+use crate::formats::result::{FileContact, Frame, FrameCell};
 
 /// The frame that a document holds.
 pub(super) fn frame(path: &Path, document: &Document) -> Result<Frame> {
@@ -155,7 +155,7 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
 
 /// The contacts of files that name their grains. In granum's own each is one or several lines, since it is cut at the faces of the
 /// cell; in those of LIGGGHTS (`dump local/gran/vtk`) a line, with the force on the first grain.
-fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<Pair>> {
+fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<FileContact>> {
     let table = Table::new(&document.cell_data, Some(lines));
     let scalars = |names: &[&str]| table.read::<1>(path, names, lines.len());
     let vectors = |name: &str| match table.array(&[name]).is_some_and(|array| array.components == 3) {
@@ -166,7 +166,7 @@ fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<Pair>
     let (normal_force, approach) = (scalars(&["normal_force"])?, scalars(&["overlap", "delta"])?);
     let (tangential, force) = (vectors("tangential_force")?, vectors("force")?);
     let is_own = table.has(&FIRST[..1]);
-    let mut pairs: Vec<Pair> = Vec::new();
+    let mut pairs: Vec<FileContact> = Vec::new();
     for (k, line) in lines.iter().enumerate() {
         let [from, to] = ends(path, &document.cells[*line])?.map(|point| document.points[point]);
         let step: Vector = std::array::from_fn(|a| to[a] - from[a]);
@@ -175,7 +175,7 @@ fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<Pair>
             last.branch = last.branch.map(|branch| std::array::from_fn(|a| branch[a] + step[a]));
             continue;
         }
-        pairs.push(Pair {
+        pairs.push(FileContact {
             first: ids.0,
             second: ids.1,
             // Lines of LIGGGHTS may lead to any image of a grain.
@@ -184,7 +184,7 @@ fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<Pair>
             normal_force: normal_force.as_ref().map(|values| values[k][0]),
             tangential_force: tangential.as_ref().map(|values| values[k]),
             approach: approach.as_ref().map(|values| values[k][0]),
-            ..Pair::default()
+            ..FileContact::default()
         });
     }
     Ok(pairs)
@@ -196,7 +196,11 @@ fn ends(path: &Path, line: &GridCell) -> Result<[usize; 2]> {
 }
 
 /// The contacts of YADE's recorder `intr` and the centres that they name.
-fn recorded(path: &Path, document: &Document, lines: &[usize]) -> Result<(Option<Vec<Pair>>, Vec<Vector>)> {
+fn recorded(
+    path: &Path,
+    document: &Document,
+    lines: &[usize],
+) -> Result<(Option<Vec<FileContact>>, Vec<Vector>)> {
     // Rows may outnumber the lines, so that they are not taken by line.
     let table = Table::new(&document.cell_data, None);
     let rows = table.array(&["forceN"]).map_or(0, |array| array.values.len());
@@ -233,12 +237,12 @@ fn recorded(path: &Path, document: &Document, lines: &[usize]) -> Result<(Option
         return Err(Error::content(path, message));
     }
     let frictionless = tangential.as_ref().is_some_and(|values| values.iter().flatten().all(|x| *x == 0.0));
-    let pair = |(ends, k): ([usize; 2], usize)| Pair {
+    let pair = |(ends, k): ([usize; 2], usize)| FileContact {
         first: ends[0] as u64,
         second: ends[1] as u64,
         normal_force: Some(normal[k][0]),
         tangential_force: frictionless.then_some([0.0; 3]),
-        ..Pair::default()
+        ..FileContact::default()
     };
     let pairs = named.into_iter().zip(of_row).map(pair).collect();
     Ok((Some(pairs), document.points.clone()))

@@ -7,7 +7,7 @@ use std::time::Instant;
 use granum_dem::loading::StageEnd;
 use granum_dem::observer::Observer;
 use granum_io::Case;
-use granum_io::run::{Fault, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};
+use granum_io::run::{FileFault, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};
 use granum_sensors::Record;
 
 use super::run_state::{self, RunPart, RunState};
@@ -99,7 +99,7 @@ fn changed_files(
     observer: &mut dyn Observer,
 ) -> Result<bool, LaboratoryError> {
     let faults = run.faults()?;
-    let snapshot = |fault: &Fault| {
+    let snapshot = |fault: &FileFault| {
         let file = fault.name.strip_prefix("snapshots/")?;
         Some(file.split('.').next().unwrap_or(file).to_string())
     };

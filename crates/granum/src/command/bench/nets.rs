@@ -6,7 +6,7 @@ use std::time::Instant;
 use granum_core::parallel;
 use granum_dem::Isa;
 use granum_nets::trainer::{LevenbergMarquardt, NoObserver, Trainer, Traingdx};
-use granum_nets::{Column, Data, Model, ModelDefinition, Network};
+use granum_nets::{Data, Model, ModelColumn, ModelDefinition, Network};
 use serde::Serialize;
 
 use crate::context::Context;
@@ -141,8 +141,8 @@ fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure>
 
 fn model(isa: Isa) -> Result<Model, Failure> {
     let definition = ModelDefinition {
-        inputs: ["strain", "f", "probability"].map(|n| Column::new(n, "1")).to_vec(),
-        output: Column::new("stress_ratio", "1"),
+        inputs: ["strain", "f", "probability"].map(|n| ModelColumn::new(n, "1")).to_vec(),
+        output: ModelColumn::new("stress_ratio", "1"),
         quantities: Vec::new(),
         shares: Vec::new(),
         hidden: vec![HIDDEN, HIDDEN],

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use granum_campaign::execution::{CampaignObserver, CampaignProgress};
 use granum_run::Flow;
-use granum_run::laboratory::Field;
+use granum_run::laboratory::ProgressField;
 
 use crate::context::Context;
 use crate::progress::Progress;
@@ -27,12 +27,16 @@ impl CampaignObserver for ShowCampaign<'_> {
     fn progress(&self, progress: &CampaignProgress) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         shown.update(Some(progress.share), |_| {
-            let mut fields = vec![Field::new(0, format!("{} of {} runs", progress.finished, progress.runs))];
-            let some =
-                |count: usize, what: &str| (count > 0).then(|| Field::new(1, format!("{count} {what}")));
+            let mut fields =
+                vec![ProgressField::new(0, format!("{} of {} runs", progress.finished, progress.runs))];
+            let some = |count: usize, what: &str| {
+                (count > 0).then(|| ProgressField::new(1, format!("{count} {what}")))
+            };
             fields.extend(some(progress.failed, "failed"));
             fields.extend(some(progress.flagged, "flagged"));
-            fields.extend(progress.runs_per_hour.map(|rate| Field::new(2, format!("{rate:.0} runs/h"))));
+            fields.extend(
+                progress.runs_per_hour.map(|rate| ProgressField::new(2, format!("{rate:.0} runs/h"))),
+            );
             fields
         });
     }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use clap::Args;
 use granum::contents::{Contents, FolderKind, check_free, taken};
-use granum_antony2006::Summary;
+use granum_antony2006::PaperSummary;
 use granum_antony2006::reproduction::{
     REPRODUCTION_FILE, Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE,
 };
@@ -21,7 +21,7 @@ use granum_learn::networks::TIMES_FILE;
 use granum_run::Laboratory;
 use serde_json::json;
 
-use self::plan::Plan;
+use self::plan::ReproductionPlan;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::HardwareFlags;
 use super::summary_file::read_summary;
@@ -71,7 +71,7 @@ impl Reproduce {
         let started = Instant::now();
         granum_nets::trainer::by_name(&self.trainer, &Default::default())?;
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
-        let plan = Plan::new(&self.options());
+        let plan = ReproductionPlan::new(&self.options());
         let folder = self.folder(context, &plan)?;
         if !context.force && self.is_finished(&folder, &plan, &laboratory) {
             whole::check(&self.out, &whole::faults_of_reproduction(folder.path(), true)?)?;
@@ -109,7 +109,7 @@ impl Reproduce {
 
     /// The output folder: a new one, that of the same reproduction, which is continued, or, with `--force`, that of any
     /// reproduction.
-    fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
+    fn folder(&self, context: &Context, plan: &ReproductionPlan) -> Result<OutputFolder, Failure> {
         let wanted = Reproduction::new(self.options(), plan.names());
         let Contents::Reproduction { .. } = Contents::read(&self.out)? else {
             check_free(&self.out, FolderKind::Reproduction, context.force)?;
@@ -148,7 +148,7 @@ impl Reproduce {
     }
 
     /// True if the reproduction is complete.
-    fn is_finished(&self, folder: &OutputFolder, plan: &Plan, laboratory: &Laboratory) -> bool {
+    fn is_finished(&self, folder: &OutputFolder, plan: &ReproductionPlan, laboratory: &Laboratory) -> bool {
         [SUMMARY_FILE, "report.html"].iter().all(|name| folder.file(name).is_file())
             && runs::are_finished(laboratory, folder.path(), plan)
     }
@@ -158,7 +158,7 @@ impl Reproduce {
         &self,
         context: &Context,
         folder: &OutputFolder,
-        summary: &Summary,
+        summary: &PaperSummary,
         started: Option<Instant>,
     ) -> Result<(), Failure> {
         let (report, numbers) = (folder.file("report.html"), folder.file(SUMMARY_FILE));
@@ -179,7 +179,7 @@ impl Reproduce {
 }
 
 /// A table of the mappings with their errors, for the terminal.
-fn table(summary: &Summary) -> String {
+fn table(summary: &PaperSummary) -> String {
     let mut lines = scores::lines(&summary.mappings, "seed scatter");
     if summary.speed.factor > 0.0 {
         lines.push(format!(

@@ -8,23 +8,24 @@ use granum_io::shell::quoted_path;
 use granum_run::laboratory::{Laboratory, Source};
 use granum_run::queue::{Outcome, Queue, QueueError, QueuedRun};
 
-use super::plan::{Plan, Role};
+use super::plan::ReproductionPlan;
 use crate::command::show_queue::ShowQueue;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
+use granum_learn::runs::RunRole;
 
 /// Folder of the runs.
 const FOLDER: &str = granum_antony2006::reproduction::RUNS;
 
 /// A finished run.
 pub struct Done {
-    pub role: Role,
+    pub role: RunRole,
     pub seed: u64,
     pub folder: PathBuf,
 }
 
 /// The queue of the runs in the folder of a reproduction.
-fn queue(folder: &Path, plan: &Plan) -> Result<Queue, QueueError> {
+fn queue(folder: &Path, plan: &ReproductionPlan) -> Result<Queue, QueueError> {
     let run = |planned: &super::plan::Planned| {
         let path = folder.join(FOLDER).join(&planned.name);
         QueuedRun::test(&planned.name, planned.case.clone(), Source::Case, path)
@@ -33,7 +34,7 @@ fn queue(folder: &Path, plan: &Plan) -> Result<Queue, QueueError> {
 }
 
 /// True if all runs are finished.
-pub fn are_finished(laboratory: &Laboratory, folder: &Path, plan: &Plan) -> bool {
+pub fn are_finished(laboratory: &Laboratory, folder: &Path, plan: &ReproductionPlan) -> bool {
     queue(folder, plan).is_ok_and(|queue| queue.is_finished(laboratory))
 }
 
@@ -41,7 +42,7 @@ pub fn are_finished(laboratory: &Laboratory, folder: &Path, plan: &Plan) -> bool
 pub fn all(
     context: &Context,
     laboratory: &Laboratory,
-    plan: &Plan,
+    plan: &ReproductionPlan,
     folder: &Path,
 ) -> Result<Vec<Done>, Failure> {
     let runs = inner_folder(folder, FOLDER)?;

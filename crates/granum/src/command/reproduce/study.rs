@@ -6,7 +6,7 @@ use granum_antony2006::reproduction::SUMMARY_FILE;
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_antony2006::times::SummaryTimes;
 use granum_antony2006::{
-    Evaluation, PaperData, PaperDataOptions, PaperOptions, SizeStudy, SizeStudyOptions, Summary,
+    Evaluation, PaperData, PaperDataOptions, PaperOptions, PaperSummary, SizeStudy, SizeStudyOptions,
 };
 use granum_antony2006::{StudyReport, study_report};
 use granum_antony2006::{interpretation, speed};
@@ -17,11 +17,11 @@ use granum_learn::NamedRecord;
 use granum_learn::networks::KeptNetworks;
 use granum_learn::runs::{RunRole, StudyRun};
 use granum_learn::study::{self, KeptStudy, PLAN_FILE, Study, StudyPlan};
-use granum_report::{Role, RunReport};
+use granum_report::RunReport;
 
 use super::Reproduce;
 use super::many;
-use super::plan::{Plan, Role as PlannedRole};
+use super::plan::ReproductionPlan;
 use super::runs::Done;
 use crate::command::show_training::{Kept, Show};
 use crate::command::summary_file::write_speed_page;
@@ -37,24 +37,21 @@ const REPETITIONS: usize = 50;
 pub fn all(
     context: &Context,
     folder: &OutputFolder,
-    plan: &Plan,
+    plan: &ReproductionPlan,
     all_runs: &[Done],
     arguments: &Reproduce,
-) -> Result<Summary, Failure> {
+) -> Result<PaperSummary, Failure> {
     let runs = &all_runs[..plan.paper()];
     let reports: Vec<RunReport> = runs
         .iter()
-        .map(|run| {
-            let role = if run.role == PlannedRole::Training { Role::Training } else { Role::Unseen };
-            Ok(RunReport::read(&Run::at(&run.folder)?, role)?)
-        })
+        .map(|run| Ok(RunReport::read(&Run::at(&run.folder)?, run.role.into())?))
         .collect::<Result<_, Failure>>()?;
     let named: Vec<NamedRecord> = reports
         .iter()
         .zip(runs)
         .map(|(report, run)| NamedRecord { name: &report.name, seed: run.seed, record: &report.record })
         .collect();
-    let count = runs.iter().filter(|run| run.role == PlannedRole::Training).count();
+    let count = runs.iter().filter(|run| run.role == RunRole::Training).count();
     let data = PaperData::from_records(&named[..count], &named[count..], &PaperDataOptions::default())?;
     let threads = arguments.hardware.hardware()?.threads;
     let trainer = granum_nets::trainer::by_name(&arguments.trainer, &Default::default())?;
@@ -100,7 +97,7 @@ pub fn all(
         None => Default::default(),
     };
     let evaluations = Evaluation::of_study(&study, &data)?;
-    let summary = Summary {
+    let summary = PaperSummary {
         dem: dem_summary(&reports, runs),
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
         reading: interpretation::read(&evaluations, Some(&size_study)),
@@ -148,11 +145,7 @@ fn size_options(quick: bool, threads: usize) -> SizeStudyOptions {
 
 /// The descriptions of the runs that the study stores.
 fn known(runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
-    let role = |run: &Done| match run.role {
-        PlannedRole::Training => RunRole::Training,
-        PlannedRole::Unseen => RunRole::Unseen,
-    };
-    runs.iter().map(|run| Ok(StudyRun::read(&Run::at(&run.folder)?, role(run))?)).collect()
+    runs.iter().map(|run| Ok(StudyRun::read(&Run::at(&run.folder)?, run.role)?)).collect()
 }
 
 fn dem_summary(reports: &[RunReport], runs: &[Done]) -> DemSummary {
