@@ -107,7 +107,7 @@ fn entry(
 #[derive(Clone)]
 pub struct Fields(Arc<[Arc<Field>]>);
 
-static STANDARD: LazyLock<Fields> = LazyLock::new(|| Fields::new(&Vocabulary::standard()));
+static STANDARD: LazyLock<Fields> = LazyLock::new(|| Fields::with_vocabulary(&Vocabulary::standard()));
 
 impl Fields {
     /// The keys with granum's own contact laws and sensors.
