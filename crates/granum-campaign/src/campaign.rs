@@ -8,11 +8,13 @@ use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, Run, RunStatus};
 use granum_run::laboratory::Source;
-use granum_run::queue::QueuedRun;
+use granum_run::queue::{QueuedRun, sample_name};
+use granum_sensors::Sensors;
 use serde::{Deserialize, Serialize};
 
 use crate::journal::{Event, JOURNAL, LineWriter, last_events};
-use crate::plan::{Condition, Plan, PlannedRuns, RunValue, apply_settings};
+use crate::plan::{Condition, Keep, Plan, PlannedRuns, RunValue, apply_settings};
+use crate::rows::{RowFiles, StoredHead};
 
 /// The file of a campaign in its folder.
 pub const CAMPAIGN_FILE: &str = "campaign.json";
@@ -47,6 +49,9 @@ struct CampaignFile {
     variables: Vec<VariableRecord>,
     /// Limits up to which a run that did not pass a check is taken all the same.
     accept: Vec<String>,
+    /// What stays of finished runs.
+    #[serde(default, skip_serializing_if = "Keep::is_usual")]
+    keep: Keep,
     runs: Vec<CampaignRun>,
     /// Names of the runs of earlier plans whose folders are still there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -81,6 +86,9 @@ pub struct CampaignRun {
     /// True if other runs have the same sample, which is then a run of its own.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub shares_sample: bool,
+    /// The name of the folder of a sample that it shares; empty in files of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub sample: String,
 }
 
 /// What differs between the runs of a changed plan and those that a folder has.
@@ -113,12 +121,16 @@ impl Campaign {
         let mut alike: BTreeMap<String, usize> = BTreeMap::new();
         let samples: Vec<String> = planned.runs.iter().map(|run| run.case.preparation_digest()).collect();
         samples.iter().for_each(|digest| *alike.entry(digest.clone()).or_default() += 1);
-        let runs = planned.runs.iter().zip(&samples).map(|(run, sample)| CampaignRun {
-            name: run.name.clone(),
-            values: run.values.iter().map(|(_, value)| value.clone()).collect(),
-            settings: run.settings.clone(),
-            case_digest: run.case.digest(),
-            shares_sample: alike.get(sample).is_some_and(|count| *count > 1),
+        let runs = planned.runs.iter().zip(&samples).map(|(run, sample)| {
+            let shares_sample = alike.get(sample).is_some_and(|count| *count > 1);
+            CampaignRun {
+                name: run.name.clone(),
+                values: run.values.iter().map(|(_, value)| value.clone()).collect(),
+                settings: run.settings.clone(),
+                case_digest: run.case.digest(),
+                shares_sample,
+                sample: if shares_sample { sample_name(sample).to_string() } else { String::new() },
+            }
         });
         let file = CampaignFile {
             format: FORMAT,
@@ -127,6 +139,7 @@ impl Campaign {
             case: plan.case.resolved_toml(),
             variables: variables.collect(),
             accept: plan.accept.iter().map(|condition| condition.value.text().to_string()).collect(),
+            keep: plan.keep,
             runs: runs.collect(),
             no_longer_planned: Vec::new(),
         };
@@ -223,6 +236,16 @@ impl Campaign {
         self.file.accept.iter().filter_map(|text| Condition::parse(text).ok()).collect()
     }
 
+    /// What stays of finished runs.
+    pub fn keep(&self) -> Keep {
+        self.file.keep
+    }
+
+    /// The base case, from which the cases of the runs are made.
+    pub fn base(&self) -> &Case {
+        &self.base
+    }
+
     /// Compares the runs with those of the campaign that the folder had.
     pub fn difference(&self, earlier: &Campaign) -> PlanDifference {
         let now: BTreeSet<&str> = self.runs().iter().map(|run| run.name.as_str()).collect();
@@ -259,6 +282,17 @@ impl Campaign {
         campaign
     }
 
+    /// The rows that stand for the folders of runs: none, if the folders are kept.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub fn rows_kept(&self) -> Result<RowFiles> {
+        match self.keep() {
+            Keep::Dataset => RowFiles::read(&self.folder),
+            Keep::Folders => Ok(RowFiles::default()),
+        }
+    }
+
     /// Adds to the journal what the folders of the runs tell and the journal does not: what other processes did than a coordinator here.
     /// Returns how many runs were added.
     ///
@@ -266,12 +300,18 @@ impl Campaign {
     /// If the record of a run cannot be read, or the journal cannot be written.
     pub fn collect(&self) -> Result<usize> {
         let known = last_events(&self.folder);
+        let rows = self.rows_kept()?;
         let path = self.folder.join(JOURNAL);
         let mut journal = LineWriter::open(&path)?;
         let mut added = 0;
-        for run in self.runs() {
+        for run in self.runs().iter().filter(|run| !known.get(&run.name).is_some_and(Event::is_final)) {
             let folder = self.folder_of(&run.name);
-            if known.get(&run.name).is_some_and(Event::is_final) || !folder.join("run.json").is_file() {
+            if let Some(head) = rows.head(&run.name).filter(|_| self.has_rows(&rows, run)) {
+                journal.note(&run.name, head.event.clone()).map_err(Error::file("write", &path))?;
+                added += 1;
+                continue;
+            }
+            if !folder.join("run.json").is_file() {
                 continue;
             }
             let record = Run::at(&folder)?.record()?;
@@ -296,7 +336,9 @@ impl Campaign {
             )
         };
         if let Some(digits) = name.strip_prefix("sample ") {
-            for run in self.runs().iter().filter(|run| run.shares_sample) {
+            let is_it =
+                |run: &&CampaignRun| run.shares_sample && (run.sample.is_empty() || run.sample == digits);
+            for run in self.runs().iter().filter(is_it) {
                 let test = self.queued_run(run)?;
                 let sample = test.its_sample(&self.folder.join(SAMPLES));
                 if sample.name.strip_prefix("sample ") == Some(digits) {
@@ -325,7 +367,11 @@ impl Campaign {
         Ok(all)
     }
 
-    fn queued_run(&self, run: &CampaignRun) -> Result<QueuedRun> {
+    /// The case of a run.
+    ///
+    /// # Errors
+    /// If it cannot be made any more as it was planned.
+    pub fn case_of(&self, run: &CampaignRun) -> Result<Case> {
         let case = apply_settings(&self.base, &run.settings)?;
         if case.digest() != run.case_digest {
             let message = format!(
@@ -335,6 +381,42 @@ impl Campaign {
             );
             return Err(Error::content(&self.folder.join(CAMPAIGN_FILE), message));
         }
+        Ok(case)
+    }
+
+    /// True if the rows of a run have been taken in, with the case and the version that are planned.
+    pub fn has_rows(&self, rows: &RowFiles, run: &CampaignRun) -> bool {
+        let is_it =
+            |head: &StoredHead| head.case_digest == run.case_digest && head.granum_version == self.version();
+        rows.head(&run.name).is_some_and(is_it)
+    }
+
+    /// The folders of shared samples of which no run is needed any more, given which runs are, as far as they are there.
+    pub(crate) fn samples_not_needed(&self, needed: &[bool]) -> Vec<PathBuf> {
+        let mut samples: BTreeMap<&str, bool> = BTreeMap::new();
+        for (run, needed) in self.runs().iter().zip(needed).filter(|(run, _)| !run.sample.is_empty()) {
+            *samples.entry(&run.sample).or_default() |= *needed;
+        }
+        let gone = samples.into_iter().filter(|(_, needed)| !needed);
+        gone.map(|(name, _)| self.folder.join(SAMPLES).join(name)).filter(|folder| folder.is_dir()).collect()
+    }
+
+    /// Refuses a link in the place of a folder of the campaign: what is written there would end up elsewhere.
+    pub(crate) fn refuse_link(&self, name: &str) -> Result<()> {
+        let path = self.folder.join(name);
+        match path.symlink_metadata().is_ok_and(|kind| kind.is_symlink()) {
+            true => Err(Error::content(&path, "is a symbolic link; replace it by a folder or remove it")),
+            false => Ok(()),
+        }
+    }
+
+    /// The sensors by whose columns measures get their units.
+    pub(crate) fn sensors(&self) -> &Sensors {
+        self.base.vocabulary.sensors()
+    }
+
+    fn queued_run(&self, run: &CampaignRun) -> Result<QueuedRun> {
+        let case = self.case_of(run)?;
         let values = self.variables().iter().zip(&run.values);
         let values = values.map(|(variable, value)| (variable.name.clone(), value.to_string())).collect();
         let queued = QueuedRun::test(&run.name, case, Source::Case, self.folder_of(&run.name));

@@ -11,10 +11,12 @@
 pub mod acceptance;
 mod campaign;
 pub mod clock;
+pub mod data_set;
 pub mod execution;
 pub mod journal;
 pub mod message;
 pub mod plan;
+pub mod rows;
 mod status;
 
 pub use campaign::{CAMPAIGN_FILE, Campaign, CampaignRun, PlanDifference, RUNS, SAMPLES, VariableRecord};

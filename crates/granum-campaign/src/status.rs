@@ -3,7 +3,7 @@
 use granum_io::{OutputFolder, Result, Run, RunStatus};
 
 use crate::acceptance::is_accepted;
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, CampaignRun};
 use crate::journal::{Event, FailedCheck, last_events};
 
 /// The state of a run of a campaign.
@@ -62,7 +62,9 @@ impl CampaignStatus {
     /// If the record of a run cannot be read.
     pub fn of(campaign: &Campaign) -> Result<CampaignStatus> {
         let (events, accept) = (last_events(campaign.folder()), campaign.accept());
-        let state = |name: &str| -> Result<RunState> {
+        let rows = campaign.rows_kept()?;
+        let state = |run: &CampaignRun| -> Result<RunState> {
+            let name = run.name.as_str();
             let finished = |flags: Vec<FailedCheck>, seconds| RunState::Finished {
                 accepted: is_accepted(&flags, &accept),
                 flags,
@@ -75,6 +77,11 @@ impl CampaignStatus {
                     return Ok(RunState::Failed { reason: reason.clone() });
                 }
                 _ => {}
+            }
+            if let Some(Event::Finished { flags, seconds }) =
+                rows.head(name).filter(|_| campaign.has_rows(&rows, run)).map(|head| &head.event)
+            {
+                return Ok(finished(flags.clone(), *seconds));
             }
             if OutputFolder::is_in_use(&folder) {
                 return Ok(RunState::Running);
@@ -92,7 +99,7 @@ impl CampaignStatus {
                 _ => RunState::Unfinished,
             })
         };
-        let states = campaign.runs().iter().map(|run| state(&run.name)).collect::<Result<_>>()?;
+        let states = campaign.runs().iter().map(state).collect::<Result<_>>()?;
         Ok(CampaignStatus { states, at_work: OutputFolder::is_in_use(campaign.folder()) })
     }
 

@@ -25,7 +25,7 @@ const WAITS: (usize, Duration) = (50, Duration::from_millis(4));
 
 /// Marks a folder as granum's and carries the advisory lock. The file remains when the lock is released: if it were removed,
 /// two processes could hold locks on two different files of that name.
-const LOCK: &str = ".granum-lock";
+pub(crate) const LOCK: &str = ".granum-lock";
 
 /// A folder that is used by this process alone, until the value is dropped.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use granum_io::case::{CaseValues, Difference, SEED, differences};
 use granum_io::run::file_digest;
 use granum_io::shell::ShowPath;
-use granum_io::{Run, RunSource};
+use granum_io::{Case, Run, RunSource};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
@@ -80,6 +80,14 @@ impl StudyRun {
         })
     }
 
+    /// The description of a run of which only the case, the packing of its sample and the digest of its results are known.
+    pub fn of_case(name: &str, role: RunRole, case: &Case, packing: Option<&str>, digest: &str) -> StudyRun {
+        let mut values = case.values();
+        values.insert(PACKING.into(), packing.map_or_else(|| NO_PACKING.to_string(), shown));
+        let content = BTreeMap::from([("digest".to_string(), digest.to_string())]);
+        StudyRun { name: name.to_string(), role, values, content }
+    }
+
     /// True if both are the same test: they have the same states, or the same case with the same seed (one of them may
     /// have been ended earlier than the other).
     pub fn is_same_test(&self, other: &StudyRun) -> bool {
@@ -122,7 +130,7 @@ fn last_part(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_io::{Case, Machine, RunFolder, RunKind, RunRecord};
+    use granum_io::{Machine, RunFolder, RunKind, RunRecord};
 
     /// Creates the folder of a run with the given source.
     fn make(path: &Path, source: RunSource) -> Run {

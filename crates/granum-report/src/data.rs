@@ -153,6 +153,20 @@ impl RunReport {
         })
     }
 
+    /// A test of which only the case, the record and the measurements are known.
+    pub fn of_parts(name: &str, case: Case, run: RunRecord, measured: Record, role: RoleInStudy) -> Self {
+        RunReport {
+            name: name.to_string(),
+            role,
+            record: without_consolidation(measured, &case.test_stages()),
+            case,
+            run,
+            preparation: Table::default(),
+            start: None,
+            end: None,
+        }
+    }
+
     /// True if the test reached its end.
     pub fn is_complete(&self) -> bool {
         self.run.status == RunStatus::Finished

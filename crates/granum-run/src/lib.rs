@@ -5,6 +5,7 @@
 //! Case --> Laboratory --> run folder: case, snapshots, checkpoint, record
 //! ```
 
+pub mod derived_columns;
 pub mod digest;
 pub mod engine;
 pub mod laboratory;

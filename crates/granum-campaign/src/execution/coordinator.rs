@@ -8,8 +8,12 @@ use granum_run::Laboratory;
 use granum_run::queue::{Executor, Outcome, Queue, QueueError, QueuedRun};
 
 use super::recorder::{CampaignObserver, CampaignProgress, Recorder};
+use super::taking_in::TakingIn;
+use crate::acceptance::is_accepted;
 use crate::campaign::{Campaign, RUNS, SAMPLES};
 use crate::journal::{Event, last_events};
+use crate::plan::Keep;
+use crate::rows::{RowFiles, StoredHead, forget_leftovers};
 
 /// Executes the runs of a campaign.
 pub struct Coordinator<'a> {
@@ -46,7 +50,33 @@ impl Coordinator<'_> {
     /// # Errors
     /// [`QueueError`] with the name of the run.
     pub fn check(&self, replace_others: bool) -> Result<(), QueueError> {
-        Queue::new(self.campaign.all_queued()?)?.check(self.laboratory, replace_others)
+        let rows = self.campaign.rows_kept()?;
+        let (_, left) = self.divided(&rows, replace_others)?;
+        Queue::new(left)?.check(self.laboratory, replace_others)
+    }
+
+    /// The runs that have been taken in, and the others with the samples that these need.
+    fn divided<'r>(
+        &self,
+        rows: &'r RowFiles,
+        replace_others: bool,
+    ) -> Result<(Vec<&'r StoredHead>, Vec<QueuedRun>), QueueError> {
+        let all = self.campaign.all_queued()?;
+        let mut taken = Vec::new();
+        for run in self.campaign.runs() {
+            let Some(head) = rows.head(&run.name) else { continue };
+            let is_of_here =
+                head.granum_version == self.laboratory.version && head.engine == self.laboratory.engine;
+            if head.case_digest == run.case_digest && is_of_here {
+                taken.push(head);
+            } else if !replace_others {
+                let (folder, version) = (self.campaign.folder_of(&run.name), head.granum_version.clone());
+                return Err(QueueError::OtherRun { folder, version });
+            }
+        }
+        let names: BTreeSet<&str> = taken.iter().map(|head| head.run.as_str()).collect();
+        let left = without(all, &names, |_| false);
+        Ok((taken, left))
     }
 
     /// Executes all runs that are not finished in the folder of the campaign, which this process alone uses.
@@ -60,8 +90,10 @@ impl Coordinator<'_> {
         observer: &dyn CampaignObserver,
     ) -> Result<Summary, QueueError> {
         folder.refuse_links(&[RUNS, SAMPLES])?;
+        forget_leftovers(folder.path())?;
         let known = last_events(folder.path());
-        let all = self.campaign.all_queued()?;
+        let rows = self.campaign.rows_kept()?;
+        let (taken, all) = self.divided(&rows, replace_others)?;
         let kept = |run: &&QueuedRun| match known.get(&run.name) {
             Some(Event::Failed { reason, lasting: true }) if !self.again => {
                 Some((run.name.clone(), reason.clone()))
@@ -69,34 +101,49 @@ impl Coordinator<'_> {
             _ => None,
         };
         let failed_before: Vec<(String, String)> = all.iter().filter_map(|run| kept(&run)).collect();
-        let queue = Queue::new(without(all, &failed_before))?;
+        let failed: BTreeSet<&str> = failed_before.iter().map(|(name, _)| name.as_str()).collect();
+        let queue = Queue::new(without(all, &failed, |after| failed.contains(after)))?;
         if replace_others {
             queue.replace_others(self.laboratory)?;
         }
         let planned = self.campaign.runs().len();
-        let is_test = |name: &str| self.campaign.runs().iter().any(|run| run.name == name);
+        let accept = self.campaign.accept();
+        let flags = |head: &&StoredHead| match &head.event {
+            Event::Finished { flags, .. } => flags.clone(),
+            _ => Vec::new(),
+        };
+        let flagged: Vec<_> = taken.iter().map(flags).filter(|flags| !flags.is_empty()).collect();
         let counts = CampaignProgress {
             runs: planned,
-            failed: failed_before.iter().filter(|(name, _)| is_test(name)).count(),
+            finished: taken.len(),
+            flagged: flagged.len(),
+            refused: flagged.iter().filter(|flags| !is_accepted(flags, &accept)).count(),
+            failed: failed_before.iter().filter(|(name, _)| !name.starts_with("sample ")).count(),
             ..CampaignProgress::default()
         };
-        let accept = self.campaign.accept();
-        let recorder =
-            Recorder::new(&queue, folder.path(), accept, known, counts, self.stop_after, observer)?;
+        let taking_in = (self.campaign.keep() == Keep::Dataset).then(|| TakingIn::new(folder.path(), &queue));
+        let recorder = Recorder::new(
+            &queue,
+            folder.path(),
+            accept,
+            known,
+            counts,
+            self.stop_after,
+            taking_in,
+            observer,
+        )?;
         let at_once =
             self.workers.unwrap_or_else(|| queue.at_once(self.laboratory.resources.hardware.threads));
         let outcomes = queue.run_by(self.executor, self.laboratory, at_once, &recorder);
         let progress = recorder.end();
-        Ok(summary(&queue, &outcomes, progress, failed_before))
+        Ok(summary(&queue, &outcomes, progress, failed_before, taken.len()))
     }
 }
 
-/// The runs without those that failed before and those that wait for them; samples that none needs any more are left out too.
-fn without(all: Vec<QueuedRun>, failed: &[(String, String)]) -> Vec<QueuedRun> {
-    let failed: BTreeSet<&str> = failed.iter().map(|(name, _)| name.as_str()).collect();
-    let is_out = |run: &QueuedRun| {
-        failed.contains(run.name.as_str()) || run.after.as_deref().is_some_and(|after| failed.contains(after))
-    };
+/// The runs without those of these names and those that wait for one that `fails`; samples that none needs any more are left out too.
+fn without(all: Vec<QueuedRun>, names: &BTreeSet<&str>, fails: impl Fn(&str) -> bool) -> Vec<QueuedRun> {
+    let is_out =
+        |run: &QueuedRun| names.contains(run.name.as_str()) || run.after.as_deref().is_some_and(&fails);
     let left: Vec<QueuedRun> = all.into_iter().filter(|run| !is_out(run)).collect();
     let mut waited_for: BTreeMap<&str, usize> = BTreeMap::new();
     left.iter()
@@ -114,6 +161,7 @@ fn summary(
     outcomes: &[Outcome],
     progress: CampaignProgress,
     mut failed: Vec<(String, String)>,
+    taken: usize,
 ) -> Summary {
     let runs = queue.runs().iter().zip(outcomes);
     failed.extend(runs.filter_map(|(run, outcome)| Some((run.name.clone(), outcome.failure()?))));
@@ -122,6 +170,6 @@ fn summary(
         progress,
         failed,
         stopped: outcomes.iter().any(Outcome::is_stopped),
-        reused: outcomes.iter().filter(reused).count(),
+        reused: taken + outcomes.iter().filter(reused).count(),
     }
 }

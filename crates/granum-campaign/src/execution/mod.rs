@@ -5,6 +5,7 @@ mod coordinator;
 mod one_run;
 mod pilots;
 mod recorder;
+mod taking_in;
 
 pub use child_processes::ChildProcesses;
 pub use coordinator::{Coordinator, Summary};

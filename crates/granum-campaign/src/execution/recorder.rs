@@ -9,6 +9,7 @@ use granum_dem::observer::{Flow, Progress};
 use granum_io::Result;
 use granum_run::queue::{Outcome, Queue, QueueObserver, RunKind, Shares};
 
+use super::taking_in::TakingIn;
 use crate::acceptance::is_accepted;
 use crate::clock::readable;
 use crate::journal::{Event, JOURNAL, LineWriter};
@@ -94,6 +95,8 @@ pub(super) struct Recorder<'a> {
     accept: Vec<Condition>,
     /// What the journal already knows.
     known: BTreeMap<String, Event>,
+    /// Takes runs in whose folders are to go.
+    taking_in: Option<TakingIn>,
     deadline: Option<Instant>,
     held: Mutex<Held>,
 }
@@ -121,6 +124,7 @@ impl<'a> Recorder<'a> {
         known: BTreeMap<String, Event>,
         counts: CampaignProgress,
         stop_after: Option<Duration>,
+        taking_in: Option<TakingIn>,
         observer: &'a dyn CampaignObserver,
     ) -> Result<Recorder<'a>> {
         let now = Instant::now();
@@ -136,7 +140,7 @@ impl<'a> Recorder<'a> {
             warned: false,
         };
         let deadline = stop_after.and_then(|time| now.checked_add(time));
-        Ok(Recorder { queue, observer, accept, known, deadline, held: Mutex::new(held) })
+        Ok(Recorder { queue, observer, accept, known, taking_in, deadline, held: Mutex::new(held) })
     }
 
     /// What was counted; a last line is added to the file of progress.
@@ -163,6 +167,22 @@ impl<'a> Recorder<'a> {
 
     fn is_test(&self, run: usize) -> bool {
         self.queue.runs()[run].kind == RunKind::Test
+    }
+
+    /// Takes in a finished test that is part of the data set.
+    fn take_in(&self, run: usize, outcome: &Outcome) {
+        let (Some(taking_in), Outcome::Finished { record, .. }) = (&self.taking_in, outcome) else { return };
+        let is_part = match Event::finished(record) {
+            Event::Finished { flags, .. } => is_accepted(&flags, &self.accept),
+            _ => false,
+        };
+        if is_part
+            && self.is_test(run)
+            && let Err(error) = taking_in.take(self.queue, run)
+        {
+            let name = &self.queue.runs()[run].name;
+            self.observer.warn(&format!("{name}: its folder stays for now: {error}"));
+        }
     }
 
     fn note(&self, held: &mut Held, run: usize, event: Event) {
@@ -249,6 +269,7 @@ impl QueueObserver for Recorder<'_> {
     }
 
     fn ends(&self, run: usize, outcome: &Outcome) {
+        self.take_in(run, outcome);
         let mut held = self.lock();
         held.shares.end(run, outcome);
         let is_new = !matches!(outcome, Outcome::Finished { reused: true, .. } | Outcome::NotNeeded);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use granum_io::{Case, InputError};
+use serde::{Deserialize, Serialize};
 
 use super::expression::{Condition, Expression};
 
@@ -44,6 +45,27 @@ pub struct Plan {
     pub constraints: Vec<Spanned<Condition>>,
     /// Limits up to which a run that did not pass a check is taken all the same.
     pub accept: Vec<Spanned<Condition>>,
+    /// What stays of the runs.
+    pub keep: Keep,
+}
+
+/// What stays of finished runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Keep {
+    /// Their folders.
+    #[default]
+    Folders,
+    /// Their rows in the data set: the folder of a run goes once its rows are on the disk. The folders of runs that are not part of the
+    /// data set stay.
+    Dataset,
+}
+
+impl Keep {
+    /// True for the usual one, which files leave out.
+    pub(crate) fn is_usual(&self) -> bool {
+        *self == Keep::default()
+    }
 }
 
 /// The text of a plan with its name.

@@ -38,10 +38,11 @@ mod read_design;
 mod read_variables;
 mod reader;
 mod runs;
+mod schema;
 mod units;
 
 pub use definition::{
-    Choice, DesignKind, DesignTable, FixedKey, Plan, PlanSource, Row, RowPlace, SampleSeeds, Spanned,
+    Choice, DesignKind, DesignTable, FixedKey, Keep, Plan, PlanSource, Row, RowPlace, SampleSeeds, Spanned,
     Variable, VariableKind,
 };
 pub use expression::{Condition, Expression};

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use granum_core::input::read_text;
+use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, named_file};
 use toml::de::DeTable;
 
-use super::definition::{Plan, PlanSource, Spanned, Variable};
+use super::definition::{Keep, Plan, PlanSource, Spanned, Variable};
 use super::expression::Condition;
 use super::read_design::KINDS;
 use super::reader::Reader;
@@ -16,7 +17,8 @@ use super::reader::Reader;
 /// A plan is a page or two long, but for long lists of runs; a larger file is something else.
 const LARGEST_FILE: u64 = 1 << 24;
 /// The keys of a plan.
-const PLAN_KEYS: [&str; 6] = ["case", "set", "design", "variable", "constraints", "accept"];
+pub(super) const PLAN_KEYS: [&str; 7] =
+    ["case", "set", "design", "variable", "constraints", "accept", "keep"];
 
 impl Plan {
     /// Reads a plan and its base case.
@@ -82,6 +84,7 @@ impl Reader {
             drafts.into_iter().filter_map(|draft| self.variable(draft, &reference)).collect();
         let constraints = self.conditions(table, "constraints");
         let accept = self.conditions(table, "accept");
+        let keep = self.keep(table);
         let design = match table.get("design") {
             Some(node) => self.design(node)?,
             None => {
@@ -92,10 +95,27 @@ impl Reader {
         };
         let Some(design) = design else { return Ok(None) };
         let source = self.source.clone();
-        let plan = Plan { source, case_file, case, fixed, variables, design, constraints, accept };
+        let plan = Plan { source, case_file, case, fixed, variables, design, constraints, accept, keep };
         self.check_names(&plan, &reference);
         self.check_design(&plan);
         Ok(Some(plan))
+    }
+
+    fn keep(&mut self, table: &DeTable) -> Keep {
+        let Some(node) = table.get("keep") else { return Keep::default() };
+        match self.text(node, "keep").as_deref() {
+            None | Some("folders") => Keep::Folders,
+            Some("dataset") => Keep::Dataset,
+            Some(other) => {
+                let help = suggestion(other, ["folders", "dataset"].into_iter());
+                self.error(
+                    node.span(),
+                    format!("keep = {other:?} must be \"folders\" or \"dataset\""),
+                    &help,
+                );
+                Keep::default()
+            }
+        }
     }
 
     fn conditions(&mut self, table: &DeTable, key: &str) -> Vec<Spanned<Condition>> {

@@ -11,7 +11,8 @@ use super::design::{MOST_POINTS, rows};
 use super::reader::{Node, Reader};
 
 /// The keys of a design.
-const DESIGN_KEYS: [&str; 7] = ["kind", "points", "seed", "replicates", "sample_seeds", "rows", "file"];
+pub(super) const DESIGN_KEYS: [&str; 7] =
+    ["kind", "points", "seed", "replicates", "sample_seeds", "rows", "file"];
 /// The kinds of design as a plan names them.
 pub(super) const KINDS: [&str; 5] = ["sobol", "latin-hypercube", "full-factorial", "list", "csv"];
 

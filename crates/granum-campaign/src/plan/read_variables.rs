@@ -15,7 +15,7 @@ use super::units;
 /// Names that a variable cannot have.
 const RESERVED: [&str; 6] = ["min", "max", "abs", "sqrt", "exp", "name"];
 /// The keys of a variable.
-const VARIABLE_KEYS: [&str; 10] =
+pub(super) const VARIABLE_KEYS: [&str; 10] =
     ["name", "key", "keys", "from", "to", "scale", "levels", "values", "expression", "step"];
 
 /// A variable whose values have not been read yet: their reading needs the unit of its keys.

@@ -24,6 +24,7 @@ mod csv_words;
 pub mod extended_xyz;
 pub mod grain_table;
 pub mod gsd;
+pub mod hdf5;
 pub mod join;
 pub mod lammps_data;
 pub mod lammps_dump;

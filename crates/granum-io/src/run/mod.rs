@@ -4,6 +4,7 @@
 mod check;
 mod content;
 mod record;
+mod removal;
 mod run_folder;
 mod states;
 mod times;

@@ -24,7 +24,7 @@ pub use column_group::ColumnGroup;
 pub use named_columns::Dataset;
 pub use run_columns::record_error;
 pub use run_states::{NamedRecord, RunStates};
-pub use split::{Split, SplitParts};
+pub use split::{Split, SplitParts, unseen_runs};
 pub use variable::Variable;
 
 #[cfg(test)]

@@ -52,8 +52,9 @@ impl Dataset {
         if runs.is_empty() {
             return bad("there is no run".into());
         }
-        for (k, run) in runs.iter().enumerate() {
-            if runs[..k].iter().any(|other| other.name() == run.name()) {
+        let mut names = BTreeSet::new();
+        for run in &runs {
+            if !names.insert(run.name()) {
                 return bad(format!("two runs have the name {}; give each its own", run.name()));
             }
             if run.rows() == 0 {

@@ -7,8 +7,9 @@ use granum_core::digest::Digest;
 use granum_core::names::suggestion;
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
-use granum_io::Run;
 use granum_io::case::{CaseParameter, ParameterValue};
+use granum_io::{Case, Run};
+use granum_run::derived_columns::{listed, single_parameters};
 use granum_run::record::read_record;
 use granum_sensors::Record;
 
@@ -18,9 +19,6 @@ use super::keys::{STAGE, STATE};
 use super::run_columns::{RunColumns, record_error};
 use super::variable::Variable;
 use crate::error::{LearnError, Result};
-
-/// A list of more numbers than this is one word, by which equal lists are recognised.
-const LONGEST_LIST: usize = 16;
 
 /// A record with its name and seed.
 #[derive(Clone, Copy, Debug)]
@@ -107,12 +105,16 @@ impl RunStates {
     /// # Errors
     /// If the folder contains no record of a test, and as [`RunStates::from_record`].
     pub fn read(name: &str, run: &Run) -> Result<RunStates> {
-        let mut states = RunStates::of_record(name, read_record(run)?)?;
-        run.case()?
-            .parameters()
-            .into_iter()
-            .flat_map(taken_apart)
-            .for_each(|found| states.set_parameter(found));
+        RunStates::of_case(name, &run.case()?, read_record(run)?)
+    }
+
+    /// From the case and the record of a run, as [`RunStates::read`] from its folder.
+    ///
+    /// # Errors
+    /// As [`RunStates::from_record`].
+    pub fn of_case(name: &str, case: &Case, record: Record) -> Result<RunStates> {
+        let mut states = RunStates::of_record(name, record)?;
+        single_parameters(case).into_iter().for_each(|found| states.set_parameter(found));
         Ok(states)
     }
 
@@ -348,23 +350,4 @@ impl RunStates {
             }
         }
     }
-}
-
-/// The numbers of a list as parameters of their own.
-fn taken_apart(found: CaseParameter) -> Vec<CaseParameter> {
-    let ParameterValue::List(numbers) = &found.value else { return vec![found] };
-    if numbers.len() > LONGEST_LIST {
-        return vec![CaseParameter::new(found.key, "", ParameterValue::Word(listed(numbers)))];
-    }
-    let number = |(k, number): (usize, &f64)| {
-        CaseParameter::new(format!("{}.{}", found.key, k + 1), &found.unit, ParameterValue::Number(*number))
-    };
-    numbers.iter().enumerate().map(number).collect()
-}
-
-/// A word by which equal lists are recognised.
-fn listed(numbers: &[f64]) -> String {
-    let mut digest = Digest::new();
-    digest.numbers(numbers);
-    format!("sha256:{}", digest.finish())
 }

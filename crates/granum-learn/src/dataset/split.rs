@@ -1,5 +1,8 @@
 //! The split of a data set into training, held-out and unseen parts.
 
+use std::collections::BTreeSet;
+
+use granum_core::digest::Digest;
 use serde::{Deserialize, Serialize};
 
 use super::keys::STATE;
@@ -57,8 +60,9 @@ impl Split {
         if self.stride == 0 {
             return bad("the stride of training states must be 1 or more, not 0".into());
         }
+        let known: BTreeSet<&str> = dataset.runs().iter().map(RunStates::name).collect();
         for name in &self.unseen {
-            if !dataset.runs().iter().any(|run| run.name() == name) {
+            if !known.contains(name.as_str()) {
                 let names = dataset.runs().iter().map(RunStates::name);
                 let hint = granum_core::names::suggestion(name, names);
                 return bad(format!("there is no run {name} to keep unseen; {hint}"));
@@ -68,7 +72,8 @@ impl Split {
             dataset.variable(name)?;
         }
         let used = dataset.select(|run, row| self.uses(run, row));
-        let is_unseen = |run: &RunStates| self.unseen.iter().any(|name| name == run.name());
+        let unseen: BTreeSet<&str> = self.unseen.iter().map(String::as_str).collect();
+        let is_unseen = |run: &RunStates| unseen.contains(run.name());
         let trains = |run: &RunStates, row: usize| {
             (state_of(run, row) - self.first_state).is_multiple_of(self.stride as u64)
         };
@@ -91,6 +96,35 @@ impl Split {
         };
         state_of(run, row) >= self.first_state && self.within.as_ref().is_none_or(inside)
     }
+}
+
+/// The numbers of the runs that a share of whole runs keeps unseen, in their order: at least one, and not all. A run is chosen by the
+/// SHA-256 of its name and the seed, so that it does not depend on the order of the runs, and more runs change little.
+///
+/// ```
+/// use granum_learn::dataset::unseen_runs;
+///
+/// let names: Vec<String> = (0..10).map(|k| format!("run {k}")).collect();
+/// let unseen = unseen_runs(&names, 0.3, 1);
+/// assert_eq!(unseen.len(), 3);
+/// assert_ne!(unseen, unseen_runs(&names, 0.3, 2));
+/// ```
+pub fn unseen_runs<S: AsRef<str>>(names: &[S], share: f64, seed: u64) -> Vec<usize> {
+    let rank = |name: &S| {
+        let mut digest = Digest::new();
+        digest.text("granum unseen runs 1");
+        digest.count(seed as usize);
+        digest.text(name.as_ref());
+        digest.finish()
+    };
+    let mut ranked: Vec<(String, usize)> =
+        names.iter().enumerate().map(|(k, name)| (rank(name), k)).collect();
+    ranked.sort();
+    let most = names.len().saturating_sub(1);
+    let count = ((share * names.len() as f64).round() as usize).clamp(1.min(most), most);
+    let mut chosen: Vec<usize> = ranked.into_iter().take(count).map(|(_, k)| k).collect();
+    chosen.sort_unstable();
+    chosen
 }
 
 impl Dataset {

@@ -38,9 +38,16 @@ pub struct StudyPlan {
     pub dataset_digest: String,
     /// What the study consists of.
     pub definition: StudyDefinition,
+    /// The share of the training runs that are kept unseen as whole runs; 0 for none.
+    #[serde(default, skip_serializing_if = "is_nothing")]
+    pub unseen_share: f64,
     /// True if the runs may differ in more than the seed of their samples although no input tells of it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mixed: bool,
+}
+
+fn is_nothing(share: &f64) -> bool {
+    *share == 0.0
 }
 
 impl StudyPlan {
@@ -65,6 +72,7 @@ impl StudyPlan {
             unseen: absolute(unseen)?,
             dataset_digest,
             definition,
+            unseen_share: 0.0,
             mixed: false,
         })
     }
@@ -141,7 +149,8 @@ impl StudyPlan {
         note(a.networks.hidden != b.networks.hidden, "the sizes of networks");
         note(a.learning_curve != b.learning_curve, "the learning curve");
         note(a.most_states != b.most_states, "the number of training states");
-        note(a.split != b.split || a.level != b.level, "the split");
+        let shares = self.unseen_share != other.unseen_share;
+        note(a.split != b.split || a.level != b.level || shares, "the split");
         found
     }
 

@@ -52,6 +52,7 @@ pub use queue_observer::{NoQueueObserver, QueueObserver};
 pub use queued_run::QueuedRun;
 pub use run_list::{RUN_LIST, RunList};
 pub use runner::Queue;
+pub use samples::sample_name;
 pub use shares::{Shares, TEST_BEGINS_AT};
 
 #[cfg(test)]

@@ -39,12 +39,17 @@ pub(super) fn share(mut runs: Vec<QueuedRun>, folder: &Path) -> Vec<QueuedRun> {
     samples
 }
 
+/// The name of the folder of a sample, from the digest of its preparation.
+pub fn sample_name(digest: &str) -> &str {
+    &digest[..DIGITS.min(digest.len())]
+}
+
 impl QueuedRun {
     /// The preparation of the sample of this test as a run of its own, in a folder inside `samples` that is named after the digest of
     /// the preparation: the same for all tests that can share it, whatever they test.
     pub fn its_sample(&self, samples: &Path) -> QueuedRun {
         let digest = self.case.preparation_digest();
-        let name = &digest[..DIGITS.min(digest.len())];
+        let name = sample_name(&digest);
         QueuedRun::sample(format!("sample {name}"), of_sample(&self.case), Source::Case, samples.join(name))
     }
 }

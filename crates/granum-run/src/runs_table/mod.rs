@@ -27,6 +27,7 @@ pub use columns::{RunsTable, Selection};
 pub use entry::RunEntry;
 pub use find::find_runs;
 pub use keys::{DifferingKey, KeyValue, RunGroup, differing_keys, groups, legend};
+pub use units::of_measure as unit_of_measure;
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ const BEFORE: [&str; 6] = ["peak_", "late_", "critical_", "largest_", "undrained
 const AFTER: [&str; 3] = ["_at_peak", "_at_least", "_at_liquefaction"];
 
 /// The unit of a measure; empty for a pure number, or where it is not known.
-pub(super) fn of_measure(name: &str, sensors: &Sensors) -> String {
+pub fn of_measure(name: &str, sensors: &Sensors) -> String {
     if let Some((_, unit)) = KNOWN.iter().find(|(known, _)| *known == name) {
         return (*unit).to_string();
     }

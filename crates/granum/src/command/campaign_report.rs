@@ -27,11 +27,19 @@ pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) ->
         let message = format!("{}: none of its runs is finished", campaign.folder().shown());
         return Err(Failure::new(message));
     }
+    let rows = campaign.rows_kept()?;
     let entry = |k: usize| -> Result<CampaignEntry, Failure> {
         context.check_stopped(|| "nothing was written".into())?;
         let (run, accepted) = finished[k];
-        let report =
-            RunReport::read_without_pictures(&Run::at(campaign.folder_of(&run.name))?, RoleInStudy::Single)?;
+        let folder = campaign.folder_of(&run.name);
+        let report = match folder.join("run.json").is_file() {
+            true => RunReport::read_without_pictures(&Run::at(folder)?, RoleInStudy::Single)?,
+            false => {
+                let stored = rows.run(&run.name)?;
+                let case = campaign.case_of(run)?;
+                RunReport::of_parts(&run.name, case, stored.record, stored.measured, RoleInStudy::Single)
+            }
+        };
         let values = run.values.iter().map(value).collect();
         Ok(CampaignEntry::new(&report, values, accepted, finished.len()))
     };

@@ -47,7 +47,7 @@ impl Evaluate {
             return evaluate_study::run(context, &study, (&self.study, &self.runs));
         }
         let runs = records::read(context, &self.runs, RunRole::Unseen)?;
-        let data = dataset(&runs.iter().collect::<Vec<_>>(), &self.runs.iter().collect::<Vec<_>>())?;
+        let data = dataset(&runs.iter().collect::<Vec<_>>())?;
         let mut scored = Vec::new();
         let mut unseen: Vec<RunStates> = Vec::new();
         for (run, states) in runs.into_iter().zip(data.runs()) {

@@ -24,7 +24,7 @@ pub fn run(
 ) -> Result<(), Failure> {
     let runs = records::read(context, folders, RunRole::Unseen)?;
     let all: Vec<&Recorded> = runs.iter().collect();
-    let data = dataset(&all, &folders.iter().collect::<Vec<_>>())?;
+    let data = dataset(&all)?;
     let (mut results, mut lines, mut unseen) = (Vec::new(), Vec::new(), Vec::new());
     for (run, states) in runs.iter().zip(data.runs()) {
         let relation = Relation::new(run, Some(&study.runs));

@@ -10,6 +10,7 @@ use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, write_table};
 use serde_json::json;
 
+use super::export_data_set;
 use super::export_deck::DeckFlags;
 use super::sources::SourceFlags;
 use super::whole::open_run;
@@ -31,26 +32,33 @@ use crate::output;
     after_help = "Example:\n  granum export run-1 -o series.csv\n  granum export run-1 -o end.vtp\n  granum export run-1 --snapshot all -o \
                   run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv\n  \
                   granum export run-1 --to lammps --out deck\n  granum export sample --to lammps --path drained-triaxial --with \
-                  axial_strain=0.05 --out deck\n  granum export my-sand.toml --packing packing.csv --to lammps --out deck"
+                  axial_strain=0.05 --out deck\n  granum export my-sand.toml --packing packing.csv --to lammps --out deck\n  granum export study -o states.csv\n  granum export study --table runs -o runs.csv\n  \
+                  granum export study --to grainlearning -o study.hdf5"
 )]
 pub struct Export {
-    /// A run folder, a packing file, or files of results of another program; with --to lammps a run folder or a case file.
+    /// A run folder, a campaign or its data set, a packing file, or files of results of another program; with --to lammps a run folder or
+    /// a case file.
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
     /// File to write; with --to lammps the folder.
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd. Or lammps: an input deck.
+    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd. Or lammps: an input deck; or, of a
+    /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
-    /// Table to write: of a run series (the default), forces, preparation, or a further histogram by its name; of a run, a sample or
-    /// other results grains or contacts.
+    /// Table to write: of a run series (the default), states (series and histograms, in Parquet as lists), forces, preparation, or a
+    /// further histogram by its name; of a campaign states (the default) or runs; of a run, a sample or other results grains or contacts.
     #[arg(long, value_name = "NAME", conflicts_with = "to")]
     table: Option<String>,
     /// Snapshot of the run folder, or all in the order of their times; the one at its end by default, of a prepared sample the only one.
     /// Of other results the number of the instant, from 1, or last, or all; all by default.
     #[arg(long, value_name = "NAME")]
     snapshot: Option<String>,
+    /// Number of states of each run with --to grainlearning: longer runs are cut, shorter ones left out; by default as many as the
+    /// shortest run has.
+    #[arg(long, value_name = "N")]
+    sequence_length: Option<usize>,
     #[command(flatten)]
     sources: SourceFlags,
     #[command(flatten)]
@@ -59,6 +67,9 @@ pub struct Export {
 
 impl Export {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if let Some(what) = self.of_data_set(context)? {
+            return self.say(context, &what);
+        }
         if self.to.as_deref() == Some("lammps") {
             if self.snapshot.is_some() {
                 return Err(Failure::new(
@@ -89,6 +100,10 @@ impl Export {
         if let (Some(run), true) = (&run, tabular) {
             // A prepared sample that was not tested has no series: its grains are written.
             let series = run.has_series().then_some("series");
+            if self.table.as_deref() == Some(export_data_set::STATES) && run.has_series() {
+                let what = export_data_set::write_run(context, run, path)?;
+                return self.say(context, &what);
+            }
             if let Some(name) = self.table.as_deref().or(series).filter(|name| !OF_SNAPSHOTS.contains(name)) {
                 let table = run_table(run, name)?;
                 write_table(path, &table)?;
@@ -136,6 +151,42 @@ impl Export {
             many => format!("{many} instants"),
         };
         self.say(context, &format!("{grains} grains at {instants}"))
+    }
+
+    /// Writes what is asked for of a campaign or its data set, and says what; `None` if the data are something else.
+    fn of_data_set(&self, context: &Context) -> Result<Option<String>, Failure> {
+        let for_grainlearning = self.to.as_deref() == Some(export_data_set::GRAINLEARNING);
+        if self.sequence_length.is_some() && !for_grainlearning {
+            return Err(Failure::new("--sequence-length belongs to --to grainlearning"));
+        }
+        let Some(folder) = export_data_set::data_set(&self.data)? else {
+            return match for_grainlearning {
+                true => Err(export_data_set::not_a_data_set("--to grainlearning", &self.data)),
+                false => Ok(None),
+            };
+        };
+        let _alone = context.nothing_written(Some("exporting"));
+        self.deck.check_unused()?;
+        if self.snapshot.is_some() {
+            return Err(Failure::new(
+                "--snapshot: a campaign has runs and states, and its runs have snapshots",
+            ));
+        }
+        if let Some(flag) = self.sources.first_given() {
+            return Err(Failure::new(format!(
+                "{flag} belongs to results of another program, not to a campaign"
+            )));
+        }
+        let what = match &self.to {
+            Some(_) if for_grainlearning => {
+                export_data_set::write_grainlearning(context, &folder, self.sequence_length, &self.output)
+            }
+            Some(other) => Err(Failure::new(format!(
+                "--to {other}: a campaign can be written as .csv, .parquet, or --to grainlearning"
+            ))),
+            None => export_data_set::write(context, &folder, self.table.as_deref(), &self.output),
+        };
+        what.map(Some)
     }
 
     /// The requested snapshots of a run.

@@ -11,6 +11,7 @@ mod digest;
 mod evaluate;
 mod evaluate_study;
 mod export;
+mod export_data_set;
 mod export_deck;
 mod forces;
 mod hardware;

@@ -2,8 +2,11 @@
 
 use granum_io::RunKind;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use granum_campaign::data_set::{DataSet, DataSetRun};
+use granum_core::digest::Digest;
 use granum_io::case::Difference;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -49,9 +52,38 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     )))
 }
 
-/// Reads run folders; a run that did not reach its end is used, with a warning.
+/// Reads run folders, campaigns and data sets, whose runs stand for them; a run that did not reach its end is used, with a warning.
 pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec<Recorded>, Failure> {
-    folders.iter().map(|folder| read_one(context, folder, role)).collect()
+    let mut all = Vec::new();
+    for folder in folders {
+        match DataSet::meant_by(folder)? {
+            Some(inside) => {
+                let data_set = DataSet::read(&inside, context.reading())?;
+                all.extend(data_set.each_run()?.into_iter().map(|run| of_data_set(folder, run, role)));
+            }
+            None => all.push(read_one(context, folder, role)?),
+        }
+    }
+    Ok(all)
+}
+
+/// A run of a data set.
+fn of_data_set(folder: &Path, run: DataSetRun, role: RunRole) -> Recorded {
+    let DataSetRun { name, case, record, digest, measured } = run;
+    Recorded {
+        known: StudyRun::of_case(&name, role, &case, record.packing_digest(), &digest),
+        name: folder.join(&name).shown(),
+        seed: record.seed,
+        end: end(&case, &measured),
+        case,
+        record: measured,
+    }
+}
+
+/// The deviator strain at the end of a test; one that does not end at a deviator strain goes as far as its record.
+fn end(case: &Case, record: &Record) -> f64 {
+    let last = || record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
+    case.test_definition().deviator_strain_end().or_else(last).unwrap_or_default()
 }
 
 fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded, Failure> {
@@ -70,14 +102,11 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
         context
             .warn(&format!("{} did not reach its end; the states recorded so far are used", folder.shown()));
     }
-    // A test that does not end at a deviator strain goes as far as its record.
-    let last = || record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
-    let end = case.test_definition().deviator_strain_end().or_else(last).unwrap_or_default();
     Ok(Recorded {
         known: StudyRun::read(&run, role)?,
         name: folder.shown(),
         seed: about.seed,
-        end,
+        end: end(&case, &record),
         case,
         record,
     })
@@ -85,8 +114,9 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
 
 /// Refuses runs with identical states, since networks would be evaluated on the data from which they learned.
 pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
-    for (k, run) in runs.iter().enumerate() {
-        if let Some(same) = runs[..k].iter().find(|other| other.record == run.record) {
+    let mut known: BTreeMap<String, &Recorded> = BTreeMap::new();
+    for run in runs {
+        if let Some(same) = known.insert(content(&run.record), run) {
             let (a, b) = (&same.name, &run.name);
             return Err(Failure::new(format!(
                 "{a} and {b} are the same run; training and unseen runs must differ at least in the seed"
@@ -94,6 +124,19 @@ pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// A digest of the measurements of a run.
+fn content(record: &Record) -> String {
+    let mut digest = Digest::new();
+    for column in record.series.columns() {
+        digest.text(&column.name);
+        digest.numbers(&column.values);
+    }
+    for histogram in record.histograms.iter().flat_map(|histograms| &histograms.states) {
+        histogram.counts.iter().for_each(|count| digest.count(*count as usize));
+    }
+    digest.finish()
 }
 
 /// The differences between runs other than their seeds. They are refused unless the user allows them, because the difference

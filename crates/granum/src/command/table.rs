@@ -1,17 +1,16 @@
 //! `granum table`: runs side by side, a row for each.
 
-use granum_io::RunKind;
-
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_core::{Column, parallel};
+use granum_core::Column;
 use granum_io::shell::ShowPath;
-use granum_io::{Run, RunStatus, check_output_file, write_table};
-use granum_run::runs_table::{RunEntry, RunsTable, Selection};
+use granum_io::{RunStatus, check_output_file, write_table};
+use granum_run::runs_table::{RunsTable, Selection};
 use serde_json::{Map, Value, json};
 
-use super::run_folders::run_folders;
+use super::run_folders::run_entries;
 use super::text_table;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -27,7 +26,7 @@ use crate::output;
     after_help = "Example:\n  granum table study\n  granum table study -o study.csv\n  granum table run-1 run-2 other/study -o all.parquet"
 )]
 pub struct Table {
-    /// Folders of runs, or folders that contain runs and are searched.
+    /// Folders of runs, campaigns, data sets, or folders that contain runs and are searched.
     #[arg(required = true, value_name = "RUN")]
     folders: Vec<PathBuf>,
     /// File to write (.csv or .parquet).
@@ -44,14 +43,14 @@ impl Table {
             check_output_file(path, context.force)?;
         }
         let reading = context.nothing_written(Some("reading the runs"));
-        let folders = run_folders(&self.folders)?;
         let all = self.output.is_some() || self.all || context.json;
-        let mut runs = parallel::map(folders.len(), 0, |k| read(context, &folders[k], all))?;
+        let mut runs = run_entries(context, &self.folders, all)?;
         drop(reading);
         // Runs of different studies may have the same name.
-        let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+        let mut alike: BTreeMap<String, usize> = BTreeMap::new();
+        runs.iter().for_each(|run| *alike.entry(run.name.clone()).or_default() += 1);
         for run in &mut runs {
-            if names.iter().filter(|name| **name == run.name).count() > 1 {
+            if alike.get(&run.name).is_some_and(|count| *count > 1) {
                 run.name = run.folder.shown();
             }
         }
@@ -73,15 +72,6 @@ impl Table {
             lines.join("\n")
         })
     }
-}
-
-/// Reads a run, with its digest if it is asked for and the run has results.
-fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<RunEntry, Failure> {
-    context.check_stopped(|| "nothing was written".into())?;
-    let run = RunEntry::read(folder)?.with_strength()?;
-    // A series that is missing but was written must not pass for a test that has not begun.
-    let has_results = run.record.kind == RunKind::Sample || Run::at(folder)?.has_series();
-    Ok(if digest && has_results { run.with_digest()? } else { run })
 }
 
 /// The columns with their units, and the runs as objects.

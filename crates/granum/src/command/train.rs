@@ -38,16 +38,16 @@ use crate::output;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
-                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns\n  granum train run-1 run-2 --columns"
+                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns\n  granum train study --input grains.material.friction,sample.void_ratio --output stress_ratio \\\n    --coordinate arc_length --unseen-share 0.2 -o surrogate\n  granum train run-1 run-2 --columns"
 )]
 pub struct Train {
-    /// Run folders for training.
+    /// Run folders for training; campaigns and data sets stand for all of their runs.
     #[arg(required = true, value_name = "RUN")]
     runs: Vec<PathBuf>,
     /// Folder of the study.
     #[arg(short, long, default_value = "study", value_name = "DIR")]
     out: PathBuf,
-    /// Run folders that are used for evaluation only.
+    /// Run folders, campaigns or data sets that are used for evaluation only.
     #[arg(long, num_args = 1.., value_name = "RUN")]
     unseen: Vec<PathBuf>,
     /// Accept runs that differ in more than the seed. The keys that differ are printed, and the difference between the
@@ -108,7 +108,7 @@ impl Train {
         }
         if self.study.is_given() {
             let settings = (self.seed, self.trainer.as_str(), options.form);
-            return train_study::train(context, &self.training(options.threads), &self.study, settings);
+            return train_study::train(context, &self.training(options.threads)?, &self.study, settings);
         }
         let reading = context.nothing_written(Some("reading the runs"));
         let training = records::read(context, &self.runs, RunRole::Training)?;
@@ -125,8 +125,7 @@ impl Train {
                  paper's tables are scaled accordingly"
             ));
         }
-        let folders: Vec<&PathBuf> = self.runs.iter().chain(&self.unseen).collect();
-        let mut runs = train_study::dataset(&all, &folders)?.runs().to_vec();
+        let mut runs = train_study::dataset(&all)?.runs().to_vec();
         let unseen = runs.split_off(training.len());
         let data = PaperData::new(runs, unseen, &PaperDataOptions::default())?;
         let (definition, methods) = (options.definition(&data), options.methods());
@@ -142,14 +141,15 @@ impl Train {
         self.print(context, &study, &data, &differences)
     }
 
-    fn training(&self, threads: usize) -> Training<'_> {
-        Training {
+    fn training(&self, threads: usize) -> Result<Training<'_>, Failure> {
+        Ok(Training {
             runs: &self.runs,
             unseen: &self.unseen,
             out: &self.out,
+            unseen_share: self.study.unseen_share()?,
             threads,
             checkpoints: &self.checkpoints,
-        }
+        })
     }
 
     fn options(&self) -> Result<PaperOptions, Failure> {
@@ -203,13 +203,13 @@ impl Train {
             seed: plan.definition.fits.first().map_or(1, |fit| fit.seed),
             epoch_factor: plan.definition.networks.epoch_factor,
             threads,
-            study: StudyFlags::default(),
+            study: StudyFlags::resumed(plan.unseen_share),
             checkpoints,
         };
         if is_of_paper(&plan.definition) {
             return train.run(context);
         }
-        train_study::resume(context, &train.training(threads.unwrap_or(0)), plan)
+        train_study::resume(context, &train.training(threads.unwrap_or(0))?, plan)
     }
 
     /// True if the folder holds a training, finished or not.

@@ -1,11 +1,11 @@
 //! `granum train --input ... --output ...`: a study of surrogates of any columns.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_io::Run;
 use granum_io::run::RunRecord;
-use granum_learn::dataset::CatalogueEntry;
+use granum_learn::dataset::{CatalogueEntry, unseen_runs};
 use granum_learn::learning_curve::{LearningCurve, doubled};
 use granum_learn::networks::{Form, NetworkSettings, SubModel};
 use granum_learn::runs::{RunRole, differences_but_seed};
@@ -70,6 +70,9 @@ pub struct StudyFlags {
     /// run. Methods with memory learn from all states.
     #[arg(long, value_name = "N", requires = "input", value_parser = clap::value_parser!(u64).range(1..))]
     most_states: Option<u64>,
+    /// Keep this share of the runs unseen, as whole runs: they are chosen by their names and --seed, and used for evaluation only.
+    #[arg(long, value_name = "X", requires = "input", allow_negative_numbers = true)]
+    unseen_share: Option<f64>,
     /// Train also on 1, 2, 4, ... of the training runs, and score on the unseen runs how the error depends on their number.
     #[arg(long, requires = "input")]
     learning_curve: bool,
@@ -84,6 +87,20 @@ fn methods() -> String {
 }
 
 impl StudyFlags {
+    /// Those of a training that is resumed, whose plan has everything else.
+    pub fn resumed(unseen_share: f64) -> StudyFlags {
+        StudyFlags { unseen_share: Some(unseen_share).filter(|share| *share > 0.0), ..StudyFlags::default() }
+    }
+
+    /// The share of the runs that are kept unseen; 0 if none was asked for.
+    pub fn unseen_share(&self) -> Result<f64, Failure> {
+        match self.unseen_share {
+            None => Ok(0.0),
+            Some(share) if share > 0.0 && share < 1.0 => Ok(share),
+            Some(share) => Err(Failure::new(format!("--unseen-share {share}: it must be between 0 and 1"))),
+        }
+    }
+
     /// True if the columns are to be listed.
     pub fn lists_columns(&self) -> bool {
         self.columns
@@ -178,6 +195,8 @@ pub struct Training<'a> {
     pub runs: &'a [PathBuf],
     pub unseen: &'a [PathBuf],
     pub out: &'a Path,
+    /// Share of the runs that are kept unseen.
+    pub unseen_share: f64,
     pub threads: usize,
     pub checkpoints: &'a CheckpointFlags,
 }
@@ -211,8 +230,12 @@ fn run(
     define: impl FnOnce(&Dataset, Split) -> Result<StudyDefinition, Failure>,
 ) -> Result<(), Failure> {
     let reading = context.nothing_written(Some("reading the runs"));
-    let learned = records::read(context, training.runs, RunRole::Training)?;
-    let unseen = records::read(context, training.unseen, RunRole::Unseen)?;
+    let mut learned = records::read(context, training.runs, RunRole::Training)?;
+    let mut unseen = records::read(context, training.unseen, RunRole::Unseen)?;
+    if training.unseen_share > 0.0 {
+        let seed = fits.first().map_or(1, |fit| fit.seed);
+        unseen.splice(0..0, kept_unseen(&mut learned, training.unseen_share, seed));
+    }
     let all: Vec<&Recorded> = learned.iter().chain(&unseen).collect();
     records::check_different(&all)?;
     if all.len() < 2 {
@@ -220,8 +243,7 @@ fn run(
             "a study of columns needs two or more runs: some to learn from, and others to be scored on",
         ));
     }
-    let folders: Vec<&PathBuf> = training.runs.iter().chain(training.unseen).collect();
-    let dataset = dataset(&all, &folders)?;
+    let dataset = dataset(&all)?;
     let names_of_unseen = dataset.runs()[learned.len()..].iter().map(|run| run.name().to_owned());
     let mut definition = define(&dataset, Split::default().unseen(names_of_unseen))?;
     definition.threads = training.threads;
@@ -233,7 +255,8 @@ fn run(
     note_differences(context, &all, fits);
     let methods = surrogate_methods_with(&definition.networks)?;
     definition.check(&dataset, &methods)?;
-    let plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone())?;
+    let mut plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone())?;
+    plan.unseen_share = training.unseen_share;
     let every = training.checkpoints.every()?;
     drop(reading);
     let (folder, mut study) = fit(context, training.out, (&plan, &dataset, &methods), every)?;
@@ -249,14 +272,26 @@ fn run(
     print(context, training.out, &study, &scores)
 }
 
-/// The data set of run folders. A run has the name of its folder, or its whole path if two folders have the same name.
-pub fn dataset(runs: &[&Recorded], folders: &[&PathBuf]) -> Result<Dataset, Failure> {
-    let own = |run: &Recorded| runs.iter().filter(|other| other.known.name == run.known.name).count() == 1;
-    let read = |(run, folder): (&&Recorded, &&PathBuf)| {
-        let name = if own(run) { &run.known.name } else { &run.name };
-        RunStates::read(name, &Run::at(folder)?)
+/// The data set of runs. A run has the name of its folder, or its whole path if two folders have the same name.
+pub fn dataset(runs: &[&Recorded]) -> Result<Dataset, Failure> {
+    let mut alike: BTreeMap<&str, usize> = BTreeMap::new();
+    runs.iter().for_each(|run| *alike.entry(&run.known.name).or_default() += 1);
+    let states = |run: &&Recorded| {
+        let is_alone = alike.get(run.known.name.as_str()) == Some(&1);
+        RunStates::of_case(if is_alone { &run.known.name } else { &run.name }, &run.case, run.record.clone())
     };
-    Ok(Dataset::new(runs.iter().zip(folders).map(read).collect::<Result<_, LearnError>>()?)?)
+    Ok(Dataset::new(runs.iter().map(states).collect::<Result<_, LearnError>>()?)?)
+}
+
+/// Takes out of the training runs those that are kept unseen.
+fn kept_unseen(learned: &mut Vec<Recorded>, share: f64, seed: u64) -> Vec<Recorded> {
+    let names: Vec<&str> = learned.iter().map(|run| run.known.name.as_str()).collect();
+    let mut chosen = unseen_runs(&names, share, seed);
+    chosen.reverse();
+    let mut unseen: Vec<Recorded> = chosen.into_iter().map(|number| learned.remove(number)).collect();
+    unseen.reverse();
+    unseen.iter_mut().for_each(|run| run.known.role = RunRole::Unseen);
+    unseen
 }
 
 /// Lists the columns that runs have.
@@ -266,8 +301,7 @@ pub fn list_columns(context: &Context, runs: &[PathBuf], unseen: &[PathBuf]) -> 
         [records::read(context, runs, RunRole::Training)?, records::read(context, unseen, RunRole::Unseen)?];
     let all: Vec<&Recorded> = all.iter().flatten().collect();
     records::check_different(&all)?;
-    let folders: Vec<&PathBuf> = runs.iter().chain(unseen).collect();
-    let sections = dataset(&all, &folders)?.catalogue(&Sensors::standard());
+    let sections = dataset(&all)?.catalogue(&Sensors::standard());
     drop(reading);
     let entry = |kind: &str, entry: &CatalogueEntry| {
         let CatalogueEntry { name, unit, meaning, .. } = entry;

@@ -7,6 +7,7 @@ mod changed;
 mod columns;
 #[path = "../common/mod.rs"]
 mod common;
+mod data_sets;
 mod escape;
 mod further_sensors;
 mod inputs;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::{assert_same, done};
+use crate::{assert_same, assert_same_but, done};
 
 /// Kills in a usual test; `GRANUM_KILLS=100` for more.
 const KILLS: usize = 12;
@@ -18,6 +18,10 @@ const SAND: &str = "[grains]\ncount = 100\n[preparation]\nfriction = 0.1\nsolid_
 const PLAN: &str = "case = 'sand.toml'\n[design]\nkind = 'list'\nrows = [{ mu = 0.2, e = 0.04 }, { mu = 0.2, e = 0.02 }, \
                     { mu = 0.3, e = 0.04 }, { mu = 0.4, e = 0.02 }, { mu = 0.5, e = 0.03 }]\n[[variable]]\nname = 'mu'\n\
                     key = 'grains.material.friction'\n[[variable]]\nname = 'e'\nkey = 'shear.deviator_strain'\n";
+
+/// The runs are far too fast, which this accepts.
+const ACCEPT: &str = "['inertial_number < 1', 'servo_error_rms < 1', 'servo_error_largest < 10', 'unbalanced_force < 10', \
+                      'energy_gap < 1', 'sample_unbalanced_force < 1', 'largest_overlap < 1', 'sample_largest_overlap < 1']";
 
 /// A reproducible sequence of pseudo-random numbers (Lehmer generator).
 struct Random(u64);
@@ -91,15 +95,37 @@ fn disturbed(here: &Path, out: &str, random: &mut Random) -> (usize, bool) {
 
 #[test]
 fn a_campaign_that_is_killed_again_and_again_ends_with_the_same_bytes() {
+    let folders = |here: &Path, out: &str| {
+        for part in ["tests", "samples"] {
+            assert!(assert_same(&here.join("straight").join(part), &here.join(out).join(part)) > 5);
+        }
+    };
+    killed_again_and_again(PLAN, 20_261_124, &folders);
+}
+
+/// The folders of runs are thrown away as soon as their rows are in: whatever is killed, none is lost, and none is left.
+#[test]
+fn a_campaign_without_folders_that_is_killed_ends_with_the_same_data_set() {
+    let nothing_left = |here: &Path, out: &str| {
+        for part in ["tests", "samples", ".granum-removed"] {
+            let left = fs::read_dir(here.join(out).join(part)).map_or(0, Iterator::count);
+            assert_eq!(left, 0, "{part}");
+        }
+    };
+    killed_again_and_again(&format!("keep = 'dataset'\naccept = {ACCEPT}\n{PLAN}"), 7, &nothing_left);
+}
+
+/// Kills the campaign of a plan until it was killed often enough, and compares it with an undisturbed one.
+fn killed_again_and_again(plan: &str, seed: u64, compare: &dyn Fn(&Path, &str)) {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     fs::write(here.join("sand.toml"), SAND).unwrap();
-    fs::write(here.join("plan.toml"), PLAN).unwrap();
+    fs::write(here.join("plan.toml"), plan).unwrap();
     // All are made in a folder of one name, since the record of a test names the folder of its sample.
     done(here, &["campaign", "plan.toml", "--out", "study"]);
     fs::rename(here.join("study"), here.join("straight")).unwrap();
     let wanted = std::env::var("GRANUM_KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(KILLS);
-    let mut random = Random(20_261_124);
+    let mut random = Random(seed);
     let (mut kills, mut round) = (0, 0);
     while kills < wanted {
         for _ in 0..200 {
@@ -111,11 +137,13 @@ fn a_campaign_that_is_killed_again_and_again_ends_with_the_same_bytes() {
             // What a run was killed too often for is tried again by the same command.
         }
         done(here, &["campaign", "plan.toml", "--out", "study"]);
-        for part in ["tests", "samples"] {
-            assert!(assert_same(&here.join("straight").join(part), &here.join("study").join(part)) > 5);
-        }
+        compare(here, "study");
         let bytes = |folder: &str| fs::read(here.join(folder).join("campaign.json")).unwrap();
         assert!(bytes("straight") == bytes("study"));
+        if here.join("straight/dataset").is_dir() {
+            let but = ["seconds.parquet"];
+            assert!(assert_same_but(&but, &here.join("straight/dataset"), &here.join("study/dataset")) > 5);
+        }
         fs::rename(here.join("study"), here.join(format!("killed-{round}"))).unwrap();
         round += 1;
     }

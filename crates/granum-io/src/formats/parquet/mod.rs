@@ -1,4 +1,4 @@
-//! Apache Parquet: flat columns of numbers and of words.
+//! Apache Parquet: flat columns of numbers and of words, and columns of lists of numbers ([`ListColumn`]).
 //!
 //! Files are written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64`,
 //! `BOOLEAN` or UTF-8 text for columns of that [`ColumnKind`]), with units as key-value metadata `granum.units` (JSON). Nothing in the
@@ -8,8 +8,10 @@
 
 mod decoding;
 mod format;
+mod lists;
 mod sizes;
 mod thrift;
+mod units;
 mod words;
 
 use std::collections::BTreeMap;
@@ -36,8 +38,9 @@ use crate::formats::TableFormat;
 use granum_core::names::suggestion;
 use granum_core::{Column, ColumnKind, Table};
 
-/// Key of the units in the metadata of a file.
-const UNITS: &str = "granum.units";
+pub use self::lists::{ListColumn, TableWithLists};
+use self::units::{UNITS, units};
+
 /// Number of values to which even a small file may expand.
 const FREE_VALUES: u64 = 1 << 22;
 /// Number of further values that each byte of the file may expand to.
@@ -99,6 +102,52 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
     failed.map_or(written, Err)
 }
 
+/// Writes a table with columns of lists under a temporary name and renames it.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with_lists(path: &Path, whole: &TableWithLists) -> Result<()> {
+    let columns = TableWithLists {
+        table: whole.table.rows_at(&[]),
+        lists: whole.lists.iter().map(|list| ListColumn::new(&list.name, &list.unit)).collect(),
+    };
+    let mut parts = Some(whole.clone()).into_iter();
+    write_groups(path, &columns, || Ok(parts.next()))
+}
+
+/// Writes a table with columns of lists that is never completely in memory: `columns` has its columns and no rows, and `next` returns
+/// one group of rows after another, all with these columns.
+///
+/// # Errors
+/// As for [`write()`], and any error of `next`.
+pub fn write_groups(
+    path: &Path,
+    columns: &TableWithLists,
+    mut next: impl FnMut() -> Result<Option<TableWithLists>>,
+) -> Result<()> {
+    if columns.table.columns().is_empty() {
+        return Err(Error::Rule("a Parquet file needs at least one column".into()));
+    }
+    let mut failed = None;
+    let written = write_atomically(path, |file| {
+        let mut fields = flat_fields(&columns.table).map_err(io_error)?;
+        for list in &columns.lists {
+            fields.push(lists::field(&list.name).map_err(io_error)?);
+        }
+        let flat = columns.table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str()));
+        let lists = columns.lists.iter().map(|list| (list.name.as_str(), list.unit.as_str()));
+        let mut writer = begin(file, fields, &flat.chain(lists).collect()).map_err(io_error)?;
+        while let Some(group) = next().map_err(|error| keep(&mut failed, error))? {
+            for from in (0..group.table.rows()).step_by(GROUP) {
+                let rows = from..group.table.rows().min(from + GROUP);
+                write_rows(&mut writer, &group.table, &group.lists, rows).map_err(io_error)?;
+            }
+        }
+        writer.close().map(|_| ()).map_err(io_error)
+    });
+    failed.map_or(written, Err)
+}
+
 /// Stores the error of a part, and returns an error for the writer.
 fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
     *failed = Some(error);
@@ -107,6 +156,12 @@ fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
 
 /// A file with the columns of a table and no rows so far.
 fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<SerializedFileWriter<W>> {
+    let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
+    begin(writer, flat_fields(table)?, &units)
+}
+
+/// The types of the columns of a table.
+fn flat_fields(table: &Table) -> parquet::errors::Result<Vec<Arc<Type>>> {
     let field = |column: &Column| {
         let physical = match column.kind {
             ColumnKind::Real => Physical::DOUBLE,
@@ -118,9 +173,7 @@ fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<S
         let field = Type::primitive_type_builder(&column.name, physical).with_converted_type(text);
         Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
     };
-    let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
-    let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
-    begin(writer, fields, &units)
+    table.columns().iter().map(field).collect()
 }
 
 /// A file with these columns and their units, and no rows so far.
@@ -145,6 +198,15 @@ fn begin<W: Write + Send>(
 fn write_group<W: Write + Send>(
     file: &mut SerializedFileWriter<W>,
     table: &Table,
+    rows: Range<usize>,
+) -> parquet::errors::Result<()> {
+    write_rows(file, table, &[], rows)
+}
+
+fn write_rows<W: Write + Send>(
+    file: &mut SerializedFileWriter<W>,
+    table: &Table,
+    lists: &[ListColumn],
     rows: Range<usize>,
 ) -> parquet::errors::Result<()> {
     let mut group = file.next_row_group()?;
@@ -174,6 +236,9 @@ fn write_group<W: Write + Send>(
             }
             writer.close()?;
         }
+    }
+    for list in lists {
+        lists::write_chunk(&mut group, list, rows.clone())?;
     }
     group.close()?;
     Ok(())
@@ -227,6 +292,19 @@ pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 pub fn read_with_words(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names, Taken::NumbersAndWords)
+}
+
+/// Reads a file with its columns of lists that granum wrote; the flat columns as [`read_with_words`] does.
+///
+/// # Errors
+/// As [`read_with_words`].
+pub fn read_with_lists(path: &Path) -> Result<TableWithLists> {
+    let table = read_with_words(path, None)?;
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let lists = contain(|| lists::read(path, file, table.rows())).unwrap_or_else(|| {
+        Err(Error::content(path, "is not a Parquet file or is damaged (its lists cannot be decoded)"))
+    })?;
+    Ok(TableWithLists { table, lists })
 }
 
 /// Which columns are taken.
@@ -390,12 +468,6 @@ fn not_numeric(column: &ColumnDescriptor) -> Option<String> {
     (!(plain && number && known)).then(|| {
         format!("holds {:?} ({:?}), not plain numbers", column.physical_type(), column.converted_type())
     })
-}
-
-/// Units written by granum; empty for files of other writers.
-fn units(metadata: Option<&Vec<KeyValue>>) -> BTreeMap<String, String> {
-    let text = metadata.and_then(|all| all.iter().find(|pair| pair.key == UNITS)?.value.clone());
-    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
 /// Appends the values of one column of one group, at most `limit` of them.

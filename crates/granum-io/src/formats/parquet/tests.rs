@@ -143,3 +143,58 @@ proptest! {
         let _ = read(&path, None);
     }
 }
+
+/// Lists of any length, also none, are read back with their units, beside flat columns that other readers take alone.
+#[test]
+fn lists_are_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("states.parquet");
+    let table = Table::new(vec![
+        Column::new("x", "m", vec![1.0, 2.0, 3.0, 4.0]),
+        Column::of_words("run", ["a", "a", "b", "b"]),
+    ])
+    .unwrap();
+    let mut list = ListColumn::new("density", "1/m");
+    [&[0.5, 0.25][..], &[], &[1.0], &[2.0, 3.0, 4.0]]
+        .iter()
+        .for_each(|values| list.push(values.iter().copied()));
+    let mut empty = ListColumn::new("none", "");
+    (0..4).for_each(|_| empty.push([]));
+    let whole = TableWithLists { table: table.clone(), lists: vec![list.clone(), empty] };
+    write_with_lists(&path, &whole).unwrap();
+    assert_eq!(read_with_lists(&path).unwrap(), whole);
+    assert_eq!(read_with_words(&path, None).unwrap(), table);
+    assert_eq!(list.lists().map(<[f64]>::len).collect::<Vec<_>>(), [2, 0, 1, 3]);
+    // In two groups the same rows.
+    let columns =
+        TableWithLists { table: table.rows_at(&[]), lists: vec![ListColumn::new("density", "1/m")] };
+    let part = |rows: &[usize]| {
+        let mut part = ListColumn::new("density", "1/m");
+        let all: Vec<&[f64]> = list.lists().collect();
+        rows.iter().for_each(|row| part.push(all[*row].iter().copied()));
+        TableWithLists { table: table.rows_at(rows), lists: vec![part] }
+    };
+    let mut parts = vec![part(&[0]), part(&[1, 2, 3])].into_iter();
+    write_groups(&path, &columns, || Ok(parts.next())).unwrap();
+    assert_eq!(read_with_lists(&path).unwrap(), TableWithLists { table, lists: vec![list] });
+}
+
+/// A damaged file is an error and nothing else, whichever byte is wrong.
+#[test]
+fn damaged_lists_are_refused_or_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("states.parquet");
+    let mut list = ListColumn::new("density", "");
+    (0..5).for_each(|k| list.push((0..k).map(f64::from)));
+    let table = Table::new(vec![Column::new("x", "", vec![0.0; 5])]).unwrap();
+    write_with_lists(&path, &TableWithLists { table, lists: vec![list] }).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let mut refused = 0;
+    for at in 0..whole.len() {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0x2d;
+        std::fs::write(&path, &bytes).unwrap();
+        refused += usize::from(read_with_lists(&path).is_err());
+    }
+    assert!(refused > whole.len() / 3, "{refused} of {}", whole.len());
+}

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum::contents::{FolderKind, check_free};
+use granum_campaign::data_set::{self, Collected, DataSetSummary};
 use granum_campaign::execution::{Coordinator, Summary};
 use granum_campaign::plan::{Plan, PlannedRuns};
 use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
@@ -42,8 +43,10 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         return list_jobs(context, &campaign);
     }
     if flags.collect {
-        let added = campaign.collect()?;
-        context.note(&format!("{added} more runs are finished"));
+        let collected = data_set::collect(&campaign, &|| context.flow())?;
+        context.note(&format!("{} more runs are finished", collected.added));
+        collected.remarks.iter().for_each(|remark| context.warn(remark));
+        context.note(&data_set_line(&collected));
         // So that the state is that of a campaign on which none is at work.
         drop(folder);
         return status::print(context, &campaign);
@@ -147,7 +150,35 @@ fn carry_out(
         let show = ShowCampaign::new(context);
         coordinator.run(folder, context.force, &show)?
     };
-    report(context, campaign, &summary)
+    // What is missing is added by the command that goes on.
+    let collected =
+        if summary.stopped { None } else { Some(data_set::collect(campaign, &|| context.flow())) };
+    let collected = collected.transpose();
+    report(context, campaign, &summary, collected.as_ref().ok().and_then(Option::as_ref))?;
+    collected?;
+    Ok(())
+}
+
+/// What became of the data set, in a line.
+fn data_set_line(collected: &Collected) -> String {
+    let mut left = Vec::new();
+    for (count, what) in [
+        (collected.flagged, "did not pass their checks"),
+        (collected.failed, "failed"),
+        (collected.unfinished, "are not finished"),
+    ] {
+        if count > 0 {
+            left.push(format!("{count} {what}"));
+        }
+    }
+    let left = if left.is_empty() { String::new() } else { format!("; left out: {}", left.join(", ")) };
+    match &collected.data_set {
+        Some(DataSetSummary { folder, runs, digest, is_new }) => {
+            let state = if *is_new { "" } else { " (unchanged)" };
+            format!("data set of {runs} runs{state}: {}{left}; SHA-256 {digest}", folder.shown())
+        }
+        None => format!("no data set, since none of the runs is part of it{left}"),
+    }
 }
 
 /// Says how a changed plan differs from the runs that the folder has.
@@ -194,7 +225,12 @@ fn remove_run(campaign: &Campaign, name: &str) -> Result<(), Failure> {
 }
 
 /// Prints how the campaign ended.
-fn report(context: &Context, campaign: &Campaign, summary: &Summary) -> Result<(), Failure> {
+fn report(
+    context: &Context,
+    campaign: &Campaign,
+    summary: &Summary,
+    collected: Option<&Collected>,
+) -> Result<(), Failure> {
     let (out, quoted) = (campaign.folder().shown(), quoted_path(campaign.folder()));
     let line = summary.progress.line();
     if summary.stopped && context.stopped() {
@@ -210,7 +246,15 @@ fn report(context: &Context, campaign: &Campaign, summary: &Summary) -> Result<(
         "refused": summary.progress.refused,
         "failed": summary.failed.iter().map(|(name, why)| json!({ "name": name, "reason": why })).collect::<Vec<_>>(),
         "stopped": summary.stopped,
+        "data_set": collected.and_then(|collected| collected.data_set.as_ref()).map(|data_set| json!({
+            "folder": output::path(&data_set.folder),
+            "runs": data_set.runs,
+            "digest": data_set.digest,
+        })),
     });
+    if let Some(collected) = collected {
+        collected.remarks.iter().for_each(|remark| context.warn(remark));
+    }
     let found = status::Found::read(campaign)?;
     output::say_complete(context, campaign.folder(), &result, || {
         let mut lines = vec![format!("{out}: {line}")];
@@ -222,6 +266,7 @@ fn report(context: &Context, campaign: &Campaign, summary: &Summary) -> Result<(
             count => lines.push(format!("{count} runs and samples were already finished")),
         }
         lines.extend(found.flagged_lines());
+        lines.extend(collected.map(data_set_line));
         if summary.stopped {
             lines
                 .push(format!("the time is over; continue with the same command or: granum resume {quoted}"));

@@ -1,5 +1,6 @@
 //! `granum campaign run`: one run of a campaign, as the coordinator starts it or a user's own scheduler.
 
+use std::collections::BTreeSet;
 use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use clap::Args;
+use granum_campaign::Campaign;
 use granum_campaign::execution::execute_run;
 use granum_campaign::message::{End, Message};
 use granum_run::Flow;
@@ -49,7 +51,8 @@ impl OneRun {
             _ => {}
         };
         let mut failed = Vec::new();
-        for name in &self.names {
+        let taken_in = self.taken_in()?;
+        for name in self.names.iter().filter(|name| !taken_in.contains(name)) {
             match execute_run(&self.folder, name, &laboratory, &flow, &tell)? {
                 End::Finished => {}
                 End::Interrupted => {
@@ -59,6 +62,18 @@ impl OneRun {
             }
         }
         if failed.is_empty() { Ok(()) } else { Err(Failure::new(failed.join("\n"))) }
+    }
+
+    /// The runs whose rows have been taken in and whose folders are gone: they are finished. A coordinator knows which they are.
+    fn taken_in(&self) -> Result<Vec<&String>, Failure> {
+        let Some(campaign) = (!self.watched).then(|| Campaign::read(&self.folder)).transpose()?.flatten()
+        else {
+            return Ok(Vec::new());
+        };
+        let rows = campaign.rows_kept()?;
+        let runs = campaign.runs().iter().filter(|run| campaign.has_rows(&rows, run));
+        let names: BTreeSet<&str> = runs.map(|run| run.name.as_str()).collect();
+        Ok(self.names.iter().filter(|name| names.contains(name.as_str())).collect())
     }
 }
 

@@ -1,0 +1,184 @@
+//! Writes the files of a data set.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::digest::Digest;
+use granum_core::parallel;
+use granum_io::atomic::write_atomically;
+use granum_io::formats::parquet::{TableWithLists, write_groups};
+use granum_io::run::file_digest;
+use granum_io::{Error, OutputFolder, Result, write_table};
+
+use super::contents::Contents;
+use super::layout::{
+    CARD, CASE_FILE, DATA_SET, LEFT_OUT_FILE, METADATA, RUN, RUNS_FILE, SECONDS_FILE, STATES_FILE, SUMS,
+};
+use super::run_rows::states_of;
+use super::run_table::RowTable;
+use super::state_rows::StateColumns;
+use super::written::Written;
+use super::{card, croissant};
+use crate::campaign::Campaign;
+use crate::rows::RowFiles;
+
+/// Number of runs that are read at once.
+const RUNS_AT_ONCE: usize = 64;
+/// Number of states from which on a group of rows is full; it always ends with a run.
+const ROWS_OF_GROUP: usize = 1 << 16;
+/// First line of the file of sums.
+const FIRST_LINE: &str = "# granum data set 1";
+/// Beginning of the line with the digest of what the data set was made of.
+const MADE_OF: &str = "# made of ";
+/// Beginning of the line with the digest of the content.
+const CONTENT: &str = "# content ";
+
+/// The SHA-256 over the content of the data set that a folder has, if it is made of the same.
+pub(super) fn known_digest(folder: &Path, made_of: &str) -> Option<String> {
+    let text = granum_core::input::read_text(&folder.join(SUMS), 1 << 20).ok()?;
+    let line = |beginning: &str| text.lines().find_map(|line| line.strip_prefix(beginning));
+    (line(MADE_OF) == Some(made_of)).then(|| line(CONTENT).map(str::to_string))?
+}
+
+/// Removes the data set of a campaign, of which no run is left.
+pub(super) fn remove(campaign: &Campaign) -> Result<()> {
+    let path = campaign.folder().join(DATA_SET);
+    if !path.join(SUMS).is_file() && !path.join(RUNS_FILE).is_file() {
+        return Ok(());
+    }
+    let folder = OutputFolder::open(&path)?;
+    folder.clear(&[SUMS, RUNS_FILE, STATES_FILE, LEFT_OUT_FILE, CASE_FILE, CARD, METADATA, SECONDS_FILE])
+}
+
+/// Writes the data set of a campaign whose runs have been taken in; returns the SHA-256 over its content and its number of states.
+pub(super) fn write(
+    campaign: &Campaign,
+    rows: &RowFiles,
+    contents: &Contents,
+    made_of: &str,
+    go_on: &(dyn Fn() -> Result<()> + Sync),
+) -> Result<(String, usize)> {
+    campaign.refuse_link(DATA_SET)?;
+    let folder = OutputFolder::open_or_create(campaign.folder().join(DATA_SET))?;
+    // From here to the end the data set is not whole.
+    folder.clear(&[SUMS])?;
+    let mut runs = RowTable::default();
+    let mut seconds = RowTable::default();
+    let mut columns = StateColumns::default();
+    let mut count = 0;
+    let sensors = campaign.sensors();
+    for numbers in contents.taken.chunks(RUNS_AT_ONCE) {
+        go_on()?;
+        let read = parallel::map(numbers.len(), 0, |k| {
+            let run = &campaign.runs()[numbers[k]];
+            let stored = rows.run(&run.name)?;
+            let states = states_of(Some(&run.name), &stored.measured)?;
+            Ok::<_, Error>((run, campaign.case_of(run)?, stored, states))
+        })?;
+        for (run, case, stored, states) in &read {
+            runs.run(campaign, run, case, stored, sensors);
+            seconds.seconds(&run.name, stored);
+            columns.add(states);
+            count += states.table.rows();
+        }
+    }
+    let runs = runs.finish()?;
+    write_states(&folder.file(STATES_FILE), campaign, rows, contents, &columns, go_on)?;
+    write_table(folder.file(RUNS_FILE), &runs)?;
+    write_table(folder.file(SECONDS_FILE), &seconds.finish()?)?;
+    write_left_out(&folder, campaign, contents)?;
+    write_text(&folder, CASE_FILE, &campaign.base().resolved_toml())?;
+    let mut sums = BTreeMap::new();
+    for name in [RUNS_FILE, STATES_FILE] {
+        sums.insert(name, file_digest(&folder.file(name))?);
+    }
+    let mut digest = Digest::new();
+    digest.text(FIRST_LINE);
+    sums.values().for_each(|sum| digest.text(sum));
+    let digest = digest.finish();
+    let states = columns.empty()?;
+    let written = Written {
+        campaign,
+        contents,
+        runs: &runs,
+        states: &states,
+        rows: count,
+        sums: &sums,
+        digest: &digest,
+    };
+    write_text(&folder, CARD, &card::text(&written))?;
+    write_text(&folder, METADATA, &croissant::text(&written))?;
+    let mut lines = vec![FIRST_LINE.to_string(), format!("{MADE_OF}{made_of}"), format!("{CONTENT}{digest}")];
+    for name in [CARD, CASE_FILE, LEFT_OUT_FILE, METADATA, RUNS_FILE, STATES_FILE] {
+        if folder.file(name).is_file() {
+            lines.push(format!("{}  {name}", file_digest(&folder.file(name))?));
+        }
+    }
+    write_text(&folder, SUMS, &(lines.join("\n") + "\n"))?;
+    Ok((digest, count))
+}
+
+fn write_text(folder: &OutputFolder, name: &str, text: &str) -> Result<()> {
+    write_atomically(&folder.file(name), |file| file.write_all(text.as_bytes()))
+}
+
+/// The states of the runs, some runs at a time.
+fn write_states(
+    path: &Path,
+    campaign: &Campaign,
+    rows: &RowFiles,
+    contents: &Contents,
+    columns: &StateColumns,
+    go_on: &(dyn Fn() -> Result<()> + Sync),
+) -> Result<()> {
+    let mut chunks = contents.taken.chunks(RUNS_AT_ONCE);
+    let (mut waiting, mut ended): (Vec<TableWithLists>, bool) = (Vec::new(), false);
+    let mut group = || -> Result<Option<TableWithLists>> {
+        let full = |waiting: &[TableWithLists]| {
+            let mut sum = 0;
+            waiting.iter().position(|run| {
+                sum += run.table.rows();
+                sum >= ROWS_OF_GROUP
+            })
+        };
+        loop {
+            let count = match (full(&waiting), ended) {
+                (Some(last), _) => last + 1,
+                (None, true) => waiting.len(),
+                (None, false) => {
+                    go_on()?;
+                    match chunks.next() {
+                        None => ended = true,
+                        Some(numbers) => waiting.extend(parallel::map(numbers.len(), 0, |k| {
+                            let name = &campaign.runs()[numbers[k]].name;
+                            states_of(Some(name), &rows.run(name)?.measured)
+                        })?),
+                    }
+                    continue;
+                }
+            };
+            let runs: Vec<TableWithLists> = waiting.drain(..count).collect();
+            return if runs.is_empty() { Ok(None) } else { columns.below_each_other(&runs).map(Some) };
+        }
+    };
+    write_groups(path, &columns.empty()?, &mut group)
+}
+
+/// The runs that are not part of it.
+fn write_left_out(folder: &OutputFolder, campaign: &Campaign, contents: &Contents) -> Result<()> {
+    folder.clear(&[LEFT_OUT_FILE])?;
+    if contents.left_out.is_empty() {
+        return Ok(());
+    }
+    let mut table = RowTable::default();
+    for out in &contents.left_out {
+        let run = &campaign.runs()[out.number];
+        table.begin_row();
+        table.word(RUN, &run.name);
+        table.word("state", out.state);
+        table.word("failed_checks", &out.checks.join(" "));
+        table.variables(campaign, run);
+    }
+    write_table(folder.file(LEFT_OUT_FILE), &table.finish()?)
+}

@@ -1,0 +1,51 @@
+//! From the folder of a run into the files of rows.
+
+use std::fs;
+use std::path::Path;
+
+use granum_io::{Error, Result, Run, RunFolder};
+use granum_run::digest;
+use granum_run::record::read_record;
+
+use super::row_writer::RowWriter;
+use super::stored_run::StoredRun;
+
+/// Folder into which the folders of runs are moved before they are removed.
+const REMOVED: &str = ".granum-removed";
+
+/// Reads what is kept of a finished run from its folder, whose files are compared with their SHA-256.
+///
+/// # Errors
+/// If a file of the run is missing, changed or damaged.
+pub fn read_run(folder: &Path) -> Result<StoredRun> {
+    let run = Run::at(folder)?;
+    Ok(StoredRun { record: run.record()?, digest: digest::of_run(&run)?, measured: read_record(&run)? })
+}
+
+/// Takes in a finished run of the campaign in a folder; when this returns its rows are on the disk.
+///
+/// # Errors
+/// If the run cannot be read or its rows cannot be written.
+pub fn take_in(name: &str, folder: &Path, writer: &mut RowWriter) -> Result<()> {
+    writer.append(&[(name.to_string(), read_run(folder)?)])
+}
+
+/// Removes the folder of a run or sample of a campaign: wherever the process is killed, the folder is whole or gone.
+///
+/// # Errors
+/// If a process is at work in it, it holds a file that granum did not write, or cannot be removed.
+pub fn remove_folder(campaign: &Path, folder: &Path) -> Result<()> {
+    RunFolder::open(folder)?.remove(&campaign.join(REMOVED))
+}
+
+/// Removes what a killed process left of folders that it was removing. Only for the holder of the campaign's lock.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be removed.
+pub fn forget_leftovers(campaign: &Path) -> Result<()> {
+    let path = campaign.join(REMOVED);
+    if fs::symlink_metadata(&path).is_ok_and(|kind| kind.is_dir()) {
+        fs::remove_dir_all(&path).map_err(Error::file("remove", &path))?;
+    }
+    Ok(())
+}
