@@ -60,6 +60,9 @@ pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
 /// Name given to a checkpoint that could not be used, so that it does not replace the previous valid one.
 pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
+/// Size of the files of a run, bytes, from which on several threads compare them.
+const MUCH_TO_READ: u64 = 1 << 24;
+
 /// How often, and how long each time, a reader waits for a file that a running process is just replacing.
 const WAITS: (usize, Duration) = (5, Duration::from_millis(20));
 
@@ -163,7 +166,10 @@ impl Run {
         let record = self.record()?;
         let mut names: Vec<&str> = record.content.keys().map(String::as_str).collect();
         names.extend(content::TABLES.into_iter().filter(|name| !record.content.contains_key(*name)));
-        let faults = parallel::map(names.len(), 0, |k| check::fault(&self.path, &record, names[k]))?;
+        // Threads are worth their start where there is much to read.
+        let size = |name: &&str| self.path.join(name).metadata().map_or(0, |file| file.len());
+        let threads = if names.iter().map(size).sum::<u64>() < MUCH_TO_READ { 1 } else { 0 };
+        let faults = parallel::map(names.len(), threads, |k| check::fault(&self.path, &record, names[k]))?;
         // Whatever reads the run next through this value need not compare the files again.
         let whole = names.iter().zip(&faults).filter(|(_, fault)| fault.is_none());
         self.compared_names().extend(whole.map(|(name, _)| name.to_string()));

@@ -32,6 +32,19 @@ impl Held {
     /// # Errors
     /// If there is a record that cannot be read, or the packing of the run cannot be read.
     pub(super) fn by(run: &QueuedRun, laboratory: &Laboratory) -> granum_io::Result<Held> {
+        Held::found(run, laboratory, |held| held.faults().is_ok_and(|faults| faults.is_empty()))
+    }
+
+    /// The same by the record alone: a finished run counts as whole.
+    pub(super) fn by_record(run: &QueuedRun, laboratory: &Laboratory) -> granum_io::Result<Held> {
+        Held::found(run, laboratory, |_| true)
+    }
+
+    fn found(
+        run: &QueuedRun,
+        laboratory: &Laboratory,
+        is_whole: impl FnOnce(&Run) -> bool,
+    ) -> granum_io::Result<Held> {
         if !run.folder.join("run.json").is_file() {
             return Ok(Held::Nothing);
         }
@@ -40,9 +53,7 @@ impl Held {
         Ok(match (is_of(&record, run, laboratory)?, record.status) {
             (false, _) => Held::Other(record),
             // A finished run of which a file was changed or removed is not used again as it is.
-            (true, RunStatus::Finished) if held.faults().is_ok_and(|faults| faults.is_empty()) => {
-                Held::Finished(record)
-            }
+            (true, RunStatus::Finished) if is_whole(&held) => Held::Finished(record),
             (true, _) => Held::Unfinished(record),
         })
     }
@@ -86,7 +97,7 @@ pub(super) fn check_folder(
             "is a symbolic link; a run must stay in its folder, so replace it by a folder or remove it";
         return Err(granum_io::Error::content(&run.folder, message).into());
     }
-    match Held::by(run, laboratory) {
+    match Held::by_record(run, laboratory) {
         Err(_) if replace_others => Ok(Held::Nothing),
         Err(error) => Err(error.into()),
         Ok(Held::Other(record)) if !replace_others => {

@@ -1,10 +1,12 @@
 //! The queue and its execution.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::convert::Infallible;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
+use granum_core::parallel;
 use granum_dem::observer::{Flow, NoObserver};
 use granum_dem::preparation::PreparationError;
 use granum_io::{OutputFolder, RunFolder, RunStatus};
@@ -124,7 +126,7 @@ impl Queue {
     /// If a folder cannot be replaced.
     pub fn replace_others(&self, laboratory: &Laboratory) -> Result<(), QueueError> {
         for run in &self.runs {
-            if matches!(Held::by(run, laboratory), Ok(Held::Other(_)) | Err(_)) {
+            if matches!(Held::by_record(run, laboratory), Ok(Held::Other(_)) | Err(_)) {
                 RunFolder::create(&run.folder, true)?.remove_previous()?;
             }
         }
@@ -155,8 +157,11 @@ impl Queue {
         at_once: usize,
         observer: &dyn QueueObserver,
     ) -> Vec<Outcome> {
-        let held: Vec<Held> =
-            self.runs.iter().map(|run| Held::by(run, laboratory).unwrap_or(Held::Nothing)).collect();
+        let held = |k: usize| {
+            let held = Held::by(&self.runs[k], laboratory).unwrap_or(Held::Nothing);
+            Ok::<_, Infallible>(held)
+        };
+        let Ok(held) = parallel::map(self.runs.len(), 0, held);
         let after: Vec<Option<usize>> =
             (0..held.len()).map(|k| self.after[k].filter(|_| held[k].needs_sample())).collect();
         let work: Vec<f64> = self.runs.iter().map(QueuedRun::expected_work).collect();

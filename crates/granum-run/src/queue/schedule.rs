@@ -31,6 +31,8 @@ pub(super) struct Schedule {
     after: Vec<Option<usize>>,
     /// The runs in the order in which they should begin.
     order: Vec<usize>,
+    /// So many of them, the first ones, wait no more.
+    begun: usize,
 }
 
 impl Schedule {
@@ -49,13 +51,16 @@ impl Schedule {
         }
         let mut order: Vec<usize> = (0..work.len()).collect();
         order.sort_by(|a, b| way[*b].total_cmp(&way[*a]));
-        Schedule { state: vec![State::Waiting; work.len()], after, order }
+        Schedule { state: vec![State::Waiting; work.len()], after, order, begun: 0 }
     }
 
     /// The next action of a thread; a run that is returned counts as running.
     pub(super) fn next(&mut self) -> Next {
         let mut left = false;
-        for k in 0..self.order.len() {
+        while self.order.get(self.begun).is_some_and(|run| self.state[*run] != State::Waiting) {
+            self.begun += 1;
+        }
+        for k in self.begun..self.order.len() {
             let run = self.order[k];
             if self.state[run] != State::Waiting {
                 continue;

@@ -19,14 +19,18 @@ pub struct Shares {
     work: Vec<f64>,
     is_sample: Vec<bool>,
     done: Vec<f64>,
+    /// The work of all runs, and what is done of it.
+    sums: [f64; 2],
 }
 
 impl Shares {
     /// No run has begun.
     pub fn new(queue: &Queue) -> Shares {
         let runs = queue.runs();
+        let work: Vec<f64> = runs.iter().map(QueuedRun::expected_work).collect();
         Shares {
-            work: runs.iter().map(QueuedRun::expected_work).collect(),
+            sums: [work.iter().sum(), 0.0],
+            work,
             is_sample: runs.iter().map(|run| run.kind == RunKind::Sample).collect(),
             done: vec![0.0; runs.len()],
         }
@@ -36,31 +40,37 @@ impl Shares {
     pub fn update(&mut self, run: usize, progress: &Progress) {
         // The solid fraction of a sample grows from nearly nothing to about two thirds.
         let prepared = progress.simulation.state().solid_fraction();
-        self.done[run] = match (progress.phase, self.is_sample[run]) {
+        let share = match (progress.phase, self.is_sample[run]) {
             (Phase::Test, _) => {
                 PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * progress.fraction.unwrap_or(0.0)
             }
             (_, true) => self.done[run].max(prepared),
             (_, false) => self.done[run].max(PREPARATION_SHARE * prepared),
         };
+        self.change(run, share);
+    }
+
+    /// Changes the share of a run and the sum of all, which would take the longer to add up the more runs there are.
+    fn change(&mut self, run: usize, share: f64) {
+        self.sums[1] += self.work[run] * (share - self.done[run]);
+        self.done[run] = share;
     }
 
     /// Notes the completed share of a run, from 0 to 1.
     pub fn set(&mut self, run: usize, share: f64) {
-        self.done[run] = self.done[run].max(share.clamp(0.0, 1.0));
+        self.change(run, self.done[run].max(share.clamp(0.0, 1.0)));
     }
 
     /// Notes the end of a run. One that was interrupted keeps its share.
     pub fn end(&mut self, run: usize, outcome: &Outcome) {
         if !outcome.is_stopped() {
-            self.done[run] = 1.0;
+            self.change(run, 1.0);
         }
     }
 
     /// The completed share of all runs.
     pub fn all(&self) -> f64 {
-        let all: f64 = self.work.iter().sum();
-        let done: f64 = self.work.iter().zip(&self.done).map(|(work, done)| work * done).sum();
-        if all > 0.0 { done / all } else { 1.0 }
+        let [all, done] = self.sums;
+        if all > 0.0 { (done / all).clamp(0.0, 1.0) } else { 1.0 }
     }
 }

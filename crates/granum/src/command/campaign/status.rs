@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_campaign::{Campaign, CampaignStatus, RunState};
+use granum_campaign::{Campaign, CampaignRun, CampaignStatus, RunState};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::{Map, Value, json};
 
@@ -53,13 +53,13 @@ impl<'a> Found<'a> {
     }
 
     /// The runs with their states.
-    fn runs(&self) -> impl Iterator<Item = (&'a str, &RunState)> {
-        self.campaign.runs().iter().map(|run| run.name.as_str()).zip(&self.status.states)
+    fn runs(&self) -> impl Iterator<Item = (&'a CampaignRun, &RunState)> {
+        self.campaign.runs().iter().zip(&self.status.states)
     }
 
     /// The runs that did not pass a check, a line each.
     pub fn flagged_lines(&self) -> Vec<String> {
-        let line = |(name, state): (&str, &RunState)| match state {
+        let line = |(run, state): (&CampaignRun, &RunState)| match state {
             RunState::Finished { flags, accepted, .. } if !flags.is_empty() => {
                 let checks: Vec<String> = flags
                     .iter()
@@ -69,7 +69,7 @@ impl<'a> Found<'a> {
                     })
                     .collect();
                 let taken = if *accepted { "accepted by the plan" } else { "not part of the data set" };
-                Some(format!("  {name} {}: {}; {taken}", self.values(name), checks.join(", ")))
+                Some(format!("  {} {}: {}; {taken}", run.name, self.values(run), checks.join(", ")))
             }
             _ => None,
         };
@@ -81,8 +81,8 @@ impl<'a> Found<'a> {
     }
 
     fn failed_lines(&self) -> Vec<String> {
-        let line = |(name, state): (&str, &RunState)| match state {
-            RunState::Failed { reason } => Some(format!("  {name} {}: {reason}", self.values(name))),
+        let line = |(run, state): (&CampaignRun, &RunState)| match state {
+            RunState::Failed { reason } => Some(format!("  {} {}: {reason}", run.name, self.values(run))),
             _ => None,
         };
         let lines: Vec<String> = self.runs().filter_map(line).collect();
@@ -90,10 +90,8 @@ impl<'a> Found<'a> {
     }
 
     /// The values of a run, in parentheses.
-    fn values(&self, name: &str) -> String {
-        let run = self.campaign.runs().iter().find(|run| run.name == name);
-        let values = run.map_or(&[][..], |run| &run.values[..]);
-        let pairs = self.campaign.variables().iter().zip(values);
+    fn values(&self, run: &CampaignRun) -> String {
+        let pairs = self.campaign.variables().iter().zip(&run.values);
         let pairs: Vec<String> =
             pairs.map(|(variable, value)| format!("{} = {value}", variable.name)).collect();
         format!("({})", pairs.join(", "))
@@ -135,7 +133,7 @@ impl<'a> Found<'a> {
             WORDS.iter().map(|word| (word.to_string(), json!(self.status.count(word)))).collect();
         let names: Vec<&str> =
             self.campaign.variables().iter().map(|variable| variable.name.as_str()).collect();
-        let run = |(run, state): (&granum_campaign::CampaignRun, &RunState)| {
+        let run = |(run, state): (&CampaignRun, &RunState)| {
             let values: Map<String, Value> =
                 names.iter().zip(&run.values).map(|(name, value)| (name.to_string(), json!(value))).collect();
             let mut object = json!({ "name": run.name, "state": state.word(), "values": values });
