@@ -133,7 +133,7 @@ impl Plan {
         let (mut runs, mut repeated) = (Vec::new(), 0);
         let mut names = BTreeSet::new();
         for (k, (valued, row)) in points.into_iter().enumerate() {
-            for seed in self.seeds(k) {
+            for seed in self.seeds(k, &valued.settings) {
                 let mut settings = valued.settings.clone();
                 settings.extend(seed.map(|seed| (SEED.to_string(), seed.to_string())));
                 let (case, digest) = match apply_settings(&self.case, &settings) {
@@ -164,9 +164,11 @@ impl Plan {
         Ok(PlannedRuns { runs, left_out, repeated })
     }
 
-    /// The seeds of the runs of point k; `None` for that of the base case.
-    fn seeds(&self, k: usize) -> Vec<Option<u64>> {
-        let (replicates, first) = (self.design.replicates, self.case.preparation.seed);
+    /// The seeds of the runs of point k with its settings, counted from the seed of its case; `None` for that seed itself.
+    fn seeds(&self, k: usize, settings: &[(String, String)]) -> Vec<Option<u64>> {
+        let replicates = self.design.replicates;
+        // Settings that no case accepts are told when the run is made.
+        let first = apply_settings(&self.case, settings).as_ref().unwrap_or(&self.case).preparation.seed;
         match self.design.sample_seeds {
             SampleSeeds::Same if replicates == 1 => vec![None],
             SampleSeeds::Same => (0..replicates).map(|r| Some(first.wrapping_add(r as u64))).collect(),

@@ -107,6 +107,13 @@ fn a_full_factorial_has_all_combinations_and_replicates() {
     let seeds: std::collections::BTreeSet<u64> =
         different.runs.iter().map(|run| run.case.preparation.seed).collect();
     assert_eq!(seeds.len(), 12);
+    // Seeds are counted from that of the plan, where it has one.
+    for (design, last) in [("replicates = 2", 701), ("sample_seeds = 'different'", 711)] {
+        let set = format!("[set]\npreparation.seed = 700\n[design]\n{design}\n");
+        let found = runs(&text.replace("[design]\n", &set).replace("replicates = 2\n[[", "[["));
+        let seeds: Vec<u64> = found.runs.iter().map(|run| run.case.preparation.seed).collect();
+        assert_eq!((seeds.first(), seeds.last()), (Some(&700), Some(&last)), "{design}");
+    }
 }
 
 #[test]
