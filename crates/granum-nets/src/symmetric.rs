@@ -70,6 +70,11 @@ impl Cholesky {
         dispatch(self.isa, SolveTransposed { upper, vector });
     }
 
+    /// The logarithm of the determinant of `A + shift I`, with the padding of the matrix.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        -2.0 * self.reciprocal.iter().map(|reciprocal| libm::log(*reciprocal)).sum::<f64>()
+    }
+
     /// Trace of `(A + shift I)^-1`, as the sum of squares of the inverse of the factor.
     pub(crate) fn trace_of_inverse(&mut self) -> f64 {
         dispatch(self.isa, TraceOfInverse { factor: self })

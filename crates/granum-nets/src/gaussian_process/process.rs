@@ -1,0 +1,189 @@
+//! A Gaussian process with fitted parameters.
+
+use std::sync::Arc;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::covariance::{Covariance, parameter_count, prior};
+use super::error::GaussianProcessError;
+use super::evidence::{Factorised, posterior};
+use super::rows::Rows;
+use crate::initialisation::uniform;
+use crate::minimise::minimise;
+
+/// Decrease of the logarithm of the posterior at which the search for its maximum ends.
+const TOLERANCE: f64 = 1e-4;
+
+/// How a process is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FitOptions {
+    /// Number of searches for the most probable parameters: one from the mode of the prior, others from parameters drawn from it (2).
+    pub starts: usize,
+    /// Most steps of a search (60).
+    pub iterations: usize,
+    /// Most rows, evenly spread, by which parameters are judged (300); predictions use all rows.
+    pub most_rows: usize,
+    /// Seed of the drawn parameters (1).
+    pub seed: u64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        FitOptions { starts: 2, iterations: 60, most_rows: 300, seed: 1 }
+    }
+}
+
+/// The prediction of a process for a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ProcessPrediction {
+    /// The mean.
+    pub mean: f64,
+    /// Variance of the mean: what more rows would reduce.
+    pub variance: f64,
+    /// Variance of the noise of a single observation: what they would not.
+    pub noise: f64,
+}
+
+/// A row as predicted from all others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// The mean.
+    pub mean: f64,
+    /// Variance of the observation about it, with its noise.
+    pub variance: f64,
+}
+
+/// A Gaussian process: a distribution of functions, of which those near the observed targets remain.
+#[derive(Clone, Debug)]
+pub struct GaussianProcess {
+    rows: Arc<Rows>,
+    logarithms: Vec<f64>,
+    covariance: Covariance,
+    factorised: Factorised,
+    /// `A^-1 y`.
+    solved: Vec<f64>,
+    /// Mean and standard deviation of the targets.
+    scale: [f64; 2],
+}
+
+impl GaussianProcess {
+    /// Fits a process: the parameters of its covariance are the most probable ones. The result depends on the arguments alone, to the
+    /// bit.
+    ///
+    /// # Errors
+    /// If the number of targets is not that of the rows, a target is not finite, or the covariance cannot be factorised.
+    pub fn fit(
+        rows: Arc<Rows>,
+        targets: &[f64],
+        options: &FitOptions,
+    ) -> Result<GaussianProcess, GaussianProcessError> {
+        check_targets(&rows, targets)?;
+        let used = rows.thinned(options.most_rows);
+        let some = rows.at(&used);
+        let chosen: Vec<f64> = used.iter().map(|&k| targets[k]).collect();
+        let [mean, deviation] = mean_and_deviation(&chosen);
+        let chosen: Vec<f64> = chosen.iter().map(|y| (y - mean) / deviation).collect();
+        let prior = prior(rows.columns());
+        let mut random = ChaCha8Rng::seed_from_u64(options.seed);
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        for start in 0..options.starts.max(1) {
+            let drawn = |[mean, deviation]: &[f64; 2], random: &mut ChaCha8Rng| match start {
+                0 => *mean,
+                _ => mean + 1.5 * deviation * uniform(random),
+            };
+            let from: Vec<f64> = prior.iter().map(|prior| drawn(prior, &mut random)).collect();
+            let mut value = |logarithms: &[f64]| posterior(&some, &chosen, logarithms);
+            let found = minimise(&from, options.iterations, TOLERANCE, &mut value);
+            if let Some(found) = found
+                && best.as_ref().is_none_or(|(least, _)| found.value < *least)
+            {
+                best = Some((found.value, found.at));
+            }
+        }
+        let (_, logarithms) = best.ok_or(GaussianProcessError::NotPositive)?;
+        GaussianProcess::with_parameters(rows, targets, logarithms)
+    }
+
+    /// A process with given parameters, as [`GaussianProcess::parameters`] returns them: the same rows and targets give the same process.
+    ///
+    /// # Errors
+    /// As [`GaussianProcess::fit`], and if the number of parameters is another or one is not finite.
+    pub fn with_parameters(
+        rows: Arc<Rows>,
+        targets: &[f64],
+        logarithms: Vec<f64>,
+    ) -> Result<GaussianProcess, GaussianProcessError> {
+        check_targets(&rows, targets)?;
+        let (inputs, needed) = (rows.columns(), parameter_count(rows.columns()));
+        if logarithms.len() != needed || logarithms.iter().any(|l| !l.is_finite()) {
+            return Err(GaussianProcessError::Parameters { found: logarithms.len(), inputs, needed });
+        }
+        let scale = mean_and_deviation(targets);
+        let covariance = Covariance::new(inputs, &logarithms);
+        let factorised = Factorised::new(&covariance, &rows).ok_or(GaussianProcessError::NotPositive)?;
+        let scaled: Vec<f64> = targets.iter().map(|y| (y - scale[0]) / scale[1]).collect();
+        let solved = factorised.solve(&scaled);
+        Ok(GaussianProcess { rows, logarithms, covariance, factorised, solved, scale })
+    }
+
+    /// The logarithms of the fitted parameters.
+    pub fn parameters(&self) -> &[f64] {
+        &self.logarithms
+    }
+
+    /// The prediction for a row.
+    ///
+    /// # Panics
+    /// If the row has another number of inputs.
+    pub fn predict(&self, row: &[f64]) -> ProcessPrediction {
+        assert_eq!(row.len(), self.rows.columns(), "inputs of a row");
+        let (with, own) = self.covariance.with(row, &self.rows);
+        let mean: f64 = with.iter().zip(&self.solved).map(|(k, a)| k * a).sum();
+        let [centre, deviation] = self.scale;
+        let square = deviation * deviation;
+        ProcessPrediction {
+            mean: centre + deviation * mean,
+            variance: square * (own - self.factorised.quadratic(&with)).max(0.0),
+            noise: square * self.covariance.noise(),
+        }
+    }
+
+    /// Each row as predicted from all others with the same parameters: `y_i - a_i / (A^-1)_ii` with the variance `1 / (A^-1)_ii`
+    /// (Rasmussen and Williams 2006, equation 5.12).
+    pub fn left_out(&self, targets: &[f64]) -> Vec<LeftOut> {
+        let (inverse, size) = (self.factorised.inverse(), self.rows.count());
+        let square = self.scale[1] * self.scale[1];
+        let of_row = |(k, target): (usize, &f64)| {
+            let own = inverse[k * size + k];
+            LeftOut { mean: target - self.scale[1] * self.solved[k] / own, variance: square / own }
+        };
+        targets.iter().enumerate().map(of_row).collect()
+    }
+}
+
+fn check_targets(rows: &Rows, targets: &[f64]) -> Result<(), GaussianProcessError> {
+    if targets.len() != rows.count() {
+        let (found, needed) = (targets.len(), rows.count());
+        return Err(GaussianProcessError::Rows(format!("there are {found} targets for {needed} rows")));
+    }
+    match targets.iter().position(|y| !y.is_finite()) {
+        Some(k) => Err(GaussianProcessError::Rows(format!(
+            "target {} is {}, not a finite number",
+            k + 1,
+            targets[k]
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The standard deviation is 1 if all values are equal.
+fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let deviation = (values.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / count).sqrt();
+    [mean, if deviation > 1e-300 { deviation } else { 1.0 }]
+}
