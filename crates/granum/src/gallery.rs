@@ -85,6 +85,16 @@ pub const PLANS: &[ReadyPlan] = &[
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-cohesion.toml"),
     },
+    ReadyPlan {
+        name: "sand-drained",
+        case: "drained-dense",
+        text: include_str!("../gallery/plans/sand-drained.toml"),
+    },
+    ReadyPlan {
+        name: "sand-drained-unseen",
+        case: "drained-dense",
+        text: include_str!("../gallery/plans/sand-drained-unseen.toml"),
+    },
 ];
 
 impl ReadyPlan {
