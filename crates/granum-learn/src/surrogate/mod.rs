@@ -79,6 +79,7 @@
 //! ```
 
 mod content;
+mod curve_process;
 mod feed_forward;
 pub(crate) mod file;
 pub(crate) mod mean_curve;
@@ -95,6 +96,7 @@ mod surrogate_trait;
 mod tests;
 
 pub use content::Content;
+pub use curve_process::{FittedCurves, GaussianProcessOfCurves};
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::curve_process::GaussianProcessOfCurves;
 use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::mean_curve::MeanCurve;
@@ -19,7 +20,7 @@ use granum_io::shell::ShowPath;
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "recurrent", "sub-models"]);
+/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "gaussian-process", "recurrent", "sub-models"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
 /// ```
@@ -42,6 +43,7 @@ impl SurrogateMethods {
                 Arc::new(FeedForward::default()),
                 Arc::new(RidgeRegression::default()),
                 Arc::new(MeanCurve),
+                Arc::new(GaussianProcessOfCurves::default()),
                 Arc::new(Recurrent::default()),
                 Arc::new(NetworksBySubModel::default()),
             ],

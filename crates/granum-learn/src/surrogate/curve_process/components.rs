@@ -1,0 +1,137 @@
+//! Principal components of curves: the directions in which they differ most, with each point weighted by the part of the coordinate
+//! that it stands for.
+
+/// Rotations sweep over the matrix until it is diagonal, at most so often.
+const SWEEPS: usize = 30;
+/// Components with less than this share of the variance are left out.
+const LEAST_SHARE: f64 = 1e-7;
+
+/// The mean of curves and their components.
+pub(super) struct Components {
+    pub mean: Vec<f64>,
+    /// Each with a value at each point.
+    pub components: Vec<Vec<f64>>,
+    /// The weights of the curves, for each component.
+    pub weights: Vec<Vec<f64>>,
+    /// Variance of the curves at each point that the components do not contain.
+    pub rest: Vec<f64>,
+}
+
+impl Components {
+    /// The components of curves, at most `most`.
+    pub fn new(curves: &[Vec<f64>], shares: &[f64], most: usize) -> Components {
+        let (count, points) = (curves.len() as f64, shares.len());
+        let mean: Vec<f64> =
+            (0..points).map(|k| curves.iter().map(|curve| curve[k]).sum::<f64>() / count).collect();
+        let roots: Vec<f64> = shares.iter().map(|share| share.sqrt()).collect();
+        let scaled: Vec<Vec<f64>> = curves
+            .iter()
+            .map(|curve| (0..points).map(|k| (curve[k] - mean[k]) * roots[k]).collect())
+            .collect();
+        let mut matrix = vec![0.0; points * points];
+        for i in 0..points {
+            for j in 0..=i {
+                let sum = scaled.iter().map(|curve| curve[i] * curve[j]).sum::<f64>() / count;
+                (matrix[i * points + j], matrix[j * points + i]) = (sum, sum);
+            }
+        }
+        let total: f64 = (0..points).map(|k| matrix[k * points + k]).sum();
+        let (values, vectors) = eigenvectors(matrix, points);
+        let mut order: Vec<usize> = (0..points).collect();
+        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        order.retain(|k| values[*k] > LEAST_SHARE * total);
+        order.truncate(most.min(curves.len().saturating_sub(1)));
+        let of_vector = |k: usize| -> Vec<f64> { (0..points).map(|i| vectors[i * points + k]).collect() };
+        let directions: Vec<Vec<f64>> = order.into_iter().map(of_vector).collect();
+        let weight = |direction: &Vec<f64>, curve: &Vec<f64>| -> f64 {
+            direction.iter().zip(curve).map(|(a, b)| a * b).sum()
+        };
+        let weights: Vec<Vec<f64>> = directions
+            .iter()
+            .map(|direction| scaled.iter().map(|curve| weight(direction, curve)).collect())
+            .collect();
+        let components: Vec<Vec<f64>> =
+            directions.iter().map(|d| d.iter().zip(&roots).map(|(d, root)| d / root).collect()).collect();
+        let left = |i: usize, k: usize| {
+            let sum: f64 =
+                components.iter().zip(&weights).map(|(component, weights)| weights[i] * component[k]).sum();
+            curves[i][k] - mean[k] - sum
+        };
+        let rest = (0..points).map(|k| (0..curves.len()).map(|i| left(i, k).powi(2)).sum::<f64>() / count);
+        Components { rest: rest.collect(), mean, components, weights }
+    }
+}
+
+/// Eigenvalues and eigenvectors (in columns) of a symmetric matrix, by Jacobi's rotations in the order of rows and columns.
+fn eigenvectors(mut matrix: Vec<f64>, size: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut vectors = vec![0.0; size * size];
+    (0..size).for_each(|k| vectors[k * size + k] = 1.0);
+    let scale = matrix.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    for _ in 0..SWEEPS {
+        let mut largest = 0.0f64;
+        for p in 0..size {
+            for q in p + 1..size {
+                let apart = matrix[p * size + q];
+                largest = largest.max(apart.abs());
+                if apart.abs() <= 1e-17 * scale {
+                    continue;
+                }
+                let ratio = (matrix[q * size + q] - matrix[p * size + p]) / (2.0 * apart);
+                let t = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
+                let c = 1.0 / (1.0 + t * t).sqrt();
+                let s = t * c;
+                for k in 0..size {
+                    let (a, b) = (matrix[k * size + p], matrix[k * size + q]);
+                    (matrix[k * size + p], matrix[k * size + q]) = (c * a - s * b, s * a + c * b);
+                }
+                for k in 0..size {
+                    let (a, b) = (matrix[p * size + k], matrix[q * size + k]);
+                    (matrix[p * size + k], matrix[q * size + k]) = (c * a - s * b, s * a + c * b);
+                    let (a, b) = (vectors[k * size + p], vectors[k * size + q]);
+                    (vectors[k * size + p], vectors[k * size + q]) = (c * a - s * b, s * a + c * b);
+                }
+            }
+        }
+        if largest <= 1e-16 * scale {
+            break;
+        }
+    }
+    ((0..size).map(|k| matrix[k * size + k]).collect(), vectors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvectors_by_hand() {
+        // Eigenvalues 3 and 1 with the vectors (1, 1) and (1, -1).
+        let (values, vectors) = eigenvectors(vec![2.0, 1.0, 1.0, 2.0], 2);
+        let large = usize::from(values[1] > values[0]);
+        assert!((values[large] - 3.0).abs() < 1e-14 && (values[1 - large] - 1.0).abs() < 1e-14, "{values:?}");
+        assert!((vectors[large] - vectors[2 + large]).abs() < 1e-14, "{vectors:?}");
+    }
+
+    /// Curves that consist of two shapes have two components, which give them back.
+    #[test]
+    fn curves_of_two_shapes_are_given_back_by_two_components() {
+        let shape = |a: f64, b: f64| -> Vec<f64> {
+            (0..9).map(f64::from).map(|x| 1.0 + a * x + b * (x - 4.0) * (x - 4.0)).collect()
+        };
+        let curves = [shape(0.1, 0.2), shape(-0.3, 0.1), shape(0.5, -0.2), shape(0.0, 0.4), shape(0.2, 0.0)];
+        let shares = [0.05, 0.1, 0.1, 0.15, 0.2, 0.15, 0.1, 0.1, 0.05];
+        let found = Components::new(&curves, &shares, 8);
+        assert_eq!(found.components.len(), 2);
+        assert!(found.rest.iter().all(|rest| *rest < 1e-24), "{:?}", found.rest);
+        for (i, curve) in curves.iter().enumerate() {
+            let back = |k: usize| {
+                found.mean[k] + (0..2).map(|j| found.weights[j][i] * found.components[j][k]).sum::<f64>()
+            };
+            assert!((0..9).all(|k| (back(k) - curve[k]).abs() < 1e-12));
+        }
+        // With one component the rest is what it lacks.
+        let one = Components::new(&curves, &shares, 1);
+        assert!(one.rest.iter().sum::<f64>() > 1e-6);
+        assert!(Components::new(&[vec![1.0; 9], vec![1.0; 9]], &shares, 8).components.is_empty());
+    }
+}

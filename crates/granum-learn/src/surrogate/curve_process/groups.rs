@@ -1,0 +1,175 @@
+//! What the processes see of the inputs: dimensionless groups where physics gives them, and numbers of order one.
+//!
+//! - A stress and Young's modulus are their ratio, since the stiffness of a sample of elastic grains depends on it alone.
+//! - The friction with which a sample was made is its ratio to the friction of the material, and so is the rolling friction.
+//! - A coefficient of friction is its logarithm or, if it comes close to zero, its square root: its effect is largest where there is
+//!   little of it. Any other positive group that varies by more than a factor of ten is its logarithm, if the runs are spread more
+//!   evenly so.
+//! - Everything is shifted and scaled to a mean of zero and a standard deviation of one over the training runs.
+
+use serde::{Deserialize, Serialize};
+
+/// Ratio of the largest to the smallest value beyond which the logarithm may be taken.
+const WIDE: f64 = 10.0;
+/// Ratio beyond which a coefficient of friction comes close to zero.
+const CLOSE_TO_ZERO: f64 = 50.0;
+/// The end of the names of coefficients of friction.
+const FRICTION: &str = "friction";
+/// The beginning of the names of the inputs that are divided by another, and that other.
+const RATIOS: [(&str, &str); 2] = [
+    ("preparation.friction", "grains.material.friction"),
+    ("preparation.rolling_friction", "contact.rolling_friction"),
+];
+/// The modulus by which stresses are divided.
+const MODULUS: &str = "grains.material.youngs_modulus";
+const STRESS_UNIT: &str = "Pa";
+
+/// How the values of a group are spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Spread {
+    Linear,
+    SquareRoot,
+    Logarithmic,
+}
+
+impl Spread {
+    fn of_friction(values: &[f64]) -> Spread {
+        match least_and_most(values) {
+            [least, most] if least > 0.0 && most < CLOSE_TO_ZERO * least => Spread::Logarithmic,
+            [least, _] if least >= 0.0 => Spread::SquareRoot,
+            _ => Spread::Linear,
+        }
+    }
+
+    fn of(values: &[f64]) -> Spread {
+        let [least, most] = least_and_most(values);
+        let is_wide = least > 0.0 && most > WIDE * least;
+        let logarithms = || values.iter().map(|v| libm::log(*v)).collect::<Vec<_>>();
+        if is_wide && lopsidedness(&logarithms()) < lopsidedness(values) {
+            Spread::Logarithmic
+        } else {
+            Spread::Linear
+        }
+    }
+}
+
+fn least_and_most(values: &[f64]) -> [f64; 2] {
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    values.iter().fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
+}
+
+/// How far the mean is from the middle of the range, in parts of the range.
+fn lopsidedness(values: &[f64]) -> f64 {
+    let [least, most] = least_and_most(values);
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (mean - 0.5 * (least + most)).abs() / (most - least)
+}
+
+/// A group: an input, divided by another one or not, spread and scaled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Group {
+    input: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    over: Option<usize>,
+    spread: Spread,
+    mean: f64,
+    deviation: f64,
+}
+
+impl Group {
+    fn raw(&self, inputs: &[f64]) -> f64 {
+        let value = match self.over {
+            // Without any friction there is no ratio, and none of it matters.
+            Some(other) if inputs[other] == 0.0 => 0.0,
+            Some(other) => inputs[self.input] / inputs[other],
+            None => inputs[self.input],
+        };
+        match self.spread {
+            Spread::Linear => value,
+            Spread::SquareRoot => value.max(0.0).sqrt(),
+            Spread::Logarithmic => libm::log(value.max(f64::MIN_POSITIVE)),
+        }
+    }
+
+    /// The value for the inputs of a run.
+    pub fn value(&self, inputs: &[f64]) -> f64 {
+        (self.raw(inputs) - self.mean) / self.deviation
+    }
+
+    /// True if it can be that of so many inputs.
+    pub fn is_sound(&self, inputs: usize) -> bool {
+        self.input < inputs
+            && self.over.is_none_or(|other| other < inputs)
+            && self.mean.is_finite()
+            && self.deviation > 0.0
+            && self.deviation.is_finite()
+    }
+}
+
+/// The groups of inputs, given by name and unit, that vary over the training runs.
+pub(super) fn groups_of(names: &[String], units: &[String], runs: &[&[f64]]) -> Vec<Group> {
+    let place = |name: &str| names.iter().position(|known| known == name);
+    let modulus = place(MODULUS);
+    let has_stress = units.iter().enumerate().any(|(k, unit)| unit == STRESS_UNIT && Some(k) != modulus);
+    let over = |k: usize| match RATIOS.iter().find(|(name, _)| *name == names[k]) {
+        Some((_, other)) => place(other),
+        None if units[k] == STRESS_UNIT && Some(k) != modulus => modulus,
+        None => None,
+    };
+    let group = |input: usize| {
+        let plain = Group { input, over: over(input), spread: Spread::Linear, mean: 0.0, deviation: 1.0 };
+        let values = |group: &Group| -> Vec<f64> { runs.iter().map(|run| group.raw(run)).collect() };
+        let all = values(&plain);
+        let spread = match plain.over {
+            None if names[input].ends_with(FRICTION) => Spread::of_friction(&all),
+            _ => Spread::of(&all),
+        };
+        let spread = Group { spread, ..plain };
+        let all = values(&spread);
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let deviation = (all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / all.len() as f64).sqrt();
+        (deviation > 1e-12 * (1.0 + mean.abs())).then_some(Group { mean, deviation, ..spread })
+    };
+    (0..names.len()).filter(|k| !(has_stress && Some(*k) == modulus)).filter_map(group).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_those_of_physics() {
+        let names = ["grains.material.friction", MODULUS, "preparation.mean_stress", "preparation.friction"];
+        let names: Vec<String> = [&names[..], &["grains.spread", "sample.void_ratio"]]
+            .concat()
+            .iter()
+            .map(|n| n.to_string())
+            .collect();
+        let units: Vec<String> = ["", "Pa", "Pa", "", "", ""].map(String::from).to_vec();
+        let runs = [
+            [0.1, 2e9, 20e3, 0.05, 0.0, 0.6],
+            [0.8, 2e9, 800e3, 0.4, 0.4, 0.7],
+            [0.4, 2e10, 800e3, 0.1, 0.2, 0.6],
+        ];
+        let runs: Vec<&[f64]> = runs.iter().map(|run| &run[..]).collect();
+        let groups = groups_of(&names, &units, &runs);
+        // Friction, stress over stiffness, ratio of the frictions, spread, void ratio; the modulus itself has no effect.
+        assert_eq!(groups.iter().map(|group| group.input).collect::<Vec<_>>(), [0, 2, 3, 4, 5]);
+        let spreads: Vec<Spread> = groups.iter().map(|group| group.spread).collect();
+        let (root, linear, log) = (Spread::SquareRoot, Spread::Linear, Spread::Logarithmic);
+        assert_eq!(spreads, [log, log, linear, linear, linear]);
+        assert_eq!(Spread::of_friction(&[0.001, 0.2, 0.5]), root);
+        // The same ratio of stress and stiffness is the same number.
+        let at = |stress: f64, modulus: f64| groups[1].value(&[0.4, modulus, stress, 0.1, 0.2, 0.6]);
+        assert!((at(1e5, 1e9) - at(2e5, 2e9)).abs() < 1e-12);
+        assert_eq!(
+            groups[2].value(&[0.1, 2e9, 1e5, 0.05, 0.0, 0.6]),
+            groups[2].value(&[0.8, 2e9, 1e5, 0.4, 0.0, 0.6])
+        );
+        // An input that is the same in all runs is left out.
+        let same: Vec<&[f64]> = vec![runs[0]; 3];
+        assert!(groups_of(&names, &units, &same).is_empty());
+    }
+}

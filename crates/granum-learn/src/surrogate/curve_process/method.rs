@@ -1,0 +1,254 @@
+//! The method that fits processes to curves.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use granum_core::observer::{Observer, SharedObserver};
+use granum_core::parallel;
+use granum_nets::gaussian_process::{FitOptions, GaussianProcess, LeftOut, Rows};
+
+use super::calibration::Calibration;
+use super::components::Components;
+use super::failure::{NAME, failed};
+use super::fitted::{FittedCurves, Kept, KeptOutput};
+use super::groups::groups_of;
+use super::run_curves::{RunCurve, common_points, shares};
+use crate::dataset::Dataset;
+use crate::error::{LearnError, Result};
+use crate::surrogate::content::Content;
+use crate::surrogate::spec::{Columns, FitSpec};
+use crate::surrogate::surrogate_trait::{Surrogate, SurrogateMethod};
+
+/// The beginning of the names of what was measured on the sample.
+const SAMPLE: &str = "sample.";
+
+/// Gaussian processes of whole curves, described in the chapter on data sets and surrogates of the book.
+///
+/// ```
+/// use granum_core::observer::NoObserver;
+/// use granum_core::{Column, Table};
+/// use granum_learn::surrogate::{FitSpec, GaussianProcessOfCurves, SurrogateMethod};
+/// use granum_learn::{Dataset, RunStates};
+///
+/// // Curves that rise to a height that a parameter decides.
+/// let run = |k: u32| {
+///     let height = f64::from(k * 7 % 20) / 20.0;
+///     let x: Vec<f64> = (0..30).map(|i| f64::from(i) / 29.0).collect();
+///     let y = x.iter().map(|x| height * height * (1.0 - (-5.0 * x).exp())).collect();
+///     let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
+///     RunStates::new(&format!("run-{k}"), table)?.with_parameter("height", "", height)
+/// };
+/// let dataset = Dataset::new((0..20).map(run).collect::<granum_learn::Result<_>>()?)?;
+/// let spec = FitSpec::new(["x", "height"], ["y"]).with_coordinate("x");
+/// let fitted = GaussianProcessOfCurves::default().fit(&dataset, &spec, &mut NoObserver)?;
+/// let answer = &fitted.predict_rows(&[1.0, 0.62], 0.9)?[0].values[0];
+/// assert!((answer.mean - 0.62 * 0.62 * (1.0 - (-5.0f64).exp())).abs() < 2e-3, "{answer:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct GaussianProcessOfCurves {
+    /// Most principal components of the curves of an output (8).
+    pub components: usize,
+    /// Searches for the most probable parameters of each process (2).
+    pub starts: usize,
+    /// Most runs by which parameters are judged (300); all runs are used for predictions.
+    pub most_runs: usize,
+}
+
+impl Default for GaussianProcessOfCurves {
+    fn default() -> Self {
+        GaussianProcessOfCurves { components: 8, starts: 2, most_runs: 300 }
+    }
+}
+
+/// What the fits of all outputs share.
+struct Shared {
+    runs: Vec<RunCurve>,
+    points: Vec<f64>,
+    shares: Vec<f64>,
+    rows: Option<Arc<Rows>>,
+}
+
+/// An output before its processes are fitted.
+struct Prepared {
+    /// The input that is its value on the sample.
+    start: Option<usize>,
+    curves: Vec<Vec<f64>>,
+    components: Components,
+}
+
+impl SurrogateMethod for GaussianProcessOfCurves {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn help(&self) -> &str {
+        "Gaussian processes of whole curves, for runs that differ in material, sample and stress"
+    }
+
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
+        if self.components == 0 {
+            return Err(failed("the number of components must be 1 or more, not 0"));
+        }
+        let columns = spec.columns(dataset)?;
+        let place = place_of_coordinate(spec, &columns)?;
+        let names: Vec<String> = without(&columns.input_names(), place);
+        let runs = RunCurve::all(dataset, &columns.inputs[place].name, &names, &columns.output_names())?;
+        let inputs: Vec<&[f64]> = runs.iter().map(|run| &run.inputs[..]).collect();
+        let units =
+            without(&columns.inputs.iter().map(|input| input.unit.clone()).collect::<Vec<_>>(), place);
+        let groups = groups_of(&names, &units, &inputs);
+        if groups.is_empty() && !names.is_empty() && runs.len() > 1 {
+            return Err(failed("all inputs beside the coordinate are the same in all runs"));
+        }
+        let ranges = ranges(&inputs);
+        let values: Vec<f64> =
+            inputs.iter().flat_map(|run| groups.iter().map(|group| group.value(run))).collect();
+        // Without inputs there is nothing that the weights could depend on, and the mean curve is what remains.
+        let rows = match groups.is_empty() {
+            true => None,
+            false => Some(Arc::new(Rows::new(values.clone(), groups.len()).map_err(failed)?)),
+        };
+        let points = common_points(&runs)?;
+        let shared = Shared { shares: shares(&points), points, rows, runs };
+        let prepared: Vec<Prepared> =
+            (0..columns.outputs.len()).map(|k| self.prepared(&shared, &columns, &names, k)).collect();
+        let fits: Vec<(usize, usize)> = prepared
+            .iter()
+            .enumerate()
+            .flat_map(|(output, prepared)| {
+                (0..prepared.components.components.len()).map(move |j| (output, j))
+            })
+            .collect();
+        let processes = match &shared.rows {
+            Some(rows) => self.processes(rows, &prepared, &fits, spec, observer)?,
+            None => Vec::new(),
+        };
+        let mut outputs = Vec::with_capacity(prepared.len());
+        let mut rest = processes.into_iter();
+        for prepared in prepared {
+            let own: Vec<GaussianProcess> =
+                rest.by_ref().take(prepared.components.components.len()).collect();
+            outputs.push(kept(&shared, prepared, &own));
+        }
+        let (runs, points) = (shared.runs.len(), shared.points);
+        let kept = Kept { coordinate: place, runs, points, groups, ranges, rows: values, outputs };
+        Ok(Box::new(FittedCurves::new(columns, kept)?))
+    }
+
+    fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {
+        let columns = spec.columns(dataset)?;
+        let place = place_of_coordinate(spec, &columns)?;
+        let names = without(&columns.input_names(), place);
+        common_points(&RunCurve::all(
+            dataset,
+            &columns.inputs[place].name,
+            &names,
+            &columns.output_names(),
+        )?)?;
+        Ok(())
+    }
+
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        Ok(Box::new(FittedCurves::new(columns, content.read()?)?))
+    }
+}
+
+impl GaussianProcessOfCurves {
+    fn prepared(&self, shared: &Shared, columns: &Columns, names: &[String], output: usize) -> Prepared {
+        let sample = format!("{SAMPLE}{}", columns.outputs[output].name);
+        let start = names.iter().position(|name| *name == sample);
+        let curve = |run: &RunCurve| run.at(&shared.points, output, start.is_some());
+        let curves: Vec<Vec<f64>> = shared.runs.iter().map(curve).collect();
+        let most = if shared.rows.is_some() { self.components } else { 0 };
+        let components = Components::new(&curves, &shared.shares, most);
+        Prepared { start, curves, components }
+    }
+
+    /// The processes of all components of all outputs.
+    fn processes(
+        &self,
+        rows: &Arc<Rows>,
+        prepared: &[Prepared],
+        fits: &[(usize, usize)],
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<GaussianProcess>> {
+        let shared = SharedObserver::new(observer);
+        let done = AtomicUsize::new(0);
+        parallel::map(fits.len(), spec.threads, |k| {
+            if shared.stopped() {
+                return Err(LearnError::Stopped { done: done.load(Ordering::Relaxed), total: fits.len() });
+            }
+            let part = shared.part(format!("process {}", k + 1));
+            let (output, component) = fits[k];
+            let mut options = FitOptions::default();
+            (options.starts, options.most_rows) = (self.starts, self.most_runs);
+            options.seed = spec.seed.wrapping_add(k as u64);
+            let targets = &prepared[output].components.weights[component];
+            let process = GaussianProcess::fit(rows.clone(), targets, &options).map_err(failed)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            part.completed();
+            Ok(process)
+        })
+    }
+}
+
+fn place_of_coordinate(spec: &FitSpec, columns: &Columns) -> Result<usize> {
+    let place = spec.place_of_coordinate(columns);
+    place.ok_or_else(|| failed("it predicts curves and needs the coordinate that they are over"))
+}
+
+fn without(names: &[String], place: usize) -> Vec<String> {
+    names.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, name)| name.clone()).collect()
+}
+
+/// Range of each input over the runs.
+fn ranges(runs: &[&[f64]]) -> Vec<[f64; 2]> {
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; runs.first().map_or(0, |run| run.len())];
+    for run in runs {
+        for ([low, high], value) in ranges.iter_mut().zip(*run) {
+            (*low, *high) = (low.min(*value), high.max(*value));
+        }
+    }
+    ranges
+}
+
+/// An output with its calibration: each run is predicted from the others.
+fn kept(shared: &Shared, prepared: Prepared, processes: &[GaussianProcess]) -> KeptOutput {
+    let Prepared { start, curves, components: Components { mean, components, weights, rest } } = prepared;
+    let left: Vec<Vec<LeftOut>> =
+        processes.iter().zip(&weights).map(|(process, targets)| process.left_out(targets)).collect();
+    // A run left out changes the mean of n curves as well; where nothing depends on inputs that is all.
+    let count = curves.len() as f64;
+    let share = if processes.is_empty() && count > 1.0 { count / (count - 1.0) } else { 1.0 };
+    let error = |run: usize, point: usize| {
+        let (mut value, mut variance) = (mean[point], rest[point]);
+        for (component, left) in components.iter().zip(&left) {
+            value += component[point] * left[run].mean;
+            variance += component[point] * component[point] * left[run].variance;
+        }
+        // A point at which all curves are equal has no error and no variance.
+        let error = share * (curves[run][point] - value);
+        if error == 0.0 { 0.0 } else { error / variance.sqrt().max(1e-300) }
+    };
+    // Where curves start at the value on their sample, nothing is predicted.
+    let from = usize::from(start.is_some());
+    let errors: Vec<Vec<f64>> =
+        (0..curves.len()).map(|run| (from..mean.len()).map(|point| error(run, point)).collect()).collect();
+    KeptOutput {
+        start,
+        mean,
+        components,
+        rest,
+        parameters: processes.iter().map(|process| process.parameters().to_vec()).collect(),
+        weights,
+        calibration: Calibration::new(&errors, &shared.shares[from..]),
+    }
+}

@@ -1,0 +1,28 @@
+//! Gaussian processes of whole curves: each output of a test is a curve over the coordinate, a weighted sum of a few principal
+//! components, and each weight is a smooth function of what is constant in a run: the properties of the grains, the sample, the stress.
+//!
+//! ```text
+//! y(x, s) = y_0 + m(s) + sum_j t_j(x) v_j(s) + noise
+//! ```
+//!
+//! with the coordinate `s`, the other inputs `x`, the mean `m` of the training curves, their principal components `v_j`, and a Gaussian
+//! process ([`granum_nets::gaussian_process`]) for each weight `t_j`. If the value of an output on the sample is an input
+//! (`sample.NAME`), it is `y_0`, and the curve starts there.
+//!
+//! The variance of a new run about the mean has two parts: that of the processes, which more runs would reduce (`parameters`), and
+//! that of a single run, which they would not (`noise`): the noise of the processes, and the part of the training curves that the
+//! components do not contain. Intervals are these standard deviations times a factor, which is chosen on whole training runs, each
+//! predicted from all others (conformal calibration): for intervals of single states, and for bands that contain a whole curve.
+
+mod calibration;
+mod components;
+mod failure;
+mod fitted;
+mod groups;
+mod method;
+mod run_curves;
+#[cfg(test)]
+mod tests;
+
+pub use fitted::FittedCurves;
+pub use method::GaussianProcessOfCurves;

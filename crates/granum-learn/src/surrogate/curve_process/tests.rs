@@ -1,0 +1,191 @@
+//! Curves with a known law and noise from run to run: errors, coverage, starts, files, refusals.
+
+use granum_core::observer::NoObserver;
+use granum_core::{Column, Table};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::*;
+use crate::dataset::{Dataset, RunStates};
+use crate::error::Result;
+use crate::surrogate::{Cause, FitSpec, RunInputs, Surrogate, SurrogateMethod, SurrogateMethods, to_json};
+
+const STATES: usize = 41;
+const NOISE: f64 = 0.03;
+
+struct Random(ChaCha8Rng);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// The mean of the runs: a rise whose height and rate depend on two parameters.
+fn exact(strength: f64, rate: f64, x: f64) -> f64 {
+    (0.5 + strength * strength) * (1.0 - (-(2.0 + 8.0 * rate) * x).exp())
+}
+
+/// Runs with random parameters, each with a smooth deviation of its own, and a measured start for the output `z`.
+fn dataset(count: usize, seed: u64) -> Dataset {
+    let mut random = Random(ChaCha8Rng::seed_from_u64(seed));
+    let run = |k: usize| {
+        let (strength, rate) = (random.uniform(), random.uniform());
+        let (first, second, start) = (random.normal(), random.normal(), 4.0 + 0.5 * random.normal());
+        let xs: Vec<f64> = (0..STATES).map(|i| i as f64 / (STATES - 1) as f64).collect();
+        let own = |x: f64| NOISE * (first * (4.0 * x).min(1.0) + second * (3.0 * x).sin());
+        let y = xs.iter().map(|x| exact(strength, rate, *x) + own(*x)).collect();
+        // The start is forgotten along the curve.
+        let z = xs.iter().map(|x| start * (-3.0 * x).exp() + strength * x).collect();
+        let columns = vec![Column::new("x", "", xs), Column::new("y", "", y), Column::new("z", "", z)];
+        let run = RunStates::new(&format!("run-{seed}-{k}"), Table::new(columns)?)?;
+        run.with_parameter("strength", "", strength)?
+            .with_parameter("rate", "", rate)?
+            .with_parameter("sample.z", "", start)
+    };
+    Dataset::new((0..count).map(run).collect::<Result<_>>().unwrap()).unwrap()
+}
+
+fn fitted(dataset: &Dataset, spec: &FitSpec) -> Box<dyn Surrogate> {
+    GaussianProcessOfCurves::default()
+        .fit(dataset, spec, &mut NoObserver)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn spec() -> FitSpec {
+    FitSpec::new(["x", "strength", "rate"], ["y"]).with_coordinate("x")
+}
+
+#[test]
+fn a_known_law_is_found_and_intervals_hold() {
+    let surrogate = fitted(&dataset(90, 1), &spec());
+    let new = dataset(150, 2);
+    let inputs = RunInputs::from_dataset(&new, surrogate.columns()).unwrap();
+    let measured = new.column("y").unwrap();
+    let predicted = surrogate.predict(&inputs, 0.9).unwrap();
+    // The law is known better than by a run; nine coefficients of a polynomial could do with about a third of its scatter.
+    let (mut error, mut held, mut noise) = (0.0, 0, 0.0);
+    for ((row, prediction), y) in inputs.rows().zip(&predicted).zip(&measured) {
+        let estimate = &prediction.values[0];
+        let interval = estimate.interval.as_ref().unwrap();
+        error += (estimate.mean - exact(row[1], row[2], row[0])).powi(2);
+        held += usize::from(interval.lower <= *y && *y <= interval.upper);
+        noise += interval.causes.iter().find(|(cause, _)| *cause == Cause::Noise).unwrap().1.powi(2);
+    }
+    let count = measured.len() as f64;
+    let scatter = (measured
+        .iter()
+        .zip(inputs.rows())
+        .map(|(y, row)| (y - exact(row[1], row[2], row[0])).powi(2))
+        .sum::<f64>()
+        / count)
+        .sqrt();
+    let error = (error / count).sqrt() / scatter;
+    assert!(error < 0.65, "{error} of the scatter of a run");
+    let noise = (noise / count).sqrt() / scatter;
+    assert!((0.8..1.25).contains(&noise), "noise {noise} of the scatter of a run");
+    let share = held as f64 / count;
+    assert!((0.85..0.95).contains(&share), "{share} of the states");
+    // Bands hold whole curves, of which intervals hold fewer.
+    let surrogate: &dyn std::any::Any = surrogate.as_ref();
+    let bands = surrogate.downcast_ref::<FittedCurves>().unwrap().bands(&inputs, 0.9).unwrap();
+    let whole = |predictions: &[crate::Prediction]| {
+        let within = |k: usize| {
+            let interval = predictions[k].values[0].interval.as_ref().unwrap();
+            interval.lower <= measured[k] + 1e-12 && measured[k] - 1e-12 <= interval.upper
+        };
+        (0..150).filter(|run| (run * STATES..(run + 1) * STATES).all(within)).count()
+    };
+    let (of_bands, of_intervals) = (whole(&bands), whole(&predicted));
+    assert!((125..=146).contains(&of_bands), "{of_bands} of 150 curves within bands of 90 %");
+    assert!(of_intervals < of_bands, "{of_intervals} {of_bands}");
+}
+
+#[test]
+fn a_curve_starts_at_the_value_of_its_sample() {
+    let spec = FitSpec::new(["x", "strength", "rate", "sample.z"], ["z"]).with_coordinate("x");
+    let surrogate = fitted(&dataset(30, 3), &spec);
+    let at =
+        |x: f64, start: f64| surrogate.predict_rows(&[x, 0.4, 0.5, start], 0.9).unwrap()[0].values[0].clone();
+    for start in [3.4, 4.2] {
+        let first = at(0.0, start);
+        assert_eq!(first.mean, start);
+        let interval = first.interval.unwrap();
+        assert!(interval.upper - interval.lower < 1e-9, "{interval:?}");
+        let later = at(0.5, start);
+        let expected = start * (-1.5f64).exp() + 0.2;
+        assert!((later.mean - expected).abs() < 0.02, "{later:?} {expected}");
+    }
+}
+
+#[test]
+fn what_is_not_known_is_wide_and_flagged() {
+    let surrogate = fitted(&dataset(40, 4), &spec());
+    let width = |strength: f64| {
+        let prediction = &surrogate.predict_rows(&[1.0, strength, 0.5], 0.9).unwrap()[0];
+        let interval = prediction.values[0].interval.as_ref().unwrap();
+        (
+            interval.upper - interval.lower,
+            prediction.outside.iter().map(|o| o.name.clone()).collect::<Vec<_>>(),
+        )
+    };
+    let (inside, outside) = (width(0.5), width(2.0));
+    assert!(inside.1.is_empty() && outside.1 == ["strength"], "{inside:?} {outside:?}");
+    assert!(outside.0 > 2.0 * inside.0, "{inside:?} {outside:?}");
+    let beyond = &surrogate.predict_rows(&[1.5, 0.5, 0.5], 0.9).unwrap()[0];
+    assert_eq!(beyond.outside[0].name, "x");
+}
+
+#[test]
+fn files_and_threads_change_no_bit() {
+    let data = dataset(20, 5);
+    let spec = FitSpec::new(["x", "strength", "rate", "sample.z"], ["y", "z"]).with_coordinate("x");
+    let surrogate = fitted(&data, &spec.clone().with_threads(1));
+    let text = to_json(surrogate.as_ref()).unwrap();
+    assert_eq!(to_json(fitted(&data, &spec.with_threads(3)).as_ref()).unwrap(), text);
+    let read = SurrogateMethods::standard().from_json(&text, "file").unwrap();
+    let rows = [0.3, 0.2, 0.9, 4.1, 0.8, 0.2, 0.9, 4.1];
+    assert_eq!(read.predict_rows(&rows, 0.8).unwrap(), surrogate.predict_rows(&rows, 0.8).unwrap());
+}
+
+#[test]
+fn what_has_no_curves_is_refused() {
+    let data = dataset(10, 6);
+    let told = |spec: &FitSpec, data: &Dataset| {
+        GaussianProcessOfCurves::default().fit(data, spec, &mut NoObserver).err().unwrap().to_string()
+    };
+    assert!(told(&FitSpec::new(["strength"], ["y"]), &data).contains("needs the coordinate"));
+    let along = FitSpec::new(["x", "z"], ["y"]).with_coordinate("x");
+    assert!(told(&along, &data).contains("record `run-6-0`: z is not constant"), "{}", told(&along, &data));
+    let same = FitSpec::new(["x", "same"], ["y"]).with_coordinate("x");
+    let runs = data.runs().iter().map(|run| run.clone().with_parameter("same", "", 2.0));
+    let alike = Dataset::new(runs.collect::<Result<_>>().unwrap()).unwrap();
+    assert!(told(&same, &alike).contains("the same in all runs"));
+    let turned = FitSpec::new(["z", "strength"], ["y"]).with_coordinate("z");
+    assert!(told(&turned, &data).contains("z does not increase from state to state"));
+}
+
+/// With the coordinate alone it is the mean curve with the scatter of the runs; from a single run there are no intervals.
+#[test]
+fn without_other_inputs_it_is_the_mean_curve() {
+    let data = dataset(40, 7);
+    let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
+    let surrogate = fitted(&data, &spec);
+    let ends: Vec<f64> = data.runs().iter().map(|run| run.column("y").unwrap()[STATES - 1]).collect();
+    let mean = ends.iter().sum::<f64>() / 40.0;
+    let estimate = surrogate.predict_rows(&[1.0], 0.9).unwrap()[0].values[0].clone();
+    assert!((estimate.mean - mean).abs() < 1e-12, "{estimate:?} {mean}");
+    let interval = estimate.interval.unwrap();
+    let within = ends.iter().filter(|y| interval.lower <= **y && **y <= interval.upper).count();
+    assert!((33..=40).contains(&within), "{within}");
+    let read = SurrogateMethods::standard().from_json(&to_json(surrogate.as_ref()).unwrap(), "file").unwrap();
+    assert_eq!(read.predict_rows(&[0.7], 0.9).unwrap(), surrogate.predict_rows(&[0.7], 0.9).unwrap());
+    let one = fitted(&dataset(1, 8), &self::spec());
+    assert!(one.predict_rows(&[0.5, 0.5, 0.5], 0.9).unwrap()[0].values[0].interval.is_none());
+    let three = fitted(&dataset(3, 8), &self::spec());
+    assert!(three.predict_rows(&[0.5, 0.5, 0.5], 0.9).unwrap()[0].values[0].interval.is_some());
+}
