@@ -2,7 +2,7 @@
 
 - No file of Rust has more than LONGEST lines.
 - Crates depend downwards only, in the order of the table of crates in ARCHITECTURE.md.
-- Within a crate no files import each other in a circle, but for those in CIRCLES and KNOWN. Tests may import what they test.
+- Within a crate no files import each other in a circle, but for those in CIRCLES. Tests may import what they test.
 - Every file and folder that ARCHITECTURE.md names exists.
 - The file of a folder `thing/` is `thing/mod.rs`, not a file `thing.rs` beside it.
 
@@ -17,19 +17,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST = 600
 # Folders in which a circle is meant, with its reason in ARCHITECTURE.md.
 CIRCLES = ["granum-dem/src/sizes/"]
-# Circles that are still to be divided. No new one is allowed, and a line goes when its circle has gone.
-KNOWN = [
-    {"granum/src/command/reproduce", "granum/src/command/reproduce/study"},
-    {"granum-dem/src/search", "granum-dem/src/search/levels"},
-    {
-        "granum-io/src/case/bare_number",
-        "granum-io/src/case/history",
-        "granum-io/src/case/stage",
-        "granum-io/src/case/stage_values",
-        "granum-io/src/case/suggestion",
-    },
-    {"granum-io/src/run", "granum-io/src/run/check", "granum-io/src/run/content"},
-]
 problems = []
 
 
@@ -210,7 +197,6 @@ def check_paths():
 
 check_lengths()
 check_paths()
-found = []
 for name in check_crates():
     crate = Crate(ROOT / "crates" / name)
     graph = crate.imports()
@@ -221,13 +207,9 @@ for name in check_crates():
                 print(shown[module], "->", shown[other])
     for group in circles(graph):
         files = {shown[module].removesuffix(".rs").removesuffix("/mod") for module in group}
-        found.append(files)
         meant = any(all(f"{file}/".startswith(circle) for file in files) for circle in CIRCLES)
-        if not meant and not any(files <= known for known in KNOWN):
+        if not meant:
             problems.append("these files import each other in a circle: " + ", ".join(sorted(files)))
-for known in KNOWN:
-    if known not in found:
-        print("note: this is no circle any more and can go from KNOWN:", ", ".join(sorted(known)))
 
 for problem in problems:
     print("FAILED:", problem)

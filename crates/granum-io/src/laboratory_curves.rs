@@ -10,7 +10,7 @@ use std::path::Path;
 use granum_core::names::suggestion;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-use crate::case::bare_number::{Known, NumberKind};
+use crate::case::doubt::{Known, NumberKind};
 use crate::error::{Error, InputError, Result};
 use crate::formats::lines::{self, Lines};
 

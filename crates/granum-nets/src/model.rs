@@ -109,15 +109,7 @@ impl Model {
             answer_range: None,
             intervals: None,
         };
-        let provenance = Provenance {
-            granum_version: env!("CARGO_PKG_VERSION").into(),
-            dataset_hash: data.hash(),
-            rows: data.rows(),
-            seed: definition.seed,
-            trainer: report.trainer.clone(),
-            epochs: report.epochs,
-            termination: report.termination,
-        };
+        let provenance = Provenance::new(data, definition.seed, &report);
         let columns = (definition.inputs.clone(), definition.output.clone());
         // The uncertainty of predictions is computed from these rows.
         let rows = report.evidence.map(|_| TrainingRows {

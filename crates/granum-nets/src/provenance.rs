@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::data::Data;
 use crate::intervals::Intervals;
 use crate::trainer::error::TerminationReason;
-use crate::trainer::report::Evidence;
+use crate::trainer::report::{Evidence, TrainingReport};
 
 /// The origin of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,21 @@ pub struct Provenance {
     pub epochs: u64,
     /// Reason why the training ended.
     pub termination: TerminationReason,
+}
+
+impl Provenance {
+    /// The origin of a model that this version has trained on these rows.
+    pub(crate) fn new(data: &Data, seed: u64, report: &TrainingReport) -> Provenance {
+        Provenance {
+            granum_version: env!("CARGO_PKG_VERSION").into(),
+            dataset_hash: data.hash(),
+            rows: data.rows(),
+            seed,
+            trainer: report.trainer.clone(),
+            epochs: report.epochs,
+            termination: report.termination,
+        }
+    }
 }
 
 /// The quality of the fit of a model to its training rows.

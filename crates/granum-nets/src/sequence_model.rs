@@ -105,15 +105,7 @@ impl SequenceModel {
         let scaled = scale(data, &input_scalers, &output_scalers)?;
         let mut gru = Gru::new(inputs, inputs, definition.hidden, outputs, definition.seed)?;
         let report = trainer.resume(&mut gru, &scaled, state, observer)?;
-        let provenance = Provenance {
-            granum_version: env!("CARGO_PKG_VERSION").into(),
-            dataset_hash: data.hash(),
-            rows: data.rows(),
-            seed: definition.seed,
-            trainer: report.trainer.clone(),
-            epochs: report.epochs,
-            termination: report.termination,
-        };
+        let provenance = Provenance::new(data, definition.seed, &report);
         let (inputs, outputs) = (definition.inputs.clone(), definition.outputs.clone());
         Ok((SequenceModel { inputs, outputs, input_scalers, output_scalers, gru, provenance }, report))
     }

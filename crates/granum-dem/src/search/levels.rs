@@ -10,7 +10,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use granum_core::geometry::invert;
 
-use super::{Grid, Near, is_near, load};
+use super::grid::{Grid, Near, is_near, load};
 use crate::assembly::Matrix;
 use crate::cell::Cell;
 use crate::images::{image_code, image_table};

@@ -5,6 +5,10 @@ use granum_dem::loading::preset::{self, Given, Preset};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+/// Place in a case of the stages of its test, and of those of its preparation.
+pub(super) const STAGE: &str = "stage";
+pub(super) const PREPARATION_STAGE: &str = "preparation.stage";
+
 /// Most stages that a test or a preparation may come to, with its repetitions.
 pub(super) const MOST_STAGES: u64 = 10_000;
 

@@ -5,10 +5,10 @@ use std::fmt;
 
 use granum_core::quantity::format_number;
 
+use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::definition::Case;
 use super::field::{Field, Value};
 use super::fields::Fields;
-use super::stage::{PREPARATION_STAGE, STAGE};
 
 /// The key that gives another sample of the same material: runs that differ only in it are repetitions of one test.
 pub const SEED: &str = "preparation.seed";

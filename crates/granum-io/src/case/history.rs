@@ -8,7 +8,7 @@ use std::path::Path;
 use granum_dem::loading::{History, HistoryQuantity, MOST_ROWS};
 use toml::de::DeValue;
 
-use super::bare_number::Doubt;
+use super::doubt::Doubt;
 use super::stage_values::{Mistake, Node, Parsed, number, text};
 use super::suggestion::meant;
 use super::unit::dimension;

@@ -4,13 +4,15 @@
 //! digests are all based on it. A new key is one entry in this list. The tables `[[stage]]` and `[[preparation.stage]]` are not
 //! part of it, since named paths declare their own parameters ([`granum_dem::loading::preset`]); the tables `[[material]]` and `[[pair]]` use keys of the list.
 
-pub(crate) mod bare_number;
+mod bare_number;
 mod case_stage;
 mod case_test;
 mod definition;
 mod difference;
 mod digest;
+pub(crate) mod doubt;
 mod field;
+mod field_text;
 mod fields;
 mod history;
 mod incremental_driver;
@@ -26,6 +28,7 @@ mod schema;
 mod sensor_parameters;
 mod sieve;
 mod stage;
+mod stage_control;
 mod stage_read;
 mod stage_values;
 mod stage_write;

@@ -7,9 +7,9 @@ use granum_dem::loading::preset::{Given, PathParameterDefault, PathValue, Preset
 use toml::de::{DeTable, DeValue};
 
 use super::case_stage::CaseStage;
+use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::definition::Case;
 use super::field::Value;
-use super::stage::{PREPARATION_STAGE, STAGE};
 use super::unit::dimension;
 
 /// The value of a key of a case.

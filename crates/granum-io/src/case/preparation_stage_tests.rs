@@ -4,7 +4,8 @@ use granum_dem::loading::preset::{self, Given, PathValue};
 use granum_dem::loading::{Drive, Measure, Ramp, RecordedStates, Start, Until};
 use proptest::prelude::*;
 
-use super::stage::{PREPARATION_STAGE, RECORDING_KEYS, goes_back, without_recording};
+use super::case_stage::PREPARATION_STAGE;
+use super::stage::{RECORDING_KEYS, goes_back, without_recording};
 use super::stage_tests::any_stage;
 use super::*;
 

@@ -12,6 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::bare_number;
+use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::case_test::{CaseTest, is_of_shear};
 use super::definition::Case;
 use super::field::{Field, Value};
@@ -21,7 +22,6 @@ use super::reading::Reading;
 use super::rules::RULES;
 use super::sensor_parameters;
 use super::sieve;
-use super::stage::{PREPARATION_STAGE, STAGE};
 use super::suggestion;
 use crate::error::{Error, InputError, Result};
 use crate::run::{CASE, RECORD};

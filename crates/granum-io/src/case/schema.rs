@@ -10,7 +10,8 @@ use super::field::Field;
 use super::fields::{Fields, SECTIONS};
 use super::material::{BETWEEN, NAME, SHARE};
 use super::stage::bounds;
-use super::stage_read::{DRIVER_KEYS, STAGE_KEYS};
+use super::stage_control::STAGE_KEYS;
+use super::stage_read::DRIVER_KEYS;
 use super::stage_values::OTHER_ENDS;
 use super::vocabulary::Vocabulary;
 

@@ -8,19 +8,15 @@ use granum_dem::loading::preset::{
 };
 use granum_dem::loading::{RecordedStates, Stage, Start};
 
-use super::bare_number::in_per_cent_instead;
-use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
+use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES, PREPARATION_STAGE, STAGE};
 use super::case_test::CaseTest;
 use super::definition::Case;
+use super::doubt::in_per_cent_instead;
 use super::history;
 use super::suggestion::meant;
 use super::unit::dimension;
 use crate::error::{Error, Result};
 use granum_core::quantity::{format_number, parse_quantity};
-
-/// Place in a case of the stages of its test, and of those of its preparation.
-pub(super) const STAGE: &str = "stage";
-pub(super) const PREPARATION_STAGE: &str = "preparation.stage";
 
 /// The number of a stage, from 1, that starts from a saved state although no state was saved before it, with the fault in words.
 pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {

@@ -4,10 +4,10 @@ use granum_core::names::nearest;
 use granum_dem::loading::preset::Paths;
 
 use super::case_stage::CaseStage;
+use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::definition::Case;
 use super::field::any_of;
 use super::fields::{Fields, SECTIONS};
-use super::stage::{PREPARATION_STAGE, STAGE};
 
 /// "did you mean X?" or the list of existing names.
 pub(super) fn meant<'a>(wrong: &str, names: impl Iterator<Item = &'a str> + Clone) -> String {

@@ -7,8 +7,9 @@
 use granum_dem::loading::preset::PathParameterKind;
 
 use super::case_stage::CaseStage;
+use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::definition::Case;
-use super::stage::{PREPARATION_STAGE, STAGE, place, stage_in};
+use super::stage::{place, stage_in};
 
 /// What a value of a key is, as far as it decides how several of them are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,12 +3,29 @@
 use std::path::Path;
 
 use super::record::RunRecord;
-use super::{
-    CASE, CHECKPOINT, FIGURES, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
-    REFUSED_CHECKPOINT, REPORT, SERIES, SNAPSHOTS, states::STATES, times,
-};
+use super::states::STATES;
+use super::times;
 use crate::folder::check_name;
 use crate::snapshot::{PARTS, list_snapshots};
+
+pub(crate) const CASE: &str = "case.toml";
+pub(super) const SERIES: &str = "series.parquet";
+pub(super) const FORCES: &str = "forces.parquet";
+pub(super) const PREPARATION: &str = "preparation.parquet";
+pub(super) const SNAPSHOTS: &str = "snapshots";
+pub(super) const HISTOGRAMS: &str = "histograms";
+pub(crate) const RECORD: &str = "run.json";
+pub(super) const REPORT: &str = "report.html";
+pub(super) const FIGURES: &str = "figures";
+/// Inner folders, in whose places links are refused.
+pub(super) const FOLDERS: [&str; 3] = [SNAPSHOTS, HISTOGRAMS, FIGURES];
+
+/// Name of the checkpoint in a run folder.
+pub const CHECKPOINT: &str = "checkpoint";
+/// Name of the previous checkpoint.
+pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
+/// Name given to a checkpoint that could not be used, so that it does not replace the previous valid one.
+pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
 /// The tables of a run beside its histograms.
 pub(super) const TABLES: [&str; 3] = [SERIES, FORCES, PREPARATION];

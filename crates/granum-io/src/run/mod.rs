@@ -10,13 +10,11 @@ mod states;
 mod times;
 
 use std::collections::BTreeSet;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use granum_core::assembly::Assembly;
-use granum_core::digest::Digest;
 use granum_core::parallel;
 
 use crate::aside;
@@ -33,32 +31,17 @@ use granum_sensors::{Record, RecordedState};
 
 use self::states::STATES;
 
-pub use check::FileFault;
+use self::content::{FORCES, HISTOGRAMS, PREPARATION, SERIES, SNAPSHOTS};
+
+pub use check::{FileFault, file_digest};
+pub(crate) use content::{CASE, RECORD};
+pub use content::{CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT};
 pub use run_folder::RunFolder;
 
 pub use record::{
     Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunKind, RunRecord, RunSource, RunStatus,
     TEST, nulls_are_nan,
 };
-
-pub(crate) const CASE: &str = "case.toml";
-const SERIES: &str = "series.parquet";
-const FORCES: &str = "forces.parquet";
-const PREPARATION: &str = "preparation.parquet";
-const SNAPSHOTS: &str = "snapshots";
-const HISTOGRAMS: &str = "histograms";
-pub(crate) const RECORD: &str = "run.json";
-const REPORT: &str = "report.html";
-const FIGURES: &str = "figures";
-/// Inner folders, in whose places links are refused.
-const FOLDERS: [&str; 3] = [SNAPSHOTS, HISTOGRAMS, FIGURES];
-
-/// Name of the checkpoint in a run folder.
-pub const CHECKPOINT: &str = "checkpoint";
-/// Name of the previous checkpoint.
-pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
-/// Name given to a checkpoint that could not be used, so that it does not replace the previous valid one.
-pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
 /// Size of the files of a run, bytes, from which on several threads compare them.
 const MUCH_TO_READ: u64 = 1 << 24;
@@ -448,22 +431,6 @@ impl Run {
 /// The table of a histogram of a record.
 fn histogram_of(record: &Record, name: &str) -> Option<Table> {
     record.histogram_tables().find(|(known, _)| *known == name).map(|(_, table)| table)
-}
-
-/// SHA-256 of a file, in hexadecimal digits.
-///
-/// # Errors
-/// [`Error::File`] if it cannot be read.
-pub fn file_digest(path: &Path) -> Result<String> {
-    let mut file = granum_core::input::open(path).map_err(Error::file("read", path))?;
-    let mut hash = Digest::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        match io::Read::read(&mut file, &mut buffer).map_err(Error::file("read", path))? {
-            0 => return Ok(hash.finish()),
-            count => hash.bytes(&buffer[..count]),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -13,13 +13,14 @@ use granum_core::Table;
 use granum_core::assembly::Assembly;
 use granum_sensors::RecordedState;
 
-use super::record::{RUN_FORMAT, RunRecord};
-use super::{
-    CASE, CHECKPOINT, FOLDERS, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
-    REFUSED_CHECKPOINT, Run, SERIES, SNAPSHOTS, content, file_digest,
-    states::{self, STATES},
-    times,
+use super::check::file_digest;
+use super::content::{
+    self, CASE, CHECKPOINT, FOLDERS, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
+    REFUSED_CHECKPOINT, SERIES, SNAPSHOTS,
 };
+use super::record::{RUN_FORMAT, RunRecord};
+use super::states::{self, STATES};
+use super::{Run, times};
 use crate::atomic::{STAGING, sync_folder, write_atomically, write_keeping_previous};
 use crate::case::Case;
 use crate::error::{Error, Result};

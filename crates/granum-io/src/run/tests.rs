@@ -125,7 +125,7 @@ fn a_replacement_that_fails_or_is_cut_short_leaves_the_old_run_whole() {
     };
     // The first file cannot be written.
     let folder = RunFolder::create(&path, true).unwrap();
-    assert!(folder.write_checkpoint(|_| Err(io::Error::other("the disk is full"))).is_err());
+    assert!(folder.write_checkpoint(|_| Err(std::io::Error::other("the disk is full"))).is_err());
     whole();
     drop(folder);
     // The process was killed after the files were moved, before or after the first new file.

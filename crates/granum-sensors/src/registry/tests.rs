@@ -1,4 +1,7 @@
+use granum_core::{Part, Parts};
+
 use super::*;
+use crate::histogram::Histogram;
 use crate::{SensorParameter, lattice};
 
 #[test]

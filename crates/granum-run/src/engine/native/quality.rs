@@ -59,20 +59,25 @@ pub(super) fn judge_rest(
             MEAN_STRESS_MISSED,
             "the sample did not come to rest at its mean stress; lower preparation.inertial_number",
         ),
-        QualityFlag::at_most(
+        judge_overlap(
             format!("{what}_largest_overlap"),
             largest_overlap(&Observation::new(&simulation.assembly())),
-            LARGEST_OVERLAP,
-            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
-        QualityFlag::at_most(
-            format!("{what}_time_step_fraction"),
-            state.time_step_fraction(),
-            simulation.properties().contact.stable_fraction(MOST_CONTACTS),
-            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
-             numerics.time_step_factor",
-        ),
+        judge_time_step(format!("{what}_time_step_fraction"), simulation),
     ]
+}
+
+fn judge_overlap(name: impl Into<String>, largest: f64) -> QualityFlag {
+    let advice =
+        "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus";
+    QualityFlag::at_most(name, largest, LARGEST_OVERLAP, advice)
+}
+
+fn judge_time_step(name: impl Into<String>, simulation: &Simulation) -> QualityFlag {
+    let limit = simulation.properties().contact.stable_fraction(MOST_CONTACTS);
+    let advice = "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
+                  numerics.time_step_factor";
+    QualityFlag::at_most(name, simulation.state().time_step_fraction(), limit, advice)
 }
 
 /// True for a stage that has no limit after which it would be cut short, such as that of the section `[shear]`: that it met its end
@@ -204,33 +209,26 @@ pub(super) fn judge(
             "servo_error_rms",
             servo_error,
             servo_limit,
-            format!("the controlled stress fluctuates about its target; lower {speed_key} or take more grains"),
+            format!(
+                "the controlled stress fluctuates about its target; lower {speed_key} or take more grains"
+            ),
         ),
         QualityFlag::at_most(
             "servo_error_largest",
             errors.iter().map(|(_, error)| error.largest()).fold(0.0, f64::max),
             0.03,
-            format!("the controlled stress deviated too far at least once; lower {speed_key} or take more grains"),
+            format!(
+                "the controlled stress deviated too far at least once; lower {speed_key} or take more grains"
+            ),
         ),
-        QualityFlag::at_most(
-            "largest_overlap",
-            largest("largest_overlap"),
-            LARGEST_OVERLAP,
-            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
-        ),
+        judge_overlap("largest_overlap", largest("largest_overlap")),
         QualityFlag::at_most(
             "momentum_drift",
             momentum_drift(end),
             1e-6,
             "momentum is not conserved; lower numerics.time_step_factor",
         ),
-        QualityFlag::at_most(
-            "time_step_fraction",
-            state.time_step_fraction(),
-            simulation.properties().contact.stable_fraction(MOST_CONTACTS),
-            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
-             numerics.time_step_factor",
-        ),
+        judge_time_step("time_step_fraction", simulation),
         QualityFlag::at_most(
             "mean_stress_lost",
             lost,

@@ -80,7 +80,12 @@ impl Reproduce {
             return self.print(context, &folder, &read_summary(folder.path())?, None);
         }
         let runs = runs::all(context, &laboratory, &plan, &self.out)?;
-        let summary = study::all(context, &folder, &plan, &runs, self)?;
+        let settings = study::TrainingSettings {
+            options: self.options(),
+            every: self.checkpoints.every()?,
+            threads: self.hardware.hardware()?.threads,
+        };
+        let summary = study::all(context, &folder, &plan, &runs, &settings)?;
         self.print(context, &folder, &summary, Some(started))
     }
 

@@ -1,8 +1,10 @@
 //! The networks of a reproduction: training, evaluation and output.
 
+use std::time::Duration;
+
 use granum_antony2006::evaluation::networks;
 use granum_antony2006::figures::figures;
-use granum_antony2006::reproduction::SUMMARY_FILE;
+use granum_antony2006::reproduction::{ReproductionOptions, SUMMARY_FILE};
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_antony2006::times::SummaryTimes;
 use granum_antony2006::{
@@ -19,7 +21,6 @@ use granum_learn::runs::{RunRole, StudyRun};
 use granum_learn::study::{self, KeptStudy, PLAN_FILE, Study, StudyPlan};
 use granum_report::RunReport;
 
-use super::Reproduce;
 use super::many;
 use super::plan::ReproductionPlan;
 use super::runs::Done;
@@ -33,13 +34,23 @@ const SIZES: &str = "sizes";
 /// Number of repetitions when the time of a prediction is measured.
 const REPETITIONS: usize = 50;
 
+/// How the networks are trained.
+pub struct TrainingSettings {
+    /// The options of the reproduction.
+    pub options: ReproductionOptions,
+    /// Interval of the checkpoints.
+    pub every: Duration,
+    /// Number of threads.
+    pub threads: usize,
+}
+
 /// Trains and evaluates the networks, and writes models, figures, report and summary.
 pub fn all(
     context: &Context,
     folder: &OutputFolder,
     plan: &ReproductionPlan,
     all_runs: &[Done],
-    arguments: &Reproduce,
+    settings: &TrainingSettings,
 ) -> Result<PaperSummary, Failure> {
     let runs = &all_runs[..plan.paper()];
     let reports: Vec<RunReport> = runs
@@ -53,11 +64,11 @@ pub fn all(
         .collect();
     let count = runs.iter().filter(|run| run.role == RunRole::Training).count();
     let data = PaperData::from_records(&named[..count], &named[count..], &PaperDataOptions::default())?;
-    let threads = arguments.hardware.hardware()?.threads;
-    let trainer = granum_nets::trainer::by_name(&arguments.trainer, &Default::default())?;
+    let threads = settings.threads;
+    let trainer = granum_nets::trainer::by_name(&settings.options.trainer, &Default::default())?;
     let options = PaperOptions { trainer, threads, ..PaperOptions::default() };
 
-    let every = arguments.checkpoints.every()?;
+    let every = settings.every;
     let models = folder.subfolder("models")?;
     for inside in ["models", "figures", SIZES] {
         folder.remove_unfinished_inside(inside)?;
@@ -83,7 +94,7 @@ pub fn all(
     // The folder is only needed until the summary contains the results.
     let sizes_folder = folder.subfolder(SIZES)?;
     let show = Show::new(context, "sizes", Kept::Networks(KeptNetworks::new(&sizes_folder, every)));
-    let sizes = size_options(arguments.quick, threads);
+    let sizes = size_options(settings.options.quick, threads);
     let size_study =
         SizeStudy::run(&data, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
     show.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
@@ -108,7 +119,7 @@ pub fn all(
     let report = StudyReport {
         summary,
         figures: figures(&study, &data)?,
-        command: arguments.options().command_line(None),
+        command: settings.options.command_line(None),
         runs: reports,
         dataset_hash: data.hash()?,
         network_seed: options.seed,
