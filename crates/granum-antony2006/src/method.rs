@@ -1,5 +1,7 @@
 //! The networks of a mapping of the paper as a method of fitting surrogates.
 
+use std::sync::Arc;
+
 use granum_core::observer::Observer;
 use granum_learn::dataset::{Dataset, Variable};
 use granum_learn::networks::{
@@ -67,19 +69,6 @@ impl MappingMethod {
         MappingMethod { mapping: Some(mapping), ..MappingMethod::default() }
     }
 
-    /// The method with the settings of a study.
-    ///
-    /// # Errors
-    /// If there is no trainer of the given name.
-    pub fn with_networks(settings: &NetworkSettings) -> Result<MappingMethod> {
-        Ok(MappingMethod {
-            form: settings.form,
-            trainer: settings.trainer()?,
-            epoch_factor: settings.epoch_factor.unwrap_or(1.0),
-            ..MappingMethod::default()
-        })
-    }
-
     fn networks(&self) -> NetworksBySubModel {
         let of_paper = self.trainer.name() == PAPER_TRAINER;
         let mut method = NetworksBySubModel::default();
@@ -135,6 +124,15 @@ impl SurrogateMethod for MappingMethod {
 
     fn help(&self) -> &str {
         "the networks of a mapping of Antony, Zhou and Wang (2006), one for each range of strain"
+    }
+
+    fn with_networks(&self, settings: &NetworkSettings) -> Result<Option<Arc<dyn SurrogateMethod>>> {
+        Ok(Some(Arc::new(MappingMethod {
+            form: settings.form,
+            trainer: settings.trainer()?,
+            epoch_factor: settings.epoch_factor.unwrap_or(1.0),
+            ..self.clone()
+        })))
     }
 
     fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {

@@ -29,9 +29,8 @@ pub struct Instant {
 
 /// Writes the report of one or several instants; of several, pictures and distributions show the first and the last.
 ///
-/// `title` names the data, e.g. by their files.
-pub fn report(title: &str, instants: &[Instant]) -> Document {
-    let sensors = Sensors::standard();
+/// `title` names the data, e.g. by their files; `sensors` measure them.
+pub fn report(title: &str, instants: &[Instant], sensors: &Sensors) -> Document {
     let mut page = Page::default();
     let mut shown: Vec<(&Instant, Measurement)> = Vec::new();
     for instant in instants.first().into_iter().chain(instants.last().filter(|_| instants.len() > 1)) {
@@ -44,7 +43,7 @@ pub fn report(title: &str, instants: &[Instant]) -> Document {
         ("strong-network", strong_network(&shown)),
         ("forces", distribution(&shown)),
         ("roses", roses(&shown)),
-        ("series", series(&sensors, instants)),
+        ("series", series(sensors, instants)),
     ] {
         match found {
             Ok(Some((figure, caption))) => figures.push(page.own_figure(file, &caption, &figure)),

@@ -5,8 +5,8 @@ use crate::queue::{Outcome, Queue, QueuedRun, RunList};
 use crate::runs_table::{RunEntry, RunsTable};
 use crate::stiffness::{Probes, Probing, Stiffness};
 use crate::{
-    Engine, EngineError, EngineRun, Engines, Laboratory, LaboratoryError, PlannedRun, Registry,
-    RegistryError, Resources, RunKind, RunResult, Source, Task,
+    Engine, EngineError, EngineRun, Engines, Laboratory, LaboratoryError, PlannedRun, RegistryError,
+    Resources, RunKind, RunRegistry, RunResult, Source, Task,
 };
 
 fn is_owned_and_can_be_sent<T: Send + 'static>() {}
@@ -16,7 +16,7 @@ fn is_shared_by_threads<T: Send + Sync + 'static>() {}
 #[test]
 fn public_types_own_their_data_and_can_be_sent() {
     is_shared_by_threads::<Laboratory>();
-    is_shared_by_threads::<Registry>();
+    is_shared_by_threads::<RunRegistry>();
     is_shared_by_threads::<Engines>();
     is_shared_by_threads::<Box<dyn Engine>>();
     is_shared_by_threads::<Resources>();

@@ -1,9 +1,9 @@
-//! What a program knows by name: laws, paths, sensors, formats, engines.
+//! What runs know by name: laws, paths, sensors, formats, engines.
 
 use std::path::Path;
 
-use granum_dem::contact::choice::registry::{Law, LawError};
-use granum_dem::loading::preset::{PathError, Preset};
+use granum_dem::contact::choice::registry::{Law, LawRegistrationError};
+use granum_dem::loading::preset::{PathRegistrationError, Preset};
 use granum_io::case::Vocabulary;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
 use granum_io::{Case, Formats, Reading, Run};
@@ -13,12 +13,13 @@ use crate::engine::engine_error::EngineError;
 use crate::engine::engine_trait::Engine;
 use crate::engine::engines::Engines;
 
-/// What a program knows by name, which it builds once and passes on: contact laws, named paths, sensors, formats and engines.
+/// What runs know by name: contact laws, named paths, sensors, formats and engines. A program builds it once and passes it on, with
+/// methods of surrogates as `granum::Registry`.
 ///
 /// ```
-/// use granum_run::Registry;
+/// use granum_run::RunRegistry;
 ///
-/// let registry = Registry::standard();
+/// let registry = RunRegistry::standard();
 /// let case = registry.parse_case("[[stage]]\npath = 'oedometer'\n", "case")?;
 /// assert_eq!(case.test_stages().len(), 1);
 /// assert!(registry.vocabulary.sensors().named("overlap_distribution").is_ok());
@@ -27,7 +28,7 @@ use crate::engine::engines::Engines;
 /// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Registry {
+pub struct RunRegistry {
     /// The laws, paths and sensors that case files can name.
     pub vocabulary: Vocabulary,
     /// The formats of tables, packings and results.
@@ -42,10 +43,10 @@ pub struct Registry {
 pub enum RegistryError {
     /// A contact law.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Law(#[from] LawRegistrationError),
     /// A named path.
     #[error(transparent)]
-    Path(#[from] PathError),
+    Path(#[from] PathRegistrationError),
     /// A sensor.
     #[error(transparent)]
     Sensor(#[from] SensorError),
@@ -54,16 +55,16 @@ pub enum RegistryError {
     Engine(#[from] EngineError),
 }
 
-impl Default for Registry {
-    fn default() -> Registry {
-        Registry::standard()
+impl Default for RunRegistry {
+    fn default() -> RunRegistry {
+        RunRegistry::standard()
     }
 }
 
-impl Registry {
+impl RunRegistry {
     /// Everything that comes with granum.
-    pub fn standard() -> Registry {
-        Registry {
+    pub fn standard() -> RunRegistry {
+        RunRegistry {
             vocabulary: Vocabulary::standard(),
             formats: Formats::standard(),
             engines: Engines::standard(),
@@ -74,7 +75,7 @@ impl Registry {
     ///
     /// # Errors
     /// [`RegistryError::Law`] if its name or a key of it is taken, or there is no room for its parameters.
-    pub fn with_law(mut self, law: impl Into<Law>) -> Result<Registry, RegistryError> {
+    pub fn with_law(mut self, law: impl Into<Law>) -> Result<RunRegistry, RegistryError> {
         self.vocabulary = self.vocabulary.with_law(law)?;
         Ok(self)
     }
@@ -83,7 +84,7 @@ impl Registry {
     ///
     /// # Errors
     /// [`RegistryError::Path`] if its name is taken, or its parameters are not declared correctly.
-    pub fn with_path(mut self, path: &'static Preset) -> Result<Registry, RegistryError> {
+    pub fn with_path(mut self, path: &'static Preset) -> Result<RunRegistry, RegistryError> {
         self.vocabulary = self.vocabulary.with_path(path)?;
         Ok(self)
     }
@@ -92,25 +93,25 @@ impl Registry {
     ///
     /// # Errors
     /// [`RegistryError::Sensor`] as [`granum_sensors::Sensors::with`].
-    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<Registry, RegistryError> {
+    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<RunRegistry, RegistryError> {
         self.vocabulary = self.vocabulary.with_sensor(sensor)?;
         Ok(self)
     }
 
     /// Adds a format of tables.
-    pub fn with_table_format(mut self, format: impl TableFormat + 'static) -> Registry {
+    pub fn with_table_format(mut self, format: impl TableFormat + 'static) -> RunRegistry {
         self.formats = self.formats.with_table(format);
         self
     }
 
     /// Adds a format of packings.
-    pub fn with_packing_format(mut self, format: impl PackingFormat + 'static) -> Registry {
+    pub fn with_packing_format(mut self, format: impl PackingFormat + 'static) -> RunRegistry {
         self.formats = self.formats.with_packing(format);
         self
     }
 
     /// Adds a format of results.
-    pub fn with_result_format(mut self, format: impl ResultFormat + 'static) -> Registry {
+    pub fn with_result_format(mut self, format: impl ResultFormat + 'static) -> RunRegistry {
         self.formats = self.formats.with_result(format);
         self
     }
@@ -119,7 +120,7 @@ impl Registry {
     ///
     /// # Errors
     /// [`RegistryError::Engine`] if there is already an engine of the same name.
-    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<Registry, RegistryError> {
+    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<RunRegistry, RegistryError> {
         self.engines = self.engines.with(engine)?;
         Ok(self)
     }

@@ -1,14 +1,18 @@
 //! The global options, which every subcommand receives.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use granum_io::{Formats, Reading};
-use granum_run::{Flow, Registry};
+use granum_io::case::Vocabulary;
+use granum_io::{Formats, Reading, Run};
+use granum_learn::SurrogateMethods;
+use granum_run::{Flow, RunRegistry};
 
 use crate::failure::{Failure, Interrupted};
 use crate::messages;
 use crate::progress::Progress;
+use crate::registry::Registry;
 
 /// The global options, and the flag for an interruption by the user.
 #[derive(Clone)]
@@ -21,14 +25,16 @@ pub struct Context {
     pub verbose: bool,
     /// Input files may name files outside their own folders.
     pub allow_outside: bool,
+    registry: Arc<Registry>,
     stop: Arc<AtomicBool>,
     /// The warnings so far, which the JSON of the result or of the error contains.
     warnings: Arc<Mutex<Vec<String>>>,
 }
 
 impl Context {
-    pub fn new(json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
-        Context { json, force, verbose, allow_outside: false, stop, warnings: Arc::default() }
+    pub fn new(registry: Registry, json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
+        let (registry, warnings) = (Arc::new(registry), Arc::default());
+        Context { json, force, verbose, allow_outside: false, registry, stop, warnings }
     }
 
     /// The same options; input files may name files outside their own folders if `allow_outside` is true.
@@ -38,19 +44,34 @@ impl Context {
 
     /// How case files are read.
     pub fn reading(&self) -> Reading {
-        Reading::default().with_outside(self.allow_outside)
+        self.registry.reading().with_outside(self.allow_outside)
     }
 
-    /// What the program knows by name.
-    pub fn registry(&self) -> Registry {
-        let mut registry = Registry::standard();
+    /// The laws, paths and sensors that the program knows by name.
+    pub fn vocabulary(&self) -> &Vocabulary {
+        &self.registry.runs.vocabulary
+    }
+
+    /// The methods of surrogates that the program knows by name.
+    pub fn methods(&self) -> &SurrogateMethods {
+        &self.registry.methods
+    }
+
+    /// What runs know by name.
+    pub fn run_registry(&self) -> RunRegistry {
+        let mut registry = self.registry.runs.clone();
         registry.formats = self.formats();
         registry
     }
 
     /// The formats by which data are read.
     pub fn formats(&self) -> Formats {
-        Formats::standard().allowing_outside(self.allow_outside)
+        self.registry.runs.formats.clone().allowing_outside(self.allow_outside)
+    }
+
+    /// The run in a folder.
+    pub fn run_at(&self, folder: impl AsRef<Path>) -> granum_io::Result<Run> {
+        self.registry.run_at(folder)
     }
 
     /// The same options without permission to replace anything.

@@ -1,10 +1,32 @@
-//! Granum as a library: a [`prelude`] with the names that most programs need, and one module for each of its parts.
+//! Granum as a library: a [`prelude`] with the names that most programs need, one module for each of its parts, and the
+//! [`program`] with its command line.
 
+// Output can be lost, and these macros would panic: messages go through `messages`, the output of a command through `output`.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
+// The commands name this library as its users do.
+extern crate self as granum;
+
+mod command;
+mod context;
+mod failure;
+mod interrupt;
+mod messages;
+mod numbers;
+mod output;
+#[cfg(test)]
+mod owned_tests;
 pub mod prelude;
+pub mod program;
+mod progress;
+mod registry;
+mod unwritten;
+
+pub use registry::Registry;
 
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
-    pub use granum_dem::contact::choice::registry::{Law, LawError, Laws};
+    pub use granum_dem::contact::choice::registry::{Law, LawRegistrationError, Laws};
     pub use granum_dem::contact::{
         AdhesionLaw, AdhesionLosses, Attraction, EnergyChannel, EnergyFate, LawConstants, LawDescription,
         LawEnergies, LawParameter, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
@@ -21,8 +43,8 @@ pub mod gallery;
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{
-        INERTIAL_NUMBER, INTERVAL, PathError, PathParameter, PathParameterDefault, PathParameterKind,
-        PathValues, Paths, Preset, STATES, deviator, number, optional, stress, word,
+        INERTIAL_NUMBER, INTERVAL, PathParameter, PathParameterDefault, PathParameterKind,
+        PathRegistrationError, PathValues, Paths, Preset, STATES, deviator, number, optional, stress, word,
     };
     pub use granum_dem::loading::{
         Constraint, Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Target, Turns, Until,

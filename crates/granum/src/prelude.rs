@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub use crate::registry::Registry;
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
 pub use granum_core::quantity::Dimension;
 pub use granum_core::{Cell, Column, Part, Parts, Table};
@@ -37,8 +38,8 @@ pub use granum_learn::{
 };
 
 pub use granum_run::{
-    Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Registry, RegistryError,
-    Resources, RunKind, RunResult, Sink, Source, Task,
+    Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, RegistryError,
+    Resources, RunKind, RunRegistry, RunResult, Sink, Source, Task,
 };
 pub use granum_sensors::{
     Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,

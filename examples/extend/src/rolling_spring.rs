@@ -1,7 +1,9 @@
-//! A law of rolling with a parameter and a history of its own: the spring and slider of Iwashita and Oda (1998).
+//! A law of rolling with a parameter, constants, a history and an energy channel of its own: the spring and slider of Iwashita and
+//! Oda (1998).
 //!
 //! The couple M grows by `k_r` times the angle of rolling, with `k_r = k_n R*^2`, up to `mu_r R* F`, F the friction load of the
-//! normal law. It is remembered in the frame of the contact, and turns with it.
+//! normal law. It is remembered in the frame of the contact, and turns with it. What a contact gives up when its stiffness changes is
+//! neither lost by rolling nor stored: it has a channel.
 
 use granum::law::*;
 
@@ -20,6 +22,9 @@ law_constants! {
     }
 }
 
+/// The channel of the energy that is given up when the stiffness changes.
+const RELEASED: usize = 0;
+
 /// What is remembered after the two components of the couple.
 const STIFFNESS_BEFORE: usize = 2;
 
@@ -37,6 +42,11 @@ impl MomentLaw for RollingSpring {
         )],
     );
     type Constants<R: Real> = RollingSpringConstants<R>;
+    const CHANNELS: &'static [EnergyChannel] = &[EnergyChannel::dissipated(
+        "rolling_release_loss",
+        "released by rolling springs",
+        "energy that rolling springs give up where the stiffness of their contact changes",
+    )];
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 
@@ -55,7 +65,7 @@ impl MomentLaw for RollingSpring {
         spin: RelativeSpin<R>,
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
-        _energies: &mut LawEnergies<R>,
+        energies: &mut LawEnergies<R>,
     ) -> Moment<R> {
         let (one, half, tiny) = (R::splat(1.0), R::splat(0.5), R::splat(1e-200));
         let (stiffness, limit) = (c.area * normal.stiffness, c.arm * normal.friction_load);
@@ -63,7 +73,8 @@ impl MomentLaw for RollingSpring {
         // A contact that grows softer cannot hold what it held: it would make energy.
         let kept = (stiffness / before.max(tiny)).min(one);
         let turned = [dt * spin.rolling[0], dt * spin.rolling[1]];
-        let trial = [0, 1].map(|a| kept * held[a] + stiffness * turned[a]);
+        let carried = held.map(|component| kept * component);
+        let trial = [0, 1].map(|a| carried[a] + stiffness * turned[a]);
         let square = dot(trial, trial);
         let at_limit = square.ge(limit * limit);
         let factor = R::select(at_limit, limit / square.sqrt().max(tiny), one);
@@ -72,11 +83,14 @@ impl MomentLaw for RollingSpring {
         history[STIFFNESS_BEFORE] = stiffness;
         let work = half * dot([held[0] + couple[0], held[1] + couple[1]], turned);
         let stored = |couple, stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
+        let slid = half * dot([carried[0] + couple[0], carried[1] + couple[1]], turned)
+            - (stored(couple, stiffness) - stored(carried, stiffness));
+        energies[RELEASED] = work - (stored(couple, stiffness) - stored(held, before)) - slid;
         Moment {
             couple: [couple[0], couple[1], R::zero()],
             at_limit,
             work,
-            loss: work - (stored(couple, stiffness) - stored(held, before)),
+            loss: slid,
             step_stiffness: c.step * normal.stiffness,
             ..Moment::none()
         }

@@ -4,7 +4,7 @@ use granum_dem::Isa;
 use granum_dem::assembly::EnergyBalance;
 use granum_dem::config::{AdhesionKind, ContactModel, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::adhesion::CapillaryBridge;
-use granum_dem::contact::choice::registry::{LawError, Laws};
+use granum_dem::contact::choice::registry::{LawRegistrationError, Laws};
 use granum_dem::contact::rolling::ElasticPlasticRolling;
 use granum_dem::contact::tangential::NoSlip;
 use granum_dem::contact::{
@@ -330,9 +330,9 @@ fn channels_with_bad_keys_are_refused() {
     for (law, key) in
         [(NormalKind::new(&SameKey), "plastic_loss"), (NormalKind::new(&TakenKey), "friction_loss")]
     {
-        assert_eq!(refused(law), LawError::ChannelTaken { key });
+        assert_eq!(refused(law), LawRegistrationError::ChannelTaken { key });
     }
     let error = refused(NormalKind::new(&BadKey));
-    assert_eq!(error, LawError::ChannelKey { key: "fracture_loss" });
+    assert_eq!(error, LawRegistrationError::ChannelKey { key: "fracture_loss" });
     assert!(error.to_string().contains("\"energy\" where it is stored"), "{error}");
 }

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::contact::choice::registry::{Law, LawError, Laws};
-use granum_dem::loading::preset::{PathError, Paths, Preset};
+use granum_dem::contact::choice::registry::{Law, LawRegistrationError, Laws};
+use granum_dem::loading::preset::{PathRegistrationError, Paths, Preset};
 use granum_sensors::{Sensor, SensorError, Sensors};
 
 /// The laws, paths and sensors that the words of a case file stand for: those of granum, and those that a program adds. Cases are
@@ -76,12 +76,12 @@ impl Vocabulary {
     ///
     /// # Errors
     /// As [`Laws::with`]; also if a sensor has a column with the key of a channel.
-    pub fn with_law(&self, law: impl Into<Law>) -> Result<Vocabulary, LawError> {
+    pub fn with_law(&self, law: impl Into<Law>) -> Result<Vocabulary, LawRegistrationError> {
         let law = law.into();
         let laws = self.laws().clone().with(law)?;
         let mut sensors = self.sensors().clone();
         for channel in law.channels() {
-            let taken = |_| LawError::ChannelTaken { key: channel.key };
+            let taken = |_| LawRegistrationError::ChannelTaken { key: channel.key };
             sensors = sensors.with_channels(&[*channel]).map_err(taken)?;
         }
         Ok(self.changed(|words| (words.laws, words.sensors) = (laws, sensors)))
@@ -91,7 +91,7 @@ impl Vocabulary {
     ///
     /// # Errors
     /// As [`Paths::with`].
-    pub fn with_path(&self, path: &'static Preset) -> Result<Vocabulary, PathError> {
+    pub fn with_path(&self, path: &'static Preset) -> Result<Vocabulary, PathRegistrationError> {
         let paths = self.paths().clone().with(path)?;
         Ok(self.changed(|words| words.paths = paths))
     }

@@ -1,5 +1,6 @@
 //! The method that fits networks by sub-model.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_core::observer::{Observer, SharedObserver};
@@ -10,6 +11,7 @@ use granum_nets::trainer::{Options, SharedTrainer};
 use super::checkpoints::{NetworkCheckpoints, NoCheckpoints};
 use super::fitted::SubModelNetworks;
 use super::mapping::{Form, NetworkMapping};
+use super::settings::NetworkSettings;
 use super::training::{FEWEST_STATES, NetworkTask, network_seed};
 use super::training_rows::{Rule, TrainingStates, first_ratio};
 use crate::dataset::Dataset;
@@ -141,6 +143,11 @@ impl SurrogateMethod for NetworksBySubModel {
 
     fn help(&self) -> &str {
         "networks of a column or a histogram, each for a range of the coordinate"
+    }
+
+    fn with_networks(&self, settings: &NetworkSettings) -> Result<Option<Arc<dyn SurrogateMethod>>> {
+        let (trainer, form, hidden) = (settings.trainer()?, settings.form, settings.hidden.clone());
+        Ok(Some(Arc::new(NetworksBySubModel { trainer, form, hidden, ..self.clone() })))
     }
 
     fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {

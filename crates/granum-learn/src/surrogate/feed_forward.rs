@@ -3,6 +3,7 @@
 //! The bins of a histogram are scaled together as one quantity. With two or more runs, the intervals are calibrated by
 //! leaving out each run in turn, see [`granum_nets::Intervals`].
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_core::observer::{Observer, SharedObserver};
@@ -18,7 +19,7 @@ use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
-use crate::networks::{NetworkCheckpoints, NetworkTask, NoCheckpoints};
+use crate::networks::{NetworkCheckpoints, NetworkSettings, NetworkTask, NoCheckpoints};
 
 /// Feed-forward networks of one size for every output.
 ///
@@ -63,6 +64,11 @@ impl SurrogateMethod for FeedForward {
 
     fn help(&self) -> &str {
         "feed-forward networks, one for each output"
+    }
+
+    fn with_networks(&self, settings: &NetworkSettings) -> Result<Option<Arc<dyn SurrogateMethod>>> {
+        let (trainer, hidden) = (settings.trainer()?, settings.hidden.clone());
+        Ok(Some(Arc::new(FeedForward { trainer, hidden, ..self.clone() })))
     }
 
     fn fit(

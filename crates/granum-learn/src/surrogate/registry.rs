@@ -29,6 +29,12 @@ pub struct SurrogateMethods {
     methods: Vec<Arc<dyn SurrogateMethod>>,
 }
 
+impl std::fmt::Debug for SurrogateMethods {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_tuple("SurrogateMethods").field(&self.names()).finish()
+    }
+}
+
 impl Default for SurrogateMethods {
     fn default() -> Self {
         SurrogateMethods::standard()
@@ -50,24 +56,15 @@ impl SurrogateMethods {
         }
     }
 
-    /// The methods of this crate, of which those with feed-forward networks have the given settings.
+    /// The same methods, those with networks with the given settings.
     ///
     /// # Errors
     /// If there is no trainer of the given name.
-    pub fn with_networks(settings: &NetworkSettings) -> Result<SurrogateMethods> {
-        let trainer = settings.trainer()?;
-        let feed_forward = FeedForward {
-            trainer: trainer.clone(),
-            hidden: settings.hidden.clone(),
-            ..FeedForward::default()
+    pub fn with_networks(&self, settings: &NetworkSettings) -> Result<SurrogateMethods> {
+        let set = |method: &Arc<dyn SurrogateMethod>| {
+            Ok(method.with_networks(settings)?.unwrap_or_else(|| method.clone()))
         };
-        let sub_models = NetworksBySubModel {
-            trainer,
-            form: settings.form,
-            hidden: settings.hidden.clone(),
-            ..NetworksBySubModel::default()
-        };
-        Ok(SurrogateMethods::standard().with(feed_forward).with(sub_models))
+        Ok(SurrogateMethods { methods: self.methods.iter().map(set).collect::<Result<_>>()? })
     }
 
     /// Adds a method, which replaces an existing one of the same name.

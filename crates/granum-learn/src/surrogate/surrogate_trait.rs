@@ -1,6 +1,7 @@
 //! The traits of surrogates and of the methods that fit them.
 
 use std::any::Any;
+use std::sync::Arc;
 
 use granum_core::observer::Observer;
 
@@ -10,7 +11,7 @@ use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
-use crate::networks::NetworkCheckpoints;
+use crate::networks::{NetworkCheckpoints, NetworkSettings};
 
 /// A method of fitting surrogates; the documentation of [this module](super) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
@@ -54,6 +55,15 @@ pub trait SurrogateMethod: Send + Sync {
     ) -> Result<Box<dyn Surrogate>> {
         let _ = checkpoints;
         self.fit(dataset, spec, observer)
+    }
+
+    /// The same method with other settings of its networks; `None` if they are not settings of this method.
+    ///
+    /// # Errors
+    /// If there is no trainer of the given name.
+    fn with_networks(&self, settings: &NetworkSettings) -> Result<Option<Arc<dyn SurrogateMethod>>> {
+        let _ = settings;
+        Ok(None)
     }
 
     /// Refuses training states to which it cannot be fitted, before anything is fitted.

@@ -16,7 +16,7 @@ use crate::laboratory::laboratory_error::LaboratoryError;
 /// use granum_dem::observer::{NoObserver, Observer};
 /// use granum_io::{Case, RunFolder, RunKind};
 /// use granum_run::record::read_record;
-/// use granum_run::{Engine, EngineError, EngineRun, Laboratory, LaboratoryError, Registry, Source, Task};
+/// use granum_run::{Engine, EngineError, EngineRun, Laboratory, LaboratoryError, RunRegistry, Source, Task};
 ///
 /// /// Reproduces the measurements of an earlier run.
 /// struct Replay(std::path::PathBuf);
@@ -46,7 +46,7 @@ use crate::laboratory::laboratory_error::LaboratoryError;
 /// let first = RunFolder::create(base.path().join("first"), false)?;
 /// Laboratory::here().run(RunKind::Test, &case, &Source::Case, &first, &mut NoObserver)?;
 ///
-/// let registry = Registry::standard().with_engine(Replay(first.path().to_path_buf()))?;
+/// let registry = RunRegistry::standard().with_engine(Replay(first.path().to_path_buf()))?;
 /// let laboratory = Laboratory { engine: "replay".into(), ..Laboratory::here().with_registry(registry) };
 /// let again = RunFolder::create(base.path().join("again"), false)?;
 /// let record = laboratory.run(RunKind::Test, &case, &Source::Case, &again, &mut NoObserver)?;

@@ -1,6 +1,6 @@
 //! An [`Engine`] computes samples and tests. The engine of granum is [`Native`](native::Native); a new one needs a file in
 //! this folder and a line in [`Engines::standard`], and a program can add its own engine with
-//! [`Registry::with_engine`](crate::Registry::with_engine).
+//! [`RunRegistry::with_engine`](crate::RunRegistry::with_engine).
 
 pub(crate) mod engine_error;
 pub(crate) mod engine_run;

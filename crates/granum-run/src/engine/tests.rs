@@ -5,7 +5,7 @@ use granum_sensors::RecordedState;
 
 use super::*;
 use crate::laboratory::{Laboratory, LaboratoryError, Source};
-use crate::registry::Registry;
+use crate::registry::RunRegistry;
 
 /// Writes a case and a record, and no more.
 struct Clerk;
@@ -48,7 +48,7 @@ impl Engine for Clerk {
 #[test]
 fn an_engine_of_ones_own_runs_the_cases_of_a_laboratory() {
     let base = tempfile::tempdir().unwrap();
-    let registry = Registry::standard().with_engine(Clerk).unwrap();
+    let registry = RunRegistry::standard().with_engine(Clerk).unwrap();
     let laboratory = Laboratory { engine: "clerk".into(), ..Laboratory::here().with_registry(registry) };
     let folder = RunFolder::create(base.path().join("run"), false).unwrap();
     let case = Case::default();

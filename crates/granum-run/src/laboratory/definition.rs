@@ -16,7 +16,7 @@ use crate::engine::engine_trait::Engine;
 use crate::engine::native::{self, Native};
 use crate::engine::resources::Resources;
 use crate::engine::task::Task;
-use crate::registry::Registry;
+use crate::registry::RunRegistry;
 
 /// Makes samples and tests them.
 ///
@@ -37,7 +37,7 @@ pub struct Laboratory {
     /// Name of the engine that executes cases.
     pub engine: String,
     /// What is known by name: laws, paths, sensors, formats, engines.
-    pub registry: Registry,
+    pub registry: RunRegistry,
 }
 
 impl Laboratory {
@@ -47,7 +47,7 @@ impl Laboratory {
             resources: Resources::new(hardware),
             version: version.into(),
             engine: Native.name().to_string(),
-            registry: Registry::standard(),
+            registry: RunRegistry::standard(),
         }
     }
 
@@ -57,8 +57,8 @@ impl Laboratory {
     }
 
     /// The same laboratory with other laws, paths, sensors, formats and engines.
-    pub fn with_registry(self, registry: Registry) -> Laboratory {
-        Laboratory { registry, ..self }
+    pub fn with_registry(self, registry: impl Into<RunRegistry>) -> Laboratory {
+        Laboratory { registry: registry.into(), ..self }
     }
 
     /// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written,

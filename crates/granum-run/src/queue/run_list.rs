@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use granum_io::case::Vocabulary;
 use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
-use granum_io::{Case, Error, RunSource, run};
+use granum_io::{Case, Error, Reading, RunSource, run};
 use serde::{Deserialize, Serialize};
 
 use super::queue_error::QueueError;
@@ -27,6 +28,7 @@ const LARGEST: u64 = 1 << 30;
 ///
 /// ```
 /// use granum_io::Case;
+/// use granum_io::case::Vocabulary;
 /// use granum_run::Source;
 /// use granum_run::queue::{Queue, QueuedRun, RunList};
 ///
@@ -34,7 +36,7 @@ const LARGEST: u64 = 1 << 30;
 /// let queue = Queue::new(vec![QueuedRun::test("a", Case::default(), Source::Case, base.path().join("a"))])?;
 /// RunList::from_queue(&queue, base.path())?.write(base.path())?;
 /// let read = RunList::read(base.path())?.expect("it was written");
-/// assert_eq!(read.queue(base.path())?, queue);
+/// assert_eq!(read.queue(base.path(), &Vocabulary::standard())?, queue);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -149,11 +151,12 @@ impl RunList {
         self.runs.iter().map(move |run| (run.name.as_str(), folder.join(&run.folder)))
     }
 
-    /// The runs as a queue in the folder of the list.
+    /// The runs as a queue in the folder of the list; their cases can name the laws, paths and sensors of the vocabulary.
     ///
     /// # Errors
     /// If a case cannot be read, a packing has changed, or the runs contradict each other.
-    pub fn queue(&self, folder: &Path) -> Result<Queue, QueueError> {
+    pub fn queue(&self, folder: &Path, vocabulary: &Vocabulary) -> Result<Queue, QueueError> {
+        let reading = || Reading::default().with_vocabulary(vocabulary);
         let file = folder.join(RUN_LIST);
         let planned = |run: &Listed| -> Result<QueuedRun, QueueError> {
             let in_run = |error| QueueError::Run { run: run.name.clone(), source: Box::new(error) };
@@ -168,7 +171,7 @@ impl RunList {
             Ok(QueuedRun {
                 name: run.name.clone(),
                 kind: run.kind,
-                case: Case::parse(&run.case, &name)?,
+                case: Case::parse_as(&run.case, &name, reading())?,
                 source,
                 folder: folder.join(&run.folder),
                 values: run.values.clone(),

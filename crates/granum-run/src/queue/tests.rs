@@ -142,7 +142,11 @@ fn a_stop_ends_all_runs_in_good_order_and_the_queue_continues() {
 
     // It continues from its file.
     RunList::from_queue(&queue, base.path()).unwrap().write(base.path()).unwrap();
-    let read = RunList::read(base.path()).unwrap().unwrap().queue(base.path()).unwrap();
+    let read = RunList::read(base.path())
+        .unwrap()
+        .unwrap()
+        .queue(base.path(), &granum_io::case::Vocabulary::standard())
+        .unwrap();
     assert_eq!(read, queue);
     assert_eq!(words(&read.run(&laboratory(), &NoQueueObserver)), ["finished"; 5]);
 }

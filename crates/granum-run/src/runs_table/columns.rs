@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use granum_core::{Column, Table};
+use granum_io::case::Vocabulary;
 use granum_io::shell::ShowPath;
 use granum_io::{RunRecord, RunStatus};
-use granum_sensors::Sensors;
 
 use super::entry::RunEntry;
 use super::keys::{DifferingKey, KeyValue, differing_keys};
@@ -182,9 +182,10 @@ fn measures(runs: &[RunEntry]) -> Vec<(String, String)> {
     };
     let mut names: Vec<String> = names.into_iter().collect();
     names.sort_by_key(|name| place(name));
-    let sensors = Sensors::standard();
+    let usual = Vocabulary::standard();
+    let vocabulary = runs.first().map_or(&usual, |run| &run.case.vocabulary);
     let with_unit = |name: String| {
-        let unit = units::of_measure(&name, &sensors);
+        let unit = units::of_measure(&name, vocabulary.sensors());
         (name, unit)
     };
     names.into_iter().map(with_unit).collect()

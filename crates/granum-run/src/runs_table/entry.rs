@@ -44,8 +44,15 @@ impl RunEntry {
     /// # Errors
     /// If the case or the record cannot be read; the message names the file.
     pub fn read(folder: &Path) -> Result<RunEntry> {
-        let run = Run::at(folder)?;
-        let (case, record) = (run.case()?, run.record()?);
+        RunEntry::from_run(&Run::at(folder)?)
+    }
+
+    /// As [`RunEntry::read`], for a run whose case can name laws, paths and sensors of its own.
+    ///
+    /// # Errors
+    /// As [`RunEntry::read`].
+    pub fn from_run(run: &Run) -> Result<RunEntry> {
+        let (folder, case, record) = (run.path(), run.case()?, run.record()?);
         let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
         let name =
             whole.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
@@ -58,7 +65,7 @@ impl RunEntry {
     /// # Errors
     /// If the series cannot be read.
     pub fn with_strength(mut self) -> Result<RunEntry> {
-        let run = Run::at(&self.folder)?;
+        let run = Run::at(&self.folder)?.with_vocabulary(&self.case.vocabulary);
         let told = self.record.measures.keys().any(|name| STRENGTH.contains(&name.as_str()));
         if !told && run.has_series() && self.record.kind != RunKind::Sample {
             let found = strength::of_run(&self.case, &self.record, &read_record(&run)?);

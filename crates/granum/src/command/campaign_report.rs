@@ -4,7 +4,6 @@ use granum_campaign::plan::RunValue;
 use granum_campaign::{Campaign, CampaignStatus, RunState};
 use granum_core::names::suggestion;
 use granum_core::parallel;
-use granum_io::Run;
 use granum_io::shell::ShowPath;
 use granum_report::campaign::{CampaignEntry, CampaignRuns, ReportVariable, VariableValue};
 use granum_report::{Document, RoleInStudy, RunReport, campaign_report};
@@ -33,7 +32,7 @@ pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) ->
         let (run, accepted) = finished[k];
         let folder = campaign.folder_of(&run.name);
         let report = match folder.join("run.json").is_file() {
-            true => RunReport::read_without_pictures(&Run::at(folder)?, RoleInStudy::Single)?,
+            true => RunReport::read_without_pictures(&context.run_at(folder)?, RoleInStudy::Single)?,
             false => {
                 let stored = rows.run(&run.name)?;
                 let case = campaign.case_of(run)?;

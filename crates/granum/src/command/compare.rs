@@ -99,8 +99,7 @@ impl Compare {
                     .flat_map(|run| tests.iter().map(|test| Pair::new(run, test)).collect::<Vec<_>>())
                     .collect();
                 self.draw(&runs, &tests)?;
-                let entries =
-                    folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
+                let entries = entries(context, folders)?;
                 (runs, pairs, entries)
             }
             _ => {
@@ -136,7 +135,7 @@ impl Compare {
             return Err(Failure::new(message));
         }
         let folders = run_folders(&self.files)?;
-        let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
+        let entries = entries(context, &folders)?;
         if let Some(sample) = entries.iter().find(|entry| entry.record.kind == RunKind::Sample) {
             return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.shown())));
         }
@@ -191,6 +190,11 @@ impl Compare {
         };
         self.test.iter().map(find).collect()
     }
+}
+
+/// The runs in folders.
+fn entries(context: &Context, folders: &[PathBuf]) -> Result<Vec<RunEntry>, Failure> {
+    folders.iter().map(|folder| Ok(RunEntry::from_run(&context.run_at(folder)?)?)).collect()
 }
 
 fn curves(context: &Context, folder: &Path) -> Result<ComparedRun, Failure> {

@@ -42,7 +42,7 @@ pub struct Evaluate {
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("evaluating"));
-        let study = study_folder::load(&self.study)?;
+        let study = study_folder::load(context, &self.study)?;
         if !is_of_paper(&study.definition) {
             return evaluate_study::run(context, &study, (&self.study, &self.runs));
         }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_io::Packing;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
-use granum_io::{Packing, Run};
 use granum_run::laboratory::SAMPLE;
 use granum_run::lammps_deck::{Confinement, LammpsDeck, SCRIPT};
 use serde_json::json;
@@ -57,7 +57,7 @@ impl DeckFlags {
             if self.packing.is_some() {
                 return Err(Failure::new("--packing goes with a case file: a run folder has its own sample"));
             }
-            let sample = sample(source)?;
+            let sample = sample(context, source)?;
             (source.join("case.toml"), sample, Confinement::Own)
         } else {
             let Some(packing) = &self.packing else {
@@ -86,8 +86,8 @@ impl DeckFlags {
 }
 
 /// The sample of a run as its test began.
-fn sample(folder: &Path) -> Result<Packing, Failure> {
-    let run = Run::at(folder)?;
+fn sample(context: &Context, folder: &Path) -> Result<Packing, Failure> {
+    let run = context.run_at(folder)?;
     // The case of a deck is that of the run, with the changes of the command line.
     run.case()?;
     if !run.snapshots()?.iter().any(|name| name == SAMPLE) {

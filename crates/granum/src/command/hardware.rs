@@ -75,8 +75,8 @@ impl HardwareFlags {
         context: &Context,
         checkpoints: &CheckpointFlags,
     ) -> Result<Laboratory, Failure> {
-        let mut laboratory =
-            Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
+        let mut laboratory = Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION"))
+            .with_registry(context.run_registry());
         laboratory.resources.checkpoint_every = checkpoints.every()?;
         let used = laboratory.resources.hardware.threads;
         if let Some(asked) = self.threads.filter(|asked| *asked > used) {

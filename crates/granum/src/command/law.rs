@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, Command};
 use granum_dem::contact::choice::registry::Laws;
 use granum_io::Case;
 
@@ -19,22 +19,17 @@ pub struct LawFlags {
     pub case: Option<PathBuf>,
     #[command(flatten)]
     set: SetFlags,
-    #[arg(long, value_name = "LAW", help = names("Normal law", Laws::standard().normal().iter().map(|law| law.name())))]
+    /// Normal law.
+    #[arg(long, value_name = "LAW")]
     normal: Option<String>,
-    #[arg(long, value_name = "LAW", help = names("Tangential law", Laws::standard().tangential().iter().map(|law| law.name())))]
+    /// Tangential law.
+    #[arg(long, value_name = "LAW")]
     tangential: Option<String>,
-    #[arg(
-        long,
-        value_name = "LAW",
-        help = names("Resistance to rolling and twisting", Laws::standard().rolling().iter().map(|law| law.name())),
-        long_help = rolling_help()
-    )]
+    /// Resistance to rolling and twisting.
+    #[arg(long, value_name = "LAW")]
     rolling: Option<String>,
-    #[arg(
-        long,
-        value_name = "LAW",
-        help = names("Additional attraction of grains", Laws::standard().adhesion().iter().map(|law| law.name()))
-    )]
+    /// Additional attraction of grains.
+    #[arg(long, value_name = "LAW")]
     adhesion: Option<String>,
     /// Diameter d of a grain.
     #[arg(long, value_name = "LENGTH")]
@@ -70,12 +65,19 @@ fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
     }
 }
 
-/// A help text with the names of the rolling laws and the parameters of laws that `--set` accepts.
-fn rolling_help() -> String {
-    let what =
-        names("Resistance to rolling and twisting", Laws::standard().rolling().iter().map(|law| law.name()));
-    let keys: Vec<_> = Laws::standard().parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
-    format!("{what}. Parameters of laws are set by --set: {}", keys.join(", "))
+/// The same command, with the laws that the program knows in the help of its flags, and the parameters of laws that `--set` accepts.
+pub fn described(command: Command, laws: &Laws) -> Command {
+    let rolling = names("Resistance to rolling and twisting", laws.rolling().iter().map(|law| law.name()));
+    let keys: Vec<_> = laws.parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
+    let long = format!("{rolling}. Parameters of laws are set by --set: {}", keys.join(", "));
+    let normal = names("Normal law", laws.normal().iter().map(|law| law.name()));
+    let tangential = names("Tangential law", laws.tangential().iter().map(|law| law.name()));
+    let adhesion = names("Additional attraction of grains", laws.adhesion().iter().map(|law| law.name()));
+    command
+        .mut_arg("normal", |argument| argument.help(normal))
+        .mut_arg("tangential", |argument| argument.help(tangential))
+        .mut_arg("rolling", |argument| argument.help(rolling).long_help(long))
+        .mut_arg("adhesion", |argument| argument.help(adhesion))
 }
 
 impl LawFlags {

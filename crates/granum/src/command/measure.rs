@@ -8,8 +8,8 @@ use granum_core::quantity::format_number;
 use granum_core::{Assembly, Column, Part, Parts, Table};
 use granum_dem::config::{ContactModel, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
+use granum_io::Case;
 use granum_io::shell::ShowPath;
-use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
 use granum_sensors::{MeasuredSeries, Measurement, ParameterDefault, SensorColumn, SensorParameter, Sensors};
 use serde_json::{Map, Value, json};
@@ -62,9 +62,9 @@ pub struct Measure {
 impl Measure {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("measuring"));
-        let sensors = Sensors::standard();
+        let sensors = context.vocabulary().sensors();
         if self.list {
-            return list(context, &sensors);
+            return list(context, sensors);
         }
         let observations = self.read(context)?;
         let parameters = self.parameters(context)?;
@@ -86,7 +86,7 @@ impl Measure {
     fn parameters(&self, context: &Context) -> Result<BTreeMap<String, f64>, Failure> {
         Ok(match (&self.case, self.data.first()) {
             (Some(case), _) => Case::read_as(case, context.reading())?.recording.parameters,
-            (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.parameters,
+            (None, Some(data)) if data.is_dir() => context.run_at(data)?.case()?.recording.parameters,
             _ => BTreeMap::new(),
         })
     }

@@ -62,6 +62,7 @@ use clap::Subcommand;
 
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::registry::Registry;
 
 /// Defines the enumeration of the subcommands and what runs the chosen one.
 macro_rules! commands {
@@ -108,4 +109,13 @@ commands! {
     Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
     Bench(bench::Bench),
+}
+
+/// The same command line, with help texts that list what a registry holds.
+pub fn described(mut line: clap::Command, registry: &Registry) -> clap::Command {
+    let laws = registry.runs.vocabulary.laws();
+    for name in ["forces", "pair", "impact"] {
+        line = line.mut_subcommand(name, |command| law::described(command, laws));
+    }
+    line.mut_subcommand("train", |command| train_study::described(command, &registry.methods))
 }

@@ -19,7 +19,6 @@ use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use crate::surrogate_methods::surrogate_methods;
 
 /// Evaluate the networks of a study, or a saved surrogate: one row by flags, or many from a table.
 ///
@@ -58,7 +57,7 @@ impl Predict {
         if self.study.is_file() {
             return self.ask_file(context);
         }
-        let study = study_folder::load(&self.study)?;
+        let study = study_folder::load(context, &self.study)?;
         if !is_of_paper(&study.definition) {
             return self.ask_study(context, &study);
         }
@@ -100,7 +99,7 @@ impl Predict {
                 "--mapping {mapping}: {path} is the file of one surrogate; only a study has mappings to choose from"
             )));
         }
-        let surrogate = surrogate_methods().load(&self.study)?;
+        let surrogate = context.methods().load(&self.study)?;
         self.ask(context, surrogate.as_ref())
     }
 
@@ -113,7 +112,7 @@ impl Predict {
 
     fn one(&self, context: &Context, surrogate: &SubModelNetworks, formula: &str) -> Result<(), Failure> {
         let needs = || format!("{formula} needs:\n{}", inputs(surrogate, None));
-        let row = row(&surrogate.input_names(), &|_| String::new(), &self.values, &needs)?;
+        let row = row(context, &surrogate.input_names(), &|_| String::new(), &self.values, &needs)?;
         let answer = surrogate.predict_row(&row, LEVEL)?;
         let network = &surrogate.networks()[answer.sub_model];
         let output = &surrogate.mapping().output.name;

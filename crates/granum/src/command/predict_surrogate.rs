@@ -27,7 +27,7 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
     let words = InputWords::new(columns);
     let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), words.names().join(", "));
     let (given, numbers) = words.given(flags, &needs)?;
-    let row = words.row(&names, &given, row(&words.numbers, &unit, &numbers, &needs)?);
+    let row = words.row(&names, &given, row(context, &words.numbers, &unit, &numbers, &needs)?);
     let prediction = surrogate.predict_rows(&row, LEVEL)?.pop().unwrap_or_default();
     let named = columns.outputs.iter().zip(&prediction.values);
     let outside = prediction.outside.iter();

@@ -2,11 +2,10 @@
 
 use granum_core::names::nearest;
 use granum_core::quantity::{Dimension, parse_quantity};
-use granum_dem::loading::preset::Paths;
-use granum_io::case::Fields;
+use granum_io::case::{Fields, Vocabulary};
 use granum_learn::surrogate::Outside;
-use granum_sensors::Sensors;
 
+use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::apart_from_range;
 
@@ -15,16 +14,20 @@ pub(super) const LEVEL: f64 = 0.9;
 
 /// The dimension of an input: that of its unit, or else that of the quantity of its name, which may be a column of a sensor, a
 /// parameter of a path or a key of the case.
-fn dimension(name: &str, unit: &str) -> Dimension {
+fn dimension(vocabulary: &Vocabulary, name: &str, unit: &str) -> Dimension {
     let of_sensor = || {
-        Sensors::standard().columns().find(|column| column.name == name).map(|column| column.unit.to_string())
+        vocabulary
+            .sensors()
+            .columns()
+            .find(|column| column.name == name)
+            .map(|column| column.unit.to_string())
     };
     let of_path = || {
-        let parameter = Paths::standard().all().iter().find_map(|preset| preset.parameter(name));
+        let parameter = vocabulary.paths().all().iter().find_map(|preset| preset.parameter(name));
         parameter.map(|parameter| parameter.unit.to_string())
     };
     let of_case = || {
-        let fields = Fields::standard();
+        let fields = Fields::new(vocabulary);
         fields.iter().find(|field| field.key == name || field.path() == name).map(|field| field.si_unit())
     };
     let given = (!unit.is_empty()).then(|| unit.to_string());
@@ -51,6 +54,7 @@ const DIMENSIONS: [Dimension; 12] = [
 /// The row that `--set` flags give, in the order of the inputs; `unit` is the unit of an input where it is known, and `needs` says
 /// what the inputs are.
 pub(super) fn row(
+    context: &Context,
     names: &[String],
     unit: &dyn Fn(&str) -> String,
     flags: &[String],
@@ -66,7 +70,7 @@ pub(super) fn row(
             let hint = near.map_or(String::new(), |near| format!("; did you mean {near}?"));
             Failure::new(format!("--set {flag}: there is no such input{hint}\n{}", needs()))
         })?;
-        let value = parse_quantity(text, dimension(&names[k], &unit(&names[k])))
+        let value = parse_quantity(text, dimension(context.vocabulary(), &names[k], &unit(&names[k])))
             .map_err(|why| Failure::new(format!("--set {flag}: {:?} {why}", text.trim())))?;
         if row[k].replace(value).is_some() {
             return Err(Failure::new(format!("--set {flag}: {} is given twice", names[k])));

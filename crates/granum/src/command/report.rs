@@ -15,7 +15,7 @@ use granum_campaign::Campaign;
 use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
-use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
+use granum_io::{RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
 use granum_report::other_data::Instant;
 use granum_report::{
@@ -35,7 +35,6 @@ use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use crate::surrogate_methods::surrogate_methods;
 
 /// Write the report of a run, of several runs over each other, of a sample, of a study of any columns, of a reproduction, or of
 /// the data of another program.
@@ -154,6 +153,7 @@ impl Report {
 
     /// The report of files of another program.
     fn of_files(&self, context: &Context) -> Result<Document, Failure> {
+        let sensors = context.vocabulary().sensors();
         let names: Vec<String> = (self.data.iter())
             .map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned())
             .collect();
@@ -165,7 +165,7 @@ impl Report {
             && !context.formats().is_result(one)?
         {
             let (assembly, parts) = packing_alone(context, one)?;
-            return Ok(data_report(&title, &[instant(title.clone(), assembly, parts)]));
+            return Ok(data_report(&title, &[instant(title.clone(), assembly, parts)], sensors));
         }
         let found = self.sources.read(context, &self.data)?;
         let count = found.len();
@@ -173,7 +173,7 @@ impl Report {
             instant(format!("instant {} of {count}", k + 1), found.assembly, found.parts)
         };
         let instants: Vec<Instant> = found.into_iter().enumerate().map(named).collect();
-        Ok(data_report(&title, &instants))
+        Ok(data_report(&title, &instants, sensors))
     }
 }
 
@@ -227,7 +227,7 @@ fn over_each_other(
 fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
     if folder.join(SUMMARY_FILE).is_file() && runs.is_dir() && models.is_dir() {
-        let study = study(folder, &runs, &models)?;
+        let study = study(context, folder, &runs, &models)?;
         return Ok((study_report(&study), Some(study)));
     }
     let contents = Contents::read(folder)?;
@@ -236,7 +236,7 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
     if granum_learn::study::is_study(folder) {
-        let stored = granum_learn::study::load(folder, &surrogate_methods())?;
+        let stored = granum_learn::study::load(folder, context.methods())?;
         let name = folder.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy());
         return Ok((surrogate_study_report(&stored, &name), None));
     }
@@ -264,7 +264,7 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
 }
 
 /// Collects the contents of the folder of a reproduction.
-fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failure> {
+fn study(context: &Context, folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failure> {
     let (path, summary) = (folder.join(SUMMARY_FILE), read_summary(folder)?);
     let reports: Vec<RunReport> = summary
         .dem
@@ -279,7 +279,7 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
                     return Err(Failure::new(message));
                 }
             };
-            Ok(RunReport::read(&Run::at(runs.join(format!("{}-{}", role.word(), run.seed)))?, role)?)
+            Ok(RunReport::read(&context.run_at(runs.join(format!("{}-{}", role.word(), run.seed)))?, role)?)
         })
         .collect::<Result<_, Failure>>()?;
     let of = |role: RoleInStudy| -> Vec<NamedRecord> {
@@ -292,7 +292,7 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         &of(RoleInStudy::Unseen),
         &PaperDataOptions::default(),
     )?;
-    let study = granum_learn::study::load(models, &surrogate_methods())?.study;
+    let study = granum_learn::study::load(models, context.methods())?.study;
     let dataset_hash = data.hash()?;
     if data.dataset.digest() != study.dataset_digest {
         return Err(Failure::new(format!(

@@ -79,7 +79,7 @@ impl Resume {
         let name = self.folder.shown();
         if self.folder.join(STUDY_FILE).is_file() {
             let contents = Contents::Training { finished: true };
-            whole::check(&self.folder, &whole::faults(&self.folder, &contents)?)?;
+            whole::check(&self.folder, &whole::faults(context, &self.folder, &contents)?)?;
             // Opening it removes a temporary file of a process that was killed at the very end; a folder that can only be read is
             // finished all the same.
             drop(OutputFolder::open(&self.folder));

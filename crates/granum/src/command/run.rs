@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_dem::loading::preset::{PathParameter, PathParameterDefault, PathParameterKind, Paths, Preset};
+use granum_dem::loading::preset::{PathParameter, PathParameterDefault, PathParameterKind, Preset};
 use serde_json::{Value, json};
 
 use super::test_run::TestRun;
@@ -65,7 +65,7 @@ pub fn parameters(with: &[String]) -> Result<Vec<(&str, &str)>, Failure> {
 
 /// The named paths with their parameters.
 fn list(context: &Context) -> Result<(), Failure> {
-    let known = Paths::standard();
+    let known = context.vocabulary().paths();
     let paths: Vec<Value> = known.all().iter().map(|path| described(path)).collect();
     output::say(context, &json!({ "paths": paths }), || {
         let paths = known.all();

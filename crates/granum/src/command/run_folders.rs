@@ -8,7 +8,7 @@ use granum_campaign::plan::Keep;
 use granum_campaign::rows::RowFiles;
 use granum_campaign::{Campaign, CampaignRun};
 use granum_core::parallel;
-use granum_io::{Error, Run, RunKind};
+use granum_io::{Error, RunKind};
 use granum_run::runs_table::{RunEntry, find_runs};
 
 use crate::context::Context;
@@ -66,9 +66,10 @@ fn of_campaign(
 /// Reads a run, with its digest if it is asked for and the run has results.
 fn of_folder(context: &Context, folder: &Path, digest: bool) -> Result<RunEntry, Failure> {
     context.check_stopped(|| "nothing was written".into())?;
-    let run = RunEntry::read(folder)?.with_strength()?;
+    let opened = context.run_at(folder)?;
+    let run = RunEntry::from_run(&opened)?.with_strength()?;
     // A series that is missing but was written must not pass for a test that has not begun.
-    let has_results = run.record.kind == RunKind::Sample || Run::at(folder)?.has_series();
+    let has_results = run.record.kind == RunKind::Sample || opened.has_series();
     Ok(if digest && has_results { run.with_digest()? } else { run })
 }
 

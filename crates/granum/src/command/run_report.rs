@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
-use granum_io::{QualityFlag, Run, RunRecord, RunSource, RunStatus};
+use granum_io::{QualityFlag, RunRecord, RunSource, RunStatus};
 use serde_json::{Value, json};
 
 use super::strength_text;
@@ -28,7 +28,7 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
         return Err(Interrupted { left }.into());
     }
     output::say_complete(context, folder, &result(context, folder, record), || {
-        format!("{}\nwrote {}", text(folder, record), folder.shown())
+        format!("{}\nwrote {}", text(context, folder, record), folder.shown())
     })
 }
 
@@ -50,7 +50,7 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
         "packing": record.packing,
         "case_digest": record.case_digest,
         "measures": record.measures,
-        "stresses": stresses(folder).map(|stresses| stresses.json()),
+        "stresses": stresses(context, folder).map(|stresses| stresses.json()),
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
@@ -59,11 +59,11 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
 }
 
 /// The stresses of the test in a folder.
-fn stresses(folder: &Path) -> Option<Stresses> {
-    Stresses::read(&Run::at(folder).ok()?)
+fn stresses(context: &Context, folder: &Path) -> Option<Stresses> {
+    Stresses::read(&context.run_at(folder).ok()?)
 }
 
-fn text(folder: &Path, record: &RunRecord) -> String {
+fn text(context: &Context, folder: &Path, record: &RunRecord) -> String {
     let mut lines = Vec::new();
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
@@ -95,7 +95,7 @@ fn text(folder: &Path, record: &RunRecord) -> String {
             "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
         ));
     }
-    lines.extend(stresses(folder).iter().flat_map(Stresses::lines));
+    lines.extend(stresses(context, folder).iter().flat_map(Stresses::lines));
     lines.extend(strength_text::lines(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {

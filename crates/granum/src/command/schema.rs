@@ -21,7 +21,7 @@ pub struct Schema {
 
 impl Schema {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let schema = if self.plan { Plan::schema() } else { Case::schema() };
+        let schema = if self.plan { Plan::schema() } else { Case::schema_with(context.vocabulary()) };
         // The schema is JSON in any case, and nothing is added to it.
         let text = if context.json { schema.to_string() } else { serde_json::to_string_pretty(&schema)? };
         output::say_as_it_is(&text)

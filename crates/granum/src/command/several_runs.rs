@@ -50,7 +50,7 @@ pub fn run(
 
 /// Continues the runs of a folder.
 pub fn resume(context: &Context, laboratory: &Laboratory, list: &RunList, out: &Path) -> Result<(), Failure> {
-    let queue = list.queue(out)?;
+    let queue = list.queue(out, context.vocabulary())?;
     check(&queue, laboratory, false)?;
     let folder = OutputFolder::open(out)?;
     folder.refuse_links(&[SAMPLES])?;

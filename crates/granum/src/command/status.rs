@@ -9,7 +9,7 @@ use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_core::Table;
 use granum_io::shell::ShowPath;
-use granum_io::{OutputFolder, Run, RunStatus};
+use granum_io::{OutputFolder, RunStatus};
 use granum_learn::study::StudyPlan;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
@@ -40,7 +40,7 @@ impl Status {
                 self.several(context, &contents)
             }
             _ => {
-                let found = FolderStatus::read(&self.folder)?;
+                let found = FolderStatus::read(context, &self.folder)?;
                 output::say(context, &found.json(), || found.text())?;
                 whole::check(&self.folder, &found.faults)
             }
@@ -51,14 +51,14 @@ impl Status {
     fn several(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
         let next = contents.next(&self.folder);
         let (mut all, mut lines) = (Vec::new(), Vec::new());
-        let mut faults = whole::faults(&self.folder, contents)?;
+        let mut faults = whole::faults(context, &self.folder, contents)?;
         for folder in contents.runs(&self.folder) {
             if Contents::read(&folder)? == Contents::Nothing {
                 all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
                 lines.push(format!("{}: not begun", folder.shown()));
                 continue;
             }
-            let found = FolderStatus::read(&folder)?;
+            let found = FolderStatus::read(context, &folder)?;
             all.push(found.json());
             lines.push(found.text());
             faults.extend(found.faults);
@@ -94,7 +94,7 @@ impl Status {
             _ => "broken off",
         };
         let contents = Contents::Training { finished };
-        let (next, faults) = (contents.next(&self.folder), whole::faults(&self.folder, &contents)?);
+        let (next, faults) = (contents.next(&self.folder), whole::faults(context, &self.folder, &contents)?);
         let result = json!({
             "folder": output::path(&self.folder),
             "kind": "train",
@@ -141,8 +141,8 @@ struct FolderStatus {
 }
 
 impl FolderStatus {
-    fn read(folder: &Path) -> Result<FolderStatus, Failure> {
-        let run = Run::at(folder)?;
+    fn read(context: &Context, folder: &Path) -> Result<FolderStatus, Failure> {
+        let run = context.run_at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
         let at_work = OutputFolder::is_in_use(folder);
         let faults = whole::faults_of_run(&run)?;

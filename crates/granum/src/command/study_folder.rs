@@ -7,11 +7,11 @@ use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_learn::study::{STUDY_FILE, Study, load as load_study};
 
+use crate::context::Context;
 use crate::failure::Failure;
-use crate::surrogate_methods::surrogate_methods;
 
 /// Reads the study in a folder; a folder of another kind is refused with what it holds and what to do.
-pub fn load(folder: &Path) -> Result<Study, Failure> {
+pub fn load(context: &Context, folder: &Path) -> Result<Study, Failure> {
     if folder.is_dir() && !folder.join(STUDY_FILE).is_file() {
         let contents = Contents::read(folder)?;
         let quoted = quoted_path(folder);
@@ -31,5 +31,5 @@ pub fn load(folder: &Path) -> Result<Study, Failure> {
             contents.name()
         )));
     }
-    Ok(load_study(folder, &surrogate_methods())?.study)
+    Ok(load_study(folder, context.methods())?.study)
 }

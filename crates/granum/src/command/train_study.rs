@@ -10,9 +10,8 @@ use granum_learn::learning_curve::{LearningCurve, doubled};
 use granum_learn::networks::{Form, NetworkSettings, SubModel};
 use granum_learn::runs::{RunRole, differences_but_seed};
 use granum_learn::study::{self, Study, StudyDefinition, StudyPlan, StudyScores};
-use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split};
+use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split, SurrogateMethods};
 use granum_run::runs_table::{RunEntry, differing_keys};
-use granum_sensors::Sensors;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
@@ -22,7 +21,6 @@ use super::study_scores;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use crate::surrogate_methods::surrogate_methods_with;
 
 /// Name of the method with sub-models.
 const SUB_MODELS: &str = "sub-models";
@@ -47,7 +45,8 @@ pub struct StudyFlags {
     /// intervals do not vary along the test, and the inputs of runs cannot be exchanged.
     #[arg(long, value_name = "COLUMN", requires = "input")]
     coordinate: Option<String>,
-    #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods())]
+    /// Methods.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     method: Vec<String>,
     /// List the columns that all of the runs have, with their units and meanings; train nothing.
     #[arg(long, conflicts_with_all = ["input", "output", "trainer", "form", "epoch_factor", "mixed"])]
@@ -78,12 +77,14 @@ pub struct StudyFlags {
     learning_curve: bool,
 }
 
-/// The help text of `--method`: the names of all methods.
-fn methods() -> String {
-    let names = crate::surrogate_methods::surrogate_methods().names().join(", ");
-    format!(
-        "Methods: {names}; the last one for the inputs and outputs of one of the paper's mappings [default: feed-forward]"
-    )
+/// The same command, with the methods that the program knows in the help of `--method`.
+pub fn described(command: clap::Command, methods: &SurrogateMethods) -> clap::Command {
+    let names = methods.names().join(", ");
+    let each: Vec<String> =
+        methods.all().map(|method| format!("- {}: {}", method.name(), method.help())).collect();
+    let (help, usual) = (format!("Methods: {names} [default: feed-forward]"), "[default: feed-forward]");
+    let long = format!("Methods:\n{}\n{usual}", each.join("\n"));
+    command.mut_arg("method", |argument| argument.help(help).long_help(long))
 }
 
 impl StudyFlags {
@@ -253,7 +254,7 @@ fn run(
         ));
     }
     note_differences(context, &all, fits);
-    let methods = surrogate_methods_with(&definition.networks)?;
+    let methods = context.methods().with_networks(&definition.networks)?;
     definition.check(&dataset, &methods)?;
     let mut plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone())?;
     plan.unseen_share = training.unseen_share;
@@ -301,7 +302,7 @@ pub fn list_columns(context: &Context, runs: &[PathBuf], unseen: &[PathBuf]) -> 
         [records::read(context, runs, RunRole::Training)?, records::read(context, unseen, RunRole::Unseen)?];
     let all: Vec<&Recorded> = all.iter().flatten().collect();
     records::check_different(&all)?;
-    let sections = dataset(&all)?.catalogue(&Sensors::standard());
+    let sections = dataset(&all)?.catalogue(context.vocabulary().sensors());
     drop(reading);
     let entry = |kind: &str, entry: &CatalogueEntry| {
         let CatalogueEntry { name, unit, meaning, .. } = entry;

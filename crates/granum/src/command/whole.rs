@@ -16,7 +16,7 @@ const MOST_NAMES: usize = 3;
 
 /// The run in a folder, for reading. Files that cannot be checked are noted.
 pub fn open_run(context: &Context, folder: &Path) -> Result<Run, Failure> {
-    let run = Run::at(folder)?;
+    let run = context.run_at(folder)?;
     if run.record().is_ok() {
         let names = run.uncheckable()?;
         if !names.is_empty() {
@@ -37,11 +37,11 @@ pub fn open_run(context: &Context, folder: &Path) -> Result<Run, Failure> {
 
 /// A sentence for each file of a folder that is missing or is not the one that granum wrote. A run on which a process works is
 /// left to it.
-pub fn faults(folder: &Path, contents: &Contents) -> Result<Vec<String>, Failure> {
+pub fn faults(context: &Context, folder: &Path, contents: &Contents) -> Result<Vec<String>, Failure> {
     match contents {
         Contents::Training { .. } => of_study(folder),
         Contents::Reproduction { finished, .. } => faults_of_reproduction(folder, *finished),
-        Contents::Run(_) => faults_of_run(&Run::at(folder)?),
+        Contents::Run(_) => faults_of_run(&context.run_at(folder)?),
         _ => Ok(Vec::new()),
     }
 }

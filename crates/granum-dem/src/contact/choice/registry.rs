@@ -18,7 +18,7 @@ pub(super) const ADHESION: &[AdhesionKind] = AdhesionKind::OWN;
 
 /// A law that cannot be registered.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LawError {
+pub enum LawRegistrationError {
     /// Its name already belongs to another law.
     #[error("there is already a {what} {name:?}: give the new one another name")]
     NameTaken {
@@ -101,7 +101,7 @@ impl Law {
 /// The contact laws of a program, by their names in files: those of granum, and those that the program adds.
 ///
 /// ```
-/// use granum_dem::contact::choice::registry::{Laws, LawError};
+/// use granum_dem::contact::choice::registry::{Laws, LawRegistrationError};
 /// use granum_dem::config::NormalKind;
 ///
 /// let laws = Laws::standard();
@@ -138,7 +138,7 @@ impl Laws {
     ///
     /// # Errors
     /// If the name or the key of a parameter or of an energy channel is taken, or there is no room for the parameters.
-    pub fn with(mut self, law: impl Into<Law>) -> Result<Laws, LawError> {
+    pub fn with(mut self, law: impl Into<Law>) -> Result<Laws, LawRegistrationError> {
         let law = law.into();
         let (what, name) = (what(&law), law.description().name);
         match self
@@ -147,7 +147,7 @@ impl Laws {
             .find(|known| known.slot() == law.slot() && known.description().name == name)
         {
             Some(known) if known == law => return Ok(self),
-            Some(_) => return Err(LawError::NameTaken { what, name }),
+            Some(_) => return Err(LawRegistrationError::NameTaken { what, name }),
             None => self.check_parameters(law.description())?,
         }
         self.check_channels(law.channels())?;
@@ -200,31 +200,31 @@ impl Laws {
     }
 
     /// Rejects energy channels whose keys are taken or malformed.
-    fn check_channels(&self, new: &'static [EnergyChannel]) -> Result<(), LawError> {
+    fn check_channels(&self, new: &'static [EnergyChannel]) -> Result<(), LawRegistrationError> {
         let known = self.channels();
         for (k, channel) in new.iter().enumerate() {
             let key = channel.key;
             if !channel.has_good_key() {
-                return Err(LawError::ChannelKey { key });
+                return Err(LawRegistrationError::ChannelKey { key });
             }
             let another = |other: &&EnergyChannel| other.key == key && **other != *channel;
             let twice = new[..k].iter().any(|other| other.key == key);
             if twice || TAKEN_KEYS.contains(&key) || known.iter().any(another) {
-                return Err(LawError::ChannelTaken { key });
+                return Err(LawRegistrationError::ChannelTaken { key });
             }
         }
         Ok(())
     }
 
     /// Rejects parameters whose keys are taken, and more than [`MOST_PARAMETERS`] parameters.
-    fn check_parameters(&self, new: &LawDescription) -> Result<(), LawError> {
+    fn check_parameters(&self, new: &LawDescription) -> Result<(), LawRegistrationError> {
         let known = self.parameters();
         let taken = |p: &&LawParameter| known.iter().any(|k| k.key == p.key && **k != **p);
         if let Some(parameter) = new.parameters.iter().find(taken) {
-            return Err(LawError::KeyTaken { key: parameter.key });
+            return Err(LawRegistrationError::KeyTaken { key: parameter.key });
         }
         let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
-        if known.len() + fresh > MOST_PARAMETERS { Err(LawError::TooMany) } else { Ok(()) }
+        if known.len() + fresh > MOST_PARAMETERS { Err(LawRegistrationError::TooMany) } else { Ok(()) }
     }
 }
 

@@ -32,7 +32,7 @@ impl PartialEq for Preset {
 /// A preset that cannot be registered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PathError {
+pub enum PathRegistrationError {
     /// There is already another preset of this name.
     #[error("there is already a path {name:?}: give the new one another name")]
     NameTaken {
@@ -92,10 +92,10 @@ impl Preset {
     }
 
     /// Checks the declarations of its parameters.
-    pub(super) fn check(&self) -> Result<(), PathError> {
+    pub(super) fn check(&self) -> Result<(), PathRegistrationError> {
         for (k, PathParameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
             if RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key) {
-                return Err(PathError::KeyTaken { path: self.name, key });
+                return Err(PathRegistrationError::KeyTaken { path: self.name, key });
             }
             let [low, high] = *bounds;
             let inside = match default {
@@ -106,7 +106,7 @@ impl Preset {
                 | PathParameterDefault::Needed => low <= high,
             };
             if !inside {
-                return Err(PathError::OutOfBounds { path: self.name, key });
+                return Err(PathRegistrationError::OutOfBounds { path: self.name, key });
             }
         }
         Ok(())

@@ -20,7 +20,7 @@ mod undrained_triaxial;
 mod unload_reload;
 
 pub use self::constant_p::antony2006;
-pub use self::definition::{PathError, PathValues, Preset};
+pub use self::definition::{PathRegistrationError, PathValues, Preset};
 use self::definition::{consolidation, generous};
 pub use self::parameter::{
     Given, INERTIAL_NUMBER, INTERVAL, PathFault, PathParameter, PathParameterDefault, PathParameterKind,
@@ -72,7 +72,7 @@ pub fn named(name: &str) -> Option<&'static Preset> {
 /// );
 /// let paths = Paths::standard().with(&SHORT_BY_A_TENTH)?;
 /// assert!(paths.named("compression-between-walls").is_some());
-/// # Ok::<(), granum_dem::loading::preset::PathError>(())
+/// # Ok::<(), granum_dem::loading::preset::PathRegistrationError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paths(Vec<&'static Preset>);
@@ -93,10 +93,10 @@ impl Paths {
     ///
     /// # Errors
     /// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
-    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, PathError> {
+    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, PathRegistrationError> {
         match self.named(preset.name) {
             Some(known) if known.is_same_as(preset) => return Ok(self),
-            Some(_) => return Err(PathError::NameTaken { name: preset.name }),
+            Some(_) => return Err(PathRegistrationError::NameTaken { name: preset.name }),
             None => preset.check()?,
         }
         self.0.push(preset);
@@ -159,15 +159,21 @@ mod tests {
             paths.all().len() > ALL.len() && paths.named(OWN.name).is_some() && named(OWN.name).is_none()
         );
         const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
-        assert_eq!(paths.clone().with(&TAKEN), Err(PathError::NameTaken { name: "oedometer" }));
+        assert_eq!(paths.clone().with(&TAKEN), Err(PathRegistrationError::NameTaken { name: "oedometer" }));
         const TWICE: Preset = Preset { name: "twice", own: &[STATES, STATES], ..OWN };
-        assert!(matches!(paths.clone().with(&TWICE), Err(PathError::KeyTaken { key: "states", .. })));
+        assert!(matches!(
+            paths.clone().with(&TWICE),
+            Err(PathRegistrationError::KeyTaken { key: "states", .. })
+        ));
         const OUTSIDE: Preset = Preset {
             name: "outside",
             own: &[PathParameter { default: PathParameterDefault::Value(0.0), ..STATES }],
             ..OWN
         };
-        assert!(matches!(paths.with(&OUTSIDE), Err(PathError::OutOfBounds { key: "states", .. })));
+        assert!(matches!(
+            paths.with(&OUTSIDE),
+            Err(PathRegistrationError::OutOfBounds { key: "states", .. })
+        ));
     }
 
     #[test]

@@ -190,7 +190,7 @@ fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(RunPart
 /// # Errors
 /// If it cannot, a sentence that gives the reason.
 pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
-    beside(text, Some(case), &Sensors::standard()).map(|_| ())
+    beside(text, Some(case), case.vocabulary.sensors()).map(|_| ())
 }
 
 /// The last usable checkpoint of a folder; `None` if none was ever written. A checkpoint that cannot be used is renamed, and

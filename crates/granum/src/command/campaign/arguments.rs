@@ -25,7 +25,7 @@ pub fn laboratory(
 ) -> Result<Laboratory, Failure> {
     let hardware = Hardware { threads, isa: Isa::detect() };
     let mut laboratory =
-        Laboratory::new(hardware, env!("CARGO_PKG_VERSION")).with_registry(context.registry());
+        Laboratory::new(hardware, env!("CARGO_PKG_VERSION")).with_registry(context.run_registry());
     laboratory.resources.checkpoint_every = checkpoints.every()?;
     Ok(laboratory)
 }
