@@ -293,6 +293,49 @@ impl Campaign {
         }
     }
 
+    /// Adds events to the journal that other processes noted, unless it ends with the same ones. A run that is finished stays so.
+    ///
+    /// # Errors
+    /// If the journal cannot be written.
+    pub(crate) fn take_up(&self, events: BTreeMap<String, Event>) -> Result<()> {
+        let known = last_events(&self.folder);
+        let is_new = |(name, event): &(String, Event)| {
+            known.get(name) != Some(event) && !matches!(known.get(name), Some(Event::Finished { .. }))
+        };
+        let path = self.folder.join(JOURNAL);
+        let mut journal = LineWriter::open(&path)?;
+        for (name, event) in events.into_iter().filter(is_new) {
+            journal.note(&name, event).map_err(Error::file("write", &path))?;
+        }
+        Ok(())
+    }
+
+    /// Seconds for each unit of expected work, by the median of the runs that are finished; `None` if none is.
+    ///
+    /// # Errors
+    /// As [`Campaign::queued`].
+    pub fn pace(&self) -> Result<Option<f64>> {
+        let known = last_events(&self.folder);
+        let mut paces = Vec::new();
+        for run in self.runs() {
+            if let Some(Event::Finished { seconds, .. }) = known.get(&run.name) {
+                paces.push(seconds / self.queued_run(run)?.expected_work());
+            }
+        }
+        paces.retain(|pace| pace.is_finite() && *pace > 0.0);
+        paces.sort_by(f64::total_cmp);
+        Ok(paces.get(paces.len() / 2).copied())
+    }
+
+    /// True if a run is finished: its rows have been taken in, or its folder holds it.
+    pub(crate) fn is_finished(&self, run: &CampaignRun, rows: &RowFiles) -> bool {
+        let record = || Run::at(self.folder_of(&run.name)).and_then(|run| run.record());
+        self.has_rows(rows, run)
+            || record().is_ok_and(|record| {
+                record.status == RunStatus::Finished && record.case_digest == run.case_digest
+            })
+    }
+
     /// Adds to the journal what the folders of the runs tell and the journal does not: what other processes did than a coordinator here.
     /// Returns how many runs were added.
     ///

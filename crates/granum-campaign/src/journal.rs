@@ -11,6 +11,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use granum_io::{Error, QualityFlag, Result, RunRecord};
+use granum_run::queue::Outcome;
 use serde::{Deserialize, Serialize};
 
 use crate::clock::utc;
@@ -79,6 +80,21 @@ impl Event {
         Event::Finished {
             flags: record.quality.iter().filter(|flag| !flag.passed).map(failed).collect(),
             seconds: record.wall_seconds.values().sum(),
+        }
+    }
+
+    /// The event of a run that ended so; `None` if nothing happened to it.
+    pub fn of_outcome(outcome: &Outcome) -> Option<Event> {
+        match outcome {
+            Outcome::Finished { record, .. } => Some(Event::finished(record)),
+            Outcome::Interrupted(_) => Some(Event::Interrupted),
+            Outcome::Failed(error) => {
+                Some(Event::Failed { reason: error.to_string(), lasting: error.is_lasting() })
+            }
+            Outcome::WithoutSample { .. } => {
+                Some(Event::Failed { reason: outcome.failure().unwrap_or_default(), lasting: false })
+            }
+            _ => None,
         }
     }
 
@@ -176,8 +192,12 @@ impl LineWriter {
 
 /// The last event of each run, as far as the journal of a folder can be read.
 pub fn last_events(folder: &Path) -> BTreeMap<String, Event> {
-    let path = folder.join(JOURNAL);
-    let bytes = granum_core::input::read(&path, LARGEST).unwrap_or_default();
+    last_events_in(&folder.join(JOURNAL))
+}
+
+/// The last event of each run, as far as a file can be read; none if there is no such file.
+pub(crate) fn last_events_in(file: &Path) -> BTreeMap<String, Event> {
+    let bytes = granum_core::input::read(file, LARGEST).unwrap_or_default();
     events_in(&bytes)
 }
 

@@ -4,7 +4,10 @@ use granum_io::{OutputFolder, Result, Run, RunStatus};
 
 use crate::acceptance::is_accepted;
 use crate::campaign::{Campaign, CampaignRun};
+use crate::claim::is_claimed;
+use crate::execution::CAMPAIGN_CLAIM;
 use crate::journal::{Event, FailedCheck, last_events};
+use crate::scheduler::{Jobs, Place};
 
 /// The state of a run of a campaign.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +18,10 @@ pub enum RunState {
     Running,
     /// It was stopped or killed and is continued by the same command.
     Unfinished,
+    /// It was given to a scheduler and waits.
+    Queued,
+    /// Its job is over before the run was finished; the same command gives it to the scheduler again.
+    Lost,
     /// It is finished.
     Finished {
         /// The checks that it did not pass.
@@ -38,6 +45,8 @@ impl RunState {
             RunState::NotBegun => "not begun",
             RunState::Running => "running",
             RunState::Unfinished => "unfinished",
+            RunState::Queued => "queued",
+            RunState::Lost => "lost",
             RunState::Finished { flags, .. } if flags.is_empty() => "finished",
             RunState::Finished { accepted: true, .. } => "flagged, accepted",
             RunState::Finished { .. } => "flagged",
@@ -83,7 +92,7 @@ impl CampaignStatus {
             {
                 return Ok(finished(flags.clone(), *seconds));
             }
-            if OutputFolder::is_in_use(&folder) {
+            if OutputFolder::is_in_use(&folder) || is_claimed(campaign.folder(), name) {
                 return Ok(RunState::Running);
             }
             if !folder.join("run.json").is_file() {
@@ -100,7 +109,26 @@ impl CampaignStatus {
             })
         };
         let states = campaign.runs().iter().map(state).collect::<Result<_>>()?;
-        Ok(CampaignStatus { states, at_work: OutputFolder::is_in_use(campaign.folder()) })
+        let at_work =
+            OutputFolder::is_in_use(campaign.folder()) || is_claimed(campaign.folder(), CAMPAIGN_CLAIM);
+        Ok(CampaignStatus { states, at_work })
+    }
+
+    /// The same with what the scheduler of the campaign knows of its runs.
+    pub fn with_jobs(mut self, campaign: &Campaign, jobs: &Jobs) -> CampaignStatus {
+        for (run, state) in campaign.runs().iter().zip(&mut self.states) {
+            let Some(place) = jobs.places.get(&run.name) else { continue };
+            *state = match (place, &*state) {
+                // A failure that its element or an earlier one told counts when its job is over.
+                (_, RunState::Finished { .. }) | (Place::Over, RunState::Failed { .. }) => continue,
+                (Place::Queued, _) => RunState::Queued,
+                // It waits for its turn within its element.
+                (Place::Running, RunState::Running) => RunState::Running,
+                (Place::Running, _) => RunState::Queued,
+                (Place::Over, _) => RunState::Lost,
+            };
+        }
+        self
     }
 
     /// Number of runs in a state of this word.

@@ -128,6 +128,9 @@ impl OutputFolder {
             Err(TryLockError::WouldBlock) => {
                 return Err(Error::Locked { path: path.to_path_buf(), holder: holder(&mut file) });
             }
+            // Some network file systems have no locks. Who works there is known by other means where several may
+            // (`granum-campaign/src/claim.rs`), and a single user is not kept from working.
+            Err(TryLockError::Error(source)) if has_no_locks(&source) => {}
             Err(TryLockError::Error(source)) => return Err(Error::file("lock", &name)(source)),
         }
         // The process id of the holder is only for messages; the lock itself is that of the operating system.
@@ -340,6 +343,13 @@ fn is_empty(path: &Path) -> Result<bool> {
     Ok(true)
 }
 
+/// True if a file system answers that it has no locks: `ENOSYS`, `ENOTSUP`, or on Linux `ENOLCK`, as NFS without its lock service does.
+fn has_no_locks(error: &std::io::Error) -> bool {
+    const NO_LOCKS: i32 = 37;
+    error.kind() == std::io::ErrorKind::Unsupported
+        || (cfg!(target_os = "linux") && error.raw_os_error() == Some(NO_LOCKS))
+}
+
 /// " (process 4711)", if the lock file contains a process id.
 fn holder(file: &mut File) -> String {
     for _ in 0..WAITS.0 {
@@ -357,6 +367,14 @@ fn holder(file: &mut File) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn file_systems_without_locks_are_known_by_their_answer() {
+        // ENOLCK, ENOSYS, EOPNOTSUPP; EIO and EINTR are errors.
+        let known = [37, 38, 95, 5, 4].map(|code| has_no_locks(&std::io::Error::from_raw_os_error(code)));
+        assert_eq!(known, [true, true, true, false, false]);
+    }
 
     #[test]
     fn a_new_or_empty_folder_is_taken_and_a_second_user_refused() {

@@ -39,7 +39,11 @@ impl Contents {
                 }
                 RunState::Finished { flags, .. } => ("flagged", &flags[..]),
                 RunState::Failed { .. } => ("failed", &[][..]),
-                RunState::NotBegun | RunState::Running | RunState::Unfinished => ("unfinished", &[][..]),
+                RunState::NotBegun
+                | RunState::Running
+                | RunState::Unfinished
+                | RunState::Queued
+                | RunState::Lost => ("unfinished", &[][..]),
             };
             let checks = checks.iter().map(|check| check.name.clone()).collect();
             contents.left_out.push(LeftOut { number, state, checks });

@@ -15,7 +15,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use granum_dem::observer::Flow;
-use granum_io::{Run, RunRecord};
+use granum_io::{Run, RunRecord, RunStatus};
 use granum_run::queue::{Executor, QueueObserver, QueuedRun, RunError};
 
 use crate::message::{End, Message};
@@ -165,9 +165,12 @@ impl Executor for ChildProcesses {
         let mut reason = String::new();
         for attempt in 1..=TRIES {
             match self.attempt(number, run, observer)? {
-                Ended::Told(End::Finished | End::Interrupted) => {
+                Ended::Told(End::Finished) => {
                     return Ok(Run::at(&run.folder).and_then(|run| run.record())?);
                 }
+                Ended::Told(End::Interrupted) => return stopped(run),
+                // Ctrl-C reaches all processes, also one that has only just begun and knows of no good order yet.
+                Ended::Untold(_) if observer.flow() == Flow::Stop => return stopped(run),
                 Ended::Told(End::Failed { reason, lasting: true }) => return Err(RunError::Lasting(reason)),
                 Ended::Told(End::Failed { reason: why, .. }) | Ended::Untold(why) => reason = why,
             }
@@ -180,6 +183,14 @@ impl Executor for ChildProcesses {
         }
         Err(RunError::Process(format!("{reason} (tried {TRIES} times)")))
     }
+}
+
+/// The record of a run that was stopped; it may have none yet, or that of a moment before.
+fn stopped(run: &QueuedRun) -> Result<RunRecord, RunError> {
+    let record = Run::at(&run.folder).and_then(|run| run.record());
+    let is_stopped =
+        |record: &RunRecord| matches!(record.status, RunStatus::Interrupted | RunStatus::Finished);
+    record.ok().filter(is_stopped).ok_or(RunError::NotBegun)
 }
 
 /// The lines of a stream, which ends when its process does.
@@ -241,6 +252,19 @@ fn by_code(status: ExitStatus) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A run that was stopped before it had a record has not failed.
+    #[test]
+    fn a_run_that_was_stopped_at_its_beginning_has_not_begun() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = QueuedRun::test(
+            "a",
+            granum_io::Case::default(),
+            granum_run::laboratory::Source::Case,
+            folder.path().join("a"),
+        );
+        assert!(matches!(stopped(&run), Err(RunError::NotBegun)));
+    }
 
     #[test]
     fn only_the_end_of_a_long_stream_is_kept() {

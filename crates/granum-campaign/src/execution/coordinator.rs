@@ -3,14 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
+use granum_dem::observer::Flow;
 use granum_io::OutputFolder;
 use granum_run::Laboratory;
 use granum_run::queue::{Executor, Outcome, Queue, QueueError, QueuedRun};
 
-use super::recorder::{CampaignObserver, CampaignProgress, Recorder};
+use super::recorder::{CAMPAIGN_CLAIM, CampaignObserver, CampaignProgress, Recorder, steady_clock};
 use super::taking_in::TakingIn;
 use crate::acceptance::is_accepted;
 use crate::campaign::{Campaign, RUNS, SAMPLES};
+use crate::claim::{CLAIMS, Claimant};
 use crate::journal::{Event, last_events};
 use crate::plan::Keep;
 use crate::rows::{RowFiles, StoredHead, forget_leftovers};
@@ -89,7 +91,14 @@ impl Coordinator<'_> {
         replace_others: bool,
         observer: &dyn CampaignObserver,
     ) -> Result<Summary, QueueError> {
-        folder.refuse_links(&[RUNS, SAMPLES])?;
+        folder.refuse_links(&[RUNS, SAMPLES, CLAIMS])?;
+        // The lock of the folder may hold on this machine only.
+        let mut claimant = Claimant::new(folder.path(), CAMPAIGN_CLAIM);
+        let stops = || observer.flow() == Flow::Stop;
+        let Some(_claim) = claimant.take_unless_alive(&stops)? else {
+            let (path, holder) = (folder.path().to_path_buf(), claimant.holder());
+            return Err(granum_io::Error::Locked { path, holder }.into());
+        };
         forget_leftovers(folder.path())?;
         let known = last_events(folder.path());
         let rows = self.campaign.rows_kept()?;
@@ -129,6 +138,7 @@ impl Coordinator<'_> {
             known,
             counts,
             self.stop_after,
+            steady_clock(),
             taking_in,
             observer,
         )?;

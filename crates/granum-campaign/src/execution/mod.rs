@@ -2,6 +2,7 @@
 
 mod child_processes;
 mod coordinator;
+mod element;
 mod one_run;
 mod pilots;
 mod recorder;
@@ -9,6 +10,7 @@ mod taking_in;
 
 pub use child_processes::ChildProcesses;
 pub use coordinator::{Coordinator, Summary};
+pub use element::execute_element;
 pub use one_run::execute_run;
 pub use pilots::{CampaignEstimate, Pilot, PilotOptions, pilots};
-pub use recorder::{CampaignObserver, CampaignProgress, NoCampaignObserver};
+pub use recorder::{CAMPAIGN_CLAIM, CampaignObserver, CampaignProgress, NoCampaignObserver, STOP_REQUEST};

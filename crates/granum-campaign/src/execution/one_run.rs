@@ -11,9 +11,10 @@ use granum_dem::preparation::Phase;
 use granum_io::{OutputFolder, Reading, Result, Run, RunStatus};
 use granum_run::Laboratory;
 use granum_run::LaboratoryError;
-use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, Shares};
+use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, RunKind, Shares};
 
 use crate::campaign::Campaign;
+use crate::claim::Claimant;
 use crate::message::{End, Message};
 
 /// Time between two messages of progress.
@@ -42,13 +43,14 @@ pub fn execute_run(
         granum_io::Error::content(folder, message)
     })?;
     let run = campaign.queued(name)?;
+    let execute = |run: &QueuedRun| execute(folder, run, laboratory, flow, tell);
     let end = match sample_of(&campaign, &run)? {
         // Another process may be at work on it, which is then waited for.
-        Some(sample) => match execute(&sample, laboratory, flow, tell) {
-            End::Finished => execute(&run, laboratory, flow, tell),
+        Some(sample) => match execute(&sample) {
+            End::Finished => execute(&run),
             other => other,
         },
-        None => execute(&run, laboratory, flow, tell),
+        None => execute(&run),
     };
     tell(&Message::Ended { end: end.clone(), memory: peak_memory() });
     Ok(end)
@@ -76,13 +78,51 @@ fn peak_memory() -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes << 10)
 }
 
-/// Executes a run alone.
-pub(crate) fn execute(
+/// Executes a run alone, when it has the claim of it.
+fn execute(
+    campaign: &Path,
     run: &QueuedRun,
     laboratory: &Laboratory,
     flow: &(dyn Fn() -> Flow + Sync),
     tell: &(dyn Fn(&Message) + Sync),
 ) -> End {
+    let mut claimant = Claimant::new(campaign, &run.name);
+    let since = Instant::now();
+    let claim = loop {
+        match claimant.take() {
+            Ok(Some(claim)) => break claim,
+            Ok(None) => {}
+            Err(error) => return End::Failed { reason: error.to_string(), lasting: false },
+        }
+        if flow() == Flow::Stop {
+            return End::Interrupted;
+        }
+        // Whoever has claimed a sample is waited for as long as it works, since the tests need it; a test is left to it.
+        let is_left = run.kind == RunKind::Test && claimant.is_at_work();
+        if is_left && since.elapsed() > WAIT_FOR_FOLDER {
+            let reason = format!("another process works on it{}", claimant.holder());
+            return End::Failed { reason, lasting: false };
+        }
+        thread::sleep(LOOK_EVERY);
+    };
+    let flow = || if claim.is_overruled() { Flow::Stop } else { flow() };
+    match execute_claimed(run, laboratory, &flow, tell) {
+        End::Interrupted if claim.is_overruled() => {
+            let reason = "it was stopped, since its process had not been heard of for long and another one took it over";
+            End::Failed { reason: reason.into(), lasting: false }
+        }
+        end => end,
+    }
+}
+
+/// Executes a run alone, of which this process has the claim.
+fn execute_claimed(
+    run: &QueuedRun,
+    laboratory: &Laboratory,
+    flow: &(dyn Fn() -> Flow + Sync),
+    tell: &(dyn Fn(&Message) + Sync),
+) -> End {
+    // A process that is no part of the campaign may be at work in the folder.
     let since = Instant::now();
     while OutputFolder::is_in_use(&run.folder) && since.elapsed() < WAIT_FOR_FOLDER {
         if flow() == Flow::Stop {

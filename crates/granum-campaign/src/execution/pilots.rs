@@ -180,6 +180,12 @@ impl QueueObserver for Watch<'_> {
 }
 
 impl CampaignEstimate {
+    /// Seconds of one run for each unit of its expected work, by the mean of the pilots; `None` if all of them failed.
+    pub fn pace(&self) -> Option<f64> {
+        let count = self.pilots.len() as f64;
+        (count > 0.0).then(|| self.pilots.iter().map(|pilot| pilot.pace).sum::<f64>() / count)
+    }
+
     /// The number of pilots that were not finished in their time.
     pub fn unfinished(&self) -> usize {
         self.pilots.iter().filter(|pilot| !pilot.finished).count()

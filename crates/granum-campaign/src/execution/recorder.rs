@@ -1,7 +1,7 @@
 //! What happens in a campaign, written into its journal and its file of progress, and passed on to whoever follows.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -17,6 +17,12 @@ use crate::plan::Condition;
 
 /// The file to which a line is added every minute.
 pub const PROGRESS_FILE: &str = "progress.txt";
+/// A file whose presence asks the coordinator to end all runs in good order.
+pub const STOP_REQUEST: &str = "stop-requested";
+/// The claim of the process that gives out the runs of a campaign. Runs are named by digits.
+pub const CAMPAIGN_CLAIM: &str = "campaign";
+/// How often it is looked for a request.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Time between two lines of it.
 const LINE_EVERY: Duration = Duration::from_secs(60);
 /// The rate is that of so many minutes.
@@ -97,8 +103,37 @@ pub(super) struct Recorder<'a> {
     known: BTreeMap<String, Event>,
     /// Takes runs in whose folders are to go.
     taking_in: Option<TakingIn>,
-    deadline: Option<Instant>,
+    elapsed: Elapsed,
+    /// The time by that clock at which all runs are to end.
+    stop_after: Option<Duration>,
+    request: Mutex<Request>,
     held: Mutex<Held>,
+}
+
+/// The request of another process to end all runs.
+struct Request {
+    file: PathBuf,
+    looked: Duration,
+    was_made: bool,
+}
+
+impl Request {
+    fn is_made(&mut self, now: Duration) -> bool {
+        if !self.was_made && now.saturating_sub(self.looked) >= LOOK_EVERY {
+            self.looked = now;
+            self.was_made = self.file.exists();
+        }
+        self.was_made
+    }
+}
+
+/// The time since the coordinator began, by a clock that does not jump; a test has its own.
+pub(super) type Elapsed = Box<dyn Fn() -> Duration + Send + Sync>;
+
+/// The clock of the system that never goes back.
+pub(super) fn steady_clock() -> Elapsed {
+    let begun = Instant::now();
+    Box::new(move || begun.elapsed())
 }
 
 struct Held {
@@ -108,10 +143,10 @@ struct Held {
     counts: CampaignProgress,
     /// Share of the work that was done when this coordinator began.
     share_before: f64,
-    begun: Instant,
-    last_line: Instant,
+    begun: Duration,
+    last_line: Duration,
     /// The numbers of finished runs at the last lines.
-    pace: VecDeque<(Instant, usize)>,
+    pace: VecDeque<(Duration, usize)>,
     warned: bool,
 }
 
@@ -124,10 +159,11 @@ impl<'a> Recorder<'a> {
         known: BTreeMap<String, Event>,
         counts: CampaignProgress,
         stop_after: Option<Duration>,
+        elapsed: Elapsed,
         taking_in: Option<TakingIn>,
         observer: &'a dyn CampaignObserver,
     ) -> Result<Recorder<'a>> {
-        let now = Instant::now();
+        let now = elapsed();
         let held = Held {
             journal: LineWriter::open(&folder.join(JOURNAL))?,
             progress_file: LineWriter::open(&folder.join(PROGRESS_FILE))?,
@@ -139,14 +175,19 @@ impl<'a> Recorder<'a> {
             pace: VecDeque::new(),
             warned: false,
         };
-        let deadline = stop_after.and_then(|time| now.checked_add(time));
-        Ok(Recorder { queue, observer, accept, known, taking_in, deadline, held: Mutex::new(held) })
+        let file = folder.join(STOP_REQUEST);
+        // A request that none was there to follow any more.
+        let _ = std::fs::remove_file(&file);
+        let request = Mutex::new(Request { file, looked: now, was_made: false });
+        let held = Mutex::new(held);
+        Ok(Recorder { queue, observer, accept, known, taking_in, elapsed, stop_after, request, held })
     }
 
     /// What was counted; a last line is added to the file of progress.
     pub(super) fn end(self) -> CampaignProgress {
         let mut held = self.lock();
         self.write_line(&mut held);
+        let _ = std::fs::remove_file(&self.request.lock().unwrap_or_else(PoisonError::into_inner).file);
         held.counts.clone()
     }
 
@@ -156,7 +197,7 @@ impl<'a> Recorder<'a> {
             return;
         }
         held.share_before = held.shares.all();
-        held.begun = Instant::now();
+        held.begun = (self.elapsed)();
         held.pace.push_back((held.begun, held.counts.finished));
         self.write_line(held);
     }
@@ -202,7 +243,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn write_line(&self, held: &mut Held) {
-        held.last_line = Instant::now();
+        held.last_line = (self.elapsed)();
         self.measure(held);
         let line = held.counts.line();
         let result = held.progress_file.append(|time| format!("{time} {line}"));
@@ -212,14 +253,15 @@ impl<'a> Recorder<'a> {
     /// Share, rate and time left.
     fn measure(&self, held: &mut Held) {
         held.counts.share = held.shares.all();
-        let elapsed = held.begun.elapsed();
+        let now = (self.elapsed)();
+        let elapsed = now.saturating_sub(held.begun);
         let done = held.counts.share - held.share_before;
         let is_known = done > 0.0 && elapsed > Duration::from_secs(2);
         held.counts.left = is_known
             .then(|| elapsed.mul_f64(((1.0 - held.counts.share) / done).clamp(0.0, 1e9)))
             .filter(|_| held.counts.share < 1.0);
         if let Some((since, before)) = held.pace.front() {
-            let hours = since.elapsed().as_secs_f64() / 3600.0;
+            let hours = now.saturating_sub(*since).as_secs_f64() / 3600.0;
             let finished = held.counts.finished.saturating_sub(*before);
             held.counts.runs_per_hour = (finished > 0 && hours > 0.0).then(|| finished as f64 / hours);
         }
@@ -228,10 +270,11 @@ impl<'a> Recorder<'a> {
     fn follow(&self, held: &mut Held) {
         self.measure(held);
         self.observer.progress(&held.counts);
-        if held.last_line.elapsed() >= LINE_EVERY {
+        let now = (self.elapsed)();
+        if now.saturating_sub(held.last_line) >= LINE_EVERY {
             self.write_line(held);
             let finished = held.counts.finished;
-            held.pace.push_back((Instant::now(), finished));
+            held.pace.push_back((now, finished));
             while held.pace.len() > MINUTES_OF_RATE {
                 held.pace.pop_front();
             }
@@ -274,17 +317,7 @@ impl QueueObserver for Recorder<'_> {
         held.shares.end(run, outcome);
         let is_new = !matches!(outcome, Outcome::Finished { reused: true, .. } | Outcome::NotNeeded);
         held.counts.running -= usize::from(is_new && held.counts.running > 0);
-        let event = match outcome {
-            Outcome::Finished { record, .. } => Some(Event::finished(record)),
-            Outcome::Interrupted(_) => Some(Event::Interrupted),
-            Outcome::Failed(error) => {
-                Some(Event::Failed { reason: error.to_string(), lasting: error.is_lasting() })
-            }
-            Outcome::WithoutSample { .. } => {
-                Some(Event::Failed { reason: outcome.failure().unwrap_or_default(), lasting: false })
-            }
-            _ => None,
-        };
+        let event = Event::of_outcome(outcome);
         let name = &self.queue.runs()[run].name;
         if self.is_test(run) {
             match &event {
@@ -309,7 +342,107 @@ impl QueueObserver for Recorder<'_> {
     }
 
     fn flow(&self) -> Flow {
-        let is_over = self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        if is_over { Flow::Stop } else { self.observer.flow() }
+        let now = (self.elapsed)();
+        let is_over = self.stop_after.is_some_and(|time| now >= time);
+        let is_asked = || self.request.lock().unwrap_or_else(PoisonError::into_inner).is_made(now);
+        if is_over || is_asked() { Flow::Stop } else { self.observer.flow() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    use granum_io::Case;
+    use granum_run::laboratory::Source;
+    use granum_run::queue::QueuedRun;
+
+    use super::*;
+
+    /// Three hours of a campaign of two runs, by a clock of the test that stands still, runs and leaps: a line at the beginning, one for
+    /// each minute in which something was heard, and one at the end.
+    #[test]
+    fn the_file_of_progress_has_a_line_a_minute() {
+        let folder = tempfile::tempdir().unwrap();
+        let runs = ["a", "b"]
+            .map(|name| QueuedRun::test(name, Case::default(), Source::Case, folder.path().join(name)));
+        let queue = Queue::new(runs.into()).unwrap();
+        let seconds = Arc::new(AtomicU64::new(0));
+        let clock = seconds.clone();
+        let elapsed: Elapsed = Box::new(move || Duration::from_secs(clock.load(Ordering::Relaxed)));
+        let counts = CampaignProgress { runs: 2, ..CampaignProgress::default() };
+        let stop_after = Some(Duration::from_secs(10_000));
+        let recorder = Recorder::new(
+            &queue,
+            folder.path(),
+            Vec::new(),
+            BTreeMap::new(),
+            counts,
+            stop_after,
+            elapsed,
+            None,
+            &NoCampaignObserver,
+        )
+        .unwrap();
+        let text = || std::fs::read_to_string(folder.path().join(PROGRESS_FILE)).unwrap();
+        recorder.begins(0);
+        recorder.begins(1);
+        assert_eq!(text().lines().count(), 1);
+        // Heard four times a second for an hour, by a clock of whole seconds.
+        for quarter in 0..4 * 3600_u64 {
+            seconds.store(quarter / 4, Ordering::Relaxed);
+            recorder.share(0, quarter as f64 / 1e5);
+        }
+        assert_eq!(text().lines().count(), 60, "{}", text());
+        // Nothing is heard for an hour and a half: one line, no sixty.
+        seconds.store(9000, Ordering::Relaxed);
+        assert_eq!(recorder.share(1, 0.5), Flow::Continue);
+        assert_eq!(recorder.share(1, 0.5), Flow::Continue);
+        assert_eq!(text().lines().count(), 61);
+        // A clock that goes back does no harm.
+        seconds.store(10, Ordering::Relaxed);
+        recorder.share(1, 0.5);
+        seconds.store(10_000, Ordering::Relaxed);
+        assert_eq!(recorder.share(1, 0.6), Flow::Stop);
+        let last = recorder.end();
+        assert_eq!(text().lines().count(), 63);
+        let line = text().lines().next_back().unwrap().to_string();
+        assert!(line.ends_with(&last.line()) && line.contains("0 of 2 runs finished, 2 running"), "{line}");
+        // No line is drawn over another.
+        assert!(!text().contains(['\r', '\u{1b}']));
+    }
+
+    #[test]
+    fn a_request_in_the_folder_ends_the_runs_and_goes_with_the_recorder() {
+        let folder = tempfile::tempdir().unwrap();
+        let request = folder.path().join(STOP_REQUEST);
+        // One that is older than the coordinator does not concern it.
+        std::fs::write(&request, "").unwrap();
+        let queue = Queue::new(Vec::new()).unwrap();
+        let seconds = Arc::new(AtomicU64::new(0));
+        let clock = seconds.clone();
+        let elapsed: Elapsed = Box::new(move || Duration::from_secs(clock.load(Ordering::Relaxed)));
+        let counts = CampaignProgress::default();
+        let recorder = Recorder::new(
+            &queue,
+            folder.path(),
+            Vec::new(),
+            BTreeMap::new(),
+            counts,
+            None,
+            elapsed,
+            None,
+            &NoCampaignObserver,
+        )
+        .unwrap();
+        seconds.store(5, Ordering::Relaxed);
+        assert_eq!(recorder.flow(), Flow::Continue);
+        std::fs::write(&request, "").unwrap();
+        assert_eq!(recorder.flow(), Flow::Continue, "it is not looked for at every step");
+        seconds.store(7, Ordering::Relaxed);
+        assert_eq!(recorder.flow(), Flow::Stop);
+        recorder.end();
+        assert!(!request.exists());
     }
 }

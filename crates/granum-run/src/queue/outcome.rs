@@ -87,6 +87,9 @@ pub enum RunError {
     /// The process of the run tells that the run failed for a reason that lies in its case.
     #[error("{0}")]
     Lasting(String),
+    /// It was stopped, by the user, before there was anything to continue from.
+    #[error("it was stopped before it had begun")]
+    NotBegun,
     /// The program has a mistake.
     #[error("the run ended by a mistake of the program: {0}")]
     Panic(String),
@@ -105,7 +108,7 @@ impl RunError {
                     | LaboratoryError::Damaged { .. }
                     | LaboratoryError::Unusable { .. }
             ),
-            RunError::File(_) | RunError::Process(_) | RunError::Panic(_) => false,
+            RunError::File(_) | RunError::Process(_) | RunError::NotBegun | RunError::Panic(_) => false,
             RunError::Lasting(_) => true,
         }
     }

@@ -280,9 +280,10 @@ impl Execution<'_> {
             Ok(record) if record.status == RunStatus::Interrupted => Outcome::Interrupted(Box::new(record)),
             Ok(record) => Outcome::Finished { record: Box::new(record), reused: false },
             // Stopped while its grains were placed: there is nothing to continue from yet.
-            Err(RunError::Laboratory(LaboratoryError::Preparation(PreparationError::Stopped { .. }))) => {
-                Outcome::NotBegun
-            }
+            Err(
+                RunError::NotBegun
+                | RunError::Laboratory(LaboratoryError::Preparation(PreparationError::Stopped { .. })),
+            ) => Outcome::NotBegun,
             Err(error) => Outcome::Failed(error),
         }
     }

@@ -19,7 +19,7 @@ const PLAN: &str = "case = 'sand.toml'\n[design]\nkind = 'full-factorial'\n[[var
                     keys = ['grains.material.friction']\nvalues = [0.2, 0.4]\n[[variable]]\nname = 'strain'\n\
                     key = 'stage.1.axial_strain'\nvalues = ['1 %', '1.5 %']\n";
 
-fn folder_with_plan() -> tempfile::TempDir {
+pub fn folder_with_plan() -> tempfile::TempDir {
     let base = tempfile::tempdir().unwrap();
     std::fs::write(base.path().join("sand.toml"), SAND).unwrap();
     std::fs::write(base.path().join("plan.toml"), PLAN).unwrap();

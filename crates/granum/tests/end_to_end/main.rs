@@ -29,6 +29,8 @@ mod tests_of_grains;
 mod tutorial;
 mod warnings;
 mod words;
+#[cfg(unix)]
+mod workflows;
 
 use std::path::Path;
 

@@ -4,9 +4,11 @@ mod campaigns;
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;
+mod faults;
 mod followed;
 mod kills;
 mod same_bits;
+mod slurm;
 mod streams;
 
 use std::collections::BTreeMap;

@@ -1,9 +1,8 @@
-//! The laboratory and the executor of a campaign, from the flags of the command.
+//! The laboratory of a campaign and what a process of a run is given, from the flags of the command.
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::PathBuf;
 
-use granum_campaign::execution::ChildProcesses;
 use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
 use granum_run::Laboratory;
@@ -52,15 +51,19 @@ impl CarryOutFlags {
         laboratory(context, processors(), &self.checkpoints)
     }
 
-    /// Executes the runs of the campaign in a folder by this program.
-    pub fn executor(&self, context: &Context, folder: &Path) -> Result<ChildProcesses, Failure> {
-        let program = std::env::current_exe()
-            .map_err(|error| Failure::new(format!("cannot find the file of this program: {error}")))?;
+    /// The file of this program.
+    pub fn program(&self) -> Result<PathBuf, Failure> {
+        std::env::current_exe()
+            .map_err(|error| Failure::new(format!("cannot find the file of this program: {error}")))
+    }
+
+    /// The flags with which this program executes a run.
+    pub fn arguments(&self, context: &Context) -> Result<Vec<OsString>, Failure> {
         let seconds = self.checkpoints.every()?.as_secs_f64();
         let mut arguments: Vec<OsString> = vec!["--checkpoint-every".into(), seconds.to_string().into()];
         if context.allow_outside {
             arguments.push("--allow-outside".into());
         }
-        Ok(ChildProcesses::new(program, folder, arguments))
+        Ok(arguments)
     }
 }

@@ -12,6 +12,7 @@ use granum_run::queue::{Queue, QueueError};
 use serde_json::{Value, json};
 
 use super::flags::PlanFlags;
+use super::scheduling;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::messages;
@@ -52,7 +53,7 @@ pub fn run_pilots(
     let folder = Temporary::new()?;
     let campaign = Campaign::new(folder.path(), plan, planned, env!("CARGO_PKG_VERSION"));
     let laboratory = flags.carry_out.laboratory(context)?;
-    let executor = flags.carry_out.executor(context, folder.path())?;
+    let executor = scheduling::executor(context, folder.path(), &flags.carry_out)?;
     let workers = match flags.carry_out.workers()? {
         Some(count) => count,
         None => Queue::new(campaign.all_queued()?)?.at_once(laboratory.resources.hardware.threads),

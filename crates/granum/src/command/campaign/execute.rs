@@ -3,18 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use granum::contents::{FolderKind, check_free};
-use granum_campaign::data_set::{self, Collected, DataSetSummary};
+use granum_campaign::data_set::{Collected, DataSetSummary};
 use granum_campaign::execution::{Coordinator, Summary};
-use granum_campaign::plan::{Plan, PlannedRuns};
+use granum_campaign::plan::{Keep, Plan, PlannedRuns};
+use granum_campaign::scheduler::{self, JobRecord, Order, SchedulerOptions, Submission, Submitted};
 use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
 use granum_io::OutputFolder;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_run::queue::QueueError;
 use serde_json::json;
 
-use super::flags::{CarryOutFlags, PlanFlags};
+use super::flags::{CarryOutFlags, PlanFlags, SchedulerFlags};
 use super::show::ShowCampaign;
-use super::{estimate, plan_text, status};
+use super::{estimate, plan_text, scheduling, status};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
@@ -25,6 +26,7 @@ const MOST_NAMED: usize = 10;
 /// Carries out a plan, or prints what it will run.
 pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
+    flags.scheduler.check(&flags.carry_out)?;
     let plan = Plan::read(file, context.reading())?;
     let planned = plan.runs()?;
     if flags.dry_run {
@@ -43,7 +45,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         return list_jobs(context, &campaign);
     }
     if flags.collect {
-        let collected = data_set::collect(&campaign, &|| context.flow())?;
+        let collected = collect(context, &campaign)?;
         context.note(&format!("{} more runs are finished", collected.added));
         collected.remarks.iter().for_each(|remark| context.warn(remark));
         context.note(&data_set_line(&collected));
@@ -51,7 +53,41 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         drop(folder);
         return status::print(context, &campaign);
     }
-    carry_out(context, &flags.carry_out, &campaign, &folder)
+    if flags.scheduler.is_local() {
+        scheduling::check_none_queued(context, &campaign)?;
+        return carry_out(context, &flags.scheduler, &flags.carry_out, None, &campaign, &folder);
+    }
+    let pace = pace(context, flags, &plan, &planned, &campaign)?;
+    let submitted = carry_out(context, &flags.scheduler, &flags.carry_out, pace, &campaign, &folder);
+    // So that the state is that of a campaign on which none is at work here.
+    drop(folder);
+    submitted?;
+    status::print(context, &campaign)
+}
+
+/// Seconds for each unit of the expected work of a run, which is needed unless the number of runs in an element is given: from runs that
+/// are finished, or from pilot runs here.
+fn pace(
+    context: &Context,
+    flags: &PlanFlags,
+    plan: &Plan,
+    planned: &PlannedRuns,
+    campaign: &Campaign,
+) -> Result<Option<f64>, Failure> {
+    if flags.scheduler.per_task.is_some() {
+        return Ok(None);
+    }
+    match campaign.pace()? {
+        Some(pace) => Ok(Some(pace)),
+        None => Ok(estimate::run_pilots(context, flags, plan, planned)?.and_then(|found| found.pace())),
+    }
+}
+
+/// Takes up what ended elsewhere, by whatever means.
+fn collect(context: &Context, campaign: &Campaign) -> Result<Collected, Failure> {
+    let submitted = JobRecord::open_in(campaign.folder())?.into_iter().map(|record| record.scheduler).next();
+    let name = submitted.unwrap_or_else(|| scheduler::DEFAULT.into());
+    Ok(scheduler::by_name(&name, SchedulerOptions::default())?.collect(campaign, &|| context.flow())?)
 }
 
 /// A command for each run that is not finished.
@@ -104,15 +140,16 @@ fn prepared(
 /// Continues the campaign of a folder without its plan.
 pub fn resume(context: &Context, campaign: &Campaign, flags: &CarryOutFlags) -> Result<(), Failure> {
     check(context, flags, campaign)?;
+    scheduling::check_none_queued(context, campaign)?;
     let folder = OutputFolder::open(campaign.folder())?;
-    carry_out(context, flags, campaign, &folder)
+    carry_out(context, &SchedulerFlags::local(), flags, None, campaign, &folder)
 }
 
 /// Refuses a campaign of which a run cannot be executed, before any begins.
 fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Result<(), Failure> {
     flags.workers()?;
     let laboratory = flags.laboratory(context)?;
-    let executor = flags.executor(context, campaign.folder())?;
+    let executor = scheduling::executor(context, campaign.folder(), flags)?;
     let _alone = context.nothing_written(Some("checking the runs"));
     let coordinator = Coordinator {
         campaign,
@@ -130,32 +167,47 @@ fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Resul
     })
 }
 
+/// Gives the runs to the scheduler, and tells what became of them.
 fn carry_out(
     context: &Context,
+    scheduler: &SchedulerFlags,
     flags: &CarryOutFlags,
+    pace: Option<f64>,
     campaign: &Campaign,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
     let laboratory = flags.laboratory(context)?;
-    let executor = flags.executor(context, campaign.folder())?;
-    let coordinator = Coordinator {
+    let scheduler = scheduler.scheduler(context, flags, pace)?;
+    let order = Order {
         campaign,
+        folder,
         laboratory: &laboratory,
-        executor: &executor,
-        workers: flags.workers()?,
-        stop_after: flags.stop_after,
+        replace_others: context.force,
         again: flags.again || context.force,
     };
-    let summary = {
+    let submitted = {
         let show = ShowCampaign::new(context);
-        coordinator.run(folder, context.force, &show)?
+        scheduler.submit(&order, &show)?
     };
-    // What is missing is added by the command that goes on.
-    let collected =
-        if summary.stopped { None } else { Some(data_set::collect(campaign, &|| context.flow())) };
-    let collected = collected.transpose();
-    report(context, campaign, &summary, collected.as_ref().ok().and_then(Option::as_ref))?;
-    collected?;
+    match submitted {
+        Submitted::Ended(summary) => {
+            // What is missing is added by the command that goes on.
+            let flow = || context.flow();
+            let collected = (!summary.stopped).then(|| scheduler.collect(campaign, &flow));
+            let collected = collected.transpose();
+            report(context, campaign, &summary, collected.as_ref().ok().and_then(Option::as_ref))?;
+            collected?;
+        }
+        Submitted::Queued(submission) => {
+            tell_submission(context, &submission);
+            let is_done = CampaignStatus::of(campaign)?.is_done();
+            if is_done || campaign.keep() == Keep::Dataset {
+                let collected = scheduler.collect(campaign, &|| context.flow())?;
+                collected.remarks.iter().for_each(|remark| context.warn(remark));
+                context.note(&data_set_line(&collected));
+            }
+        }
+    }
     Ok(())
 }
 
@@ -178,6 +230,23 @@ fn data_set_line(collected: &Collected) -> String {
             format!("data set of {runs} runs{state}: {}{left}; SHA-256 {digest}", folder.shown())
         }
         None => format!("no data set, since none of the runs is part of it{left}"),
+    }
+}
+
+/// Says what was queued.
+fn tell_submission(context: &Context, submission: &Submission) {
+    if !submission.jobs.is_empty() {
+        context.note(&format!(
+            "{} runs were submitted in {} elements, as the jobs {}",
+            submission.runs,
+            submission.elements,
+            named(&submission.jobs)
+        ));
+    }
+    if let Some((runs, why)) = &submission.waiting {
+        context.note(&format!(
+            "for {runs} runs there is no room at present ({why}); the same command submits them when jobs have ended"
+        ));
     }
 }
 
@@ -268,8 +337,9 @@ fn report(
         lines.extend(found.flagged_lines());
         lines.extend(collected.map(data_set_line));
         if summary.stopped {
-            lines
-                .push(format!("the time is over; continue with the same command or: granum resume {quoted}"));
+            lines.push(format!(
+                "stopped before the end; continue with the same command or: granum resume {quoted}"
+            ));
         } else {
             lines.push(format!("their results in a table: granum table {quoted}"));
         }
@@ -287,7 +357,7 @@ fn report(
     let all = summary.progress.runs;
     Err(Failure::new(format!(
         "{} of {all} runs failed:\n  {}{more}",
-        summary.failed.len(),
+        summary.progress.failed,
         told.join("\n  ")
     )))
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 use granum_campaign::clock::duration;
+use granum_campaign::scheduler;
 
 use crate::command::checkpoints::CheckpointFlags;
 
@@ -34,12 +35,38 @@ pub struct PlanFlags {
     pub collect: bool,
     #[command(flatten)]
     pub carry_out: CarryOutFlags,
+    #[command(flatten)]
+    pub scheduler: SchedulerFlags,
+}
+
+/// Who executes the runs.
+#[derive(Args, Clone, Debug)]
+pub struct SchedulerFlags {
+    /// Who executes the runs: this machine, or a cluster; the same command later submits what is left.
+    #[arg(long, value_name = "NAME", default_value = scheduler::DEFAULT, value_parser = scheduler::NAMES)]
+    pub scheduler: String,
+    /// Cluster: the time of a job, e.g. 4 h. So many runs are packed into each element of a job that they take about so long.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Cluster: number of runs in each element of a job, instead of as many as its time holds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub per_task: Option<u32>,
+    /// Cluster: the partition.
+    #[arg(long, value_name = "NAME")]
+    pub partition: Option<String>,
+    /// Cluster: the account that is charged.
+    #[arg(long, value_name = "NAME")]
+    pub account: Option<String>,
+    /// Cluster: a file whose lines stand at the beginning of the script of each job, such as #SBATCH and module load.
+    #[arg(long, value_name = "FILE")]
+    pub header: Option<PathBuf>,
 }
 
 /// How runs are carried out.
 #[derive(Args, Clone, Debug)]
 pub struct CarryOutFlags {
-    /// Number of runs at once, each on one thread; by default as many as there are processors and the memory can hold.
+    /// Number of runs at once, each on one thread; by default as many as there are processors and the memory can hold. On a cluster
+    /// the number of elements of a job at once.
     #[arg(long, value_name = "N")]
     pub workers: Option<usize>,
     /// End all runs in good order after this time, e.g. 8 h; the same command goes on.

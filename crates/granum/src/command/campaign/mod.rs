@@ -1,11 +1,14 @@
 //! `granum campaign`: the runs of a plan.
 
 mod arguments;
+mod cancel;
+mod element;
 mod estimate;
 mod execute;
 mod flags;
 mod one_run;
 mod plan_text;
+mod scheduling;
 mod show;
 mod status;
 
@@ -44,6 +47,8 @@ pub struct Campaign {
 enum Action {
     /// Print how far a campaign is.
     Status(status::Status),
+    /// End all runs of a campaign that are queued or go on, in good order.
+    Cancel(cancel::Cancel),
     /// Execute runs of a campaign here, by their names.
     #[command(hide = true)]
     Run(one_run::OneRun),
@@ -53,6 +58,7 @@ impl Campaign {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         match &self.action {
             Some(Action::Status(status)) => status.run(context),
+            Some(Action::Cancel(cancel)) => cancel.run(context),
             Some(Action::Run(run)) => run.run(context),
             None => execute::run(context, &self.plan),
         }

@@ -13,7 +13,7 @@ use granum_campaign::execution::execute_run;
 use granum_campaign::message::{End, Message};
 use granum_run::Flow;
 
-use super::arguments;
+use super::{arguments, element};
 use crate::command::checkpoints::CheckpointFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -25,8 +25,14 @@ pub struct OneRun {
     /// Folder of the campaign.
     folder: PathBuf,
     /// Names of runs, or of samples.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "job")]
     names: Vec<String>,
+    /// The job of which an element is executed.
+    #[arg(long, value_name = "NUMBER", requires = "element", conflicts_with_all = ["names", "watched"])]
+    job: Option<usize>,
+    /// The element of the job, from 0.
+    #[arg(long, value_name = "NUMBER", requires = "job")]
+    element: Option<usize>,
     /// End in good order when the standard input is closed, and tell what happens as lines of JSON.
     #[arg(long)]
     watched: bool,
@@ -36,6 +42,9 @@ pub struct OneRun {
 
 impl OneRun {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if let (Some(job), Some(element)) = (self.job, self.element) {
+            return element::run(context, &self.folder, job, element, &self.checkpoints);
+        }
         let laboratory = arguments::laboratory(context, 1, &self.checkpoints)?;
         let closed = Arc::new(AtomicBool::new(false));
         if self.watched {

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_campaign::scheduler::{JobRecord, JobState, Jobs};
 use granum_campaign::{Campaign, CampaignRun, CampaignStatus, RunState};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::{Map, Value, json};
 
+use super::scheduling;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -14,8 +16,17 @@ use crate::output;
 /// Number of runs that are named.
 const MOST_NAMED: usize = 10;
 /// The words for states, in the order in which they are counted.
-const WORDS: [&str; 7] =
-    ["finished", "flagged, accepted", "flagged", "failed", "running", "unfinished", "not begun"];
+const WORDS: [&str; 9] = [
+    "finished",
+    "flagged, accepted",
+    "flagged",
+    "failed",
+    "running",
+    "queued",
+    "lost",
+    "unfinished",
+    "not begun",
+];
 
 /// Print how far a campaign is, which runs failed and why, and which did not pass their checks.
 #[derive(Args)]
@@ -37,7 +48,7 @@ impl Status {
 
 /// Prints the state of a campaign.
 pub fn print(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
-    let found = Found::read(campaign)?;
+    let found = Found::with_jobs(campaign, scheduling::jobs(context, campaign))?;
     output::say(context, &found.json(), || found.text())
 }
 
@@ -45,11 +56,43 @@ pub fn print(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
 pub struct Found<'a> {
     campaign: &'a Campaign,
     status: CampaignStatus,
+    jobs: Jobs,
 }
 
 impl<'a> Found<'a> {
     pub fn read(campaign: &'a Campaign) -> Result<Found<'a>, Failure> {
-        Ok(Found { campaign, status: CampaignStatus::of(campaign)? })
+        Found::with_jobs(campaign, Jobs::default())
+    }
+
+    /// The same with what a scheduler knows.
+    fn with_jobs(campaign: &'a Campaign, jobs: Jobs) -> Result<Found<'a>, Failure> {
+        let status = CampaignStatus::of(campaign)?.with_jobs(campaign, &jobs);
+        Ok(Found { campaign, status, jobs })
+    }
+
+    /// The jobs, a line each, and what was said of those that ended too early.
+    fn job_lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for job in &self.jobs.jobs {
+            let why =
+                if job.reasons.is_empty() { String::new() } else { format!(" ({})", job.reasons.join(", ")) };
+            lines.push(format!(
+                "  job {}: {} elements queued{why}, {} running, {} done",
+                job.job, job.queued, job.running, job.over
+            ));
+            lines.extend(job.said.iter().map(|said| format!("    {said}")));
+        }
+        lines
+    }
+
+    /// True if the campaign has jobs, which may be over.
+    fn was_submitted(&self) -> bool {
+        JobRecord::all_in(self.campaign.folder()).is_ok_and(|jobs| !jobs.is_empty())
+    }
+
+    /// True if a scheduler still has runs.
+    fn is_queued(&self) -> bool {
+        self.jobs.jobs.iter().any(|job| job.queued + job.running > 0)
     }
 
     /// The runs with their states.
@@ -105,10 +148,15 @@ impl<'a> Found<'a> {
             .filter(|(count, _)| *count > 0)
             .map(|(count, word)| format!("{count} {word}"))
             .collect();
-        let at_work = if self.status.at_work { "at work" } else { "not at work" };
+        let at_work = match (self.status.at_work, self.is_queued()) {
+            (true, _) => "at work",
+            (_, true) => "given to a scheduler",
+            _ => "not at work",
+        };
         let all = self.status.states.len();
         let mut lines = vec![format!("{}: {all} runs, {at_work}: {}", folder.shown(), counts.join("; "))];
         lines.extend(last_line(folder).filter(|_| self.status.at_work).map(|line| format!("  {line}")));
+        lines.extend(self.job_lines());
         lines.extend(self.failed_lines());
         lines.extend(self.flagged_lines());
         let dropped = self.campaign.no_longer_planned().len();
@@ -121,9 +169,17 @@ impl<'a> Found<'a> {
 
     fn next(&self) -> String {
         let name = quoted_path(self.campaign.folder());
+        let lost = self.status.count("lost");
         match (self.status.at_work, self.status.is_done()) {
             (true, _) => "a process is at work on it; wait".into(),
+            _ if lost > 0 => {
+                format!(
+                    "the jobs of {lost} runs ended before them; the command with which they were submitted goes on with them"
+                )
+            }
+            _ if self.is_queued() => "wait, and ask again; the same command submits what is then left".into(),
             (_, true) => format!("their results in a table: granum table {name}"),
+            _ if self.was_submitted() => "continue it with the command with which it was submitted".into(),
             _ => format!("continue it: granum resume {name}"),
         }
     }
@@ -148,11 +204,18 @@ impl<'a> Found<'a> {
             }
             object
         };
+        let job = |job: &JobState| {
+            json!({
+                "job": job.job, "queued": job.queued, "running": job.running, "done": job.over, "reasons": job.reasons,
+                "said": job.said,
+            })
+        };
         json!({
             "folder": output::path(self.campaign.folder()),
             "at_work": self.status.at_work,
             "done": self.status.is_done(),
             "counts": counts,
+            "jobs": self.jobs.jobs.iter().map(job).collect::<Vec<_>>(),
             "runs": self.campaign.runs().iter().zip(&self.status.states).map(run).collect::<Vec<_>>(),
             "no_longer_planned": self.campaign.no_longer_planned(),
             "next": self.next(),

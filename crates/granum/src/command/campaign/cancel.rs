@@ -1,0 +1,42 @@
+//! `granum campaign cancel`: ends what is queued and what goes on.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_campaign::Campaign;
+use granum_campaign::scheduler::{self, SchedulerOptions};
+use granum_io::shell::{ShowPath, quoted_path};
+use serde_json::json;
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// End all runs of a campaign that are queued or go on, on this or another machine. What goes on writes a checkpoint first, and the same
+/// command as before goes on from there.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum campaign cancel study")]
+pub struct Cancel {
+    /// Folder of the campaign.
+    folder: PathBuf,
+}
+
+impl Cancel {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let name = self.folder.shown();
+        let campaign = Campaign::read(&self.folder)?
+            .ok_or_else(|| Failure::new(format!("{name}: there is no campaign in this folder")))?;
+        let mut count = 0;
+        for kind in scheduler::NAMES {
+            count += scheduler::by_name(kind, SchedulerOptions::default())?.cancel(&campaign)?;
+        }
+        let result = json!({ "folder": output::path(&self.folder), "cancelled": count });
+        output::say(context, &result, || match count {
+            0 => format!("{name}: nothing is queued or goes on"),
+            _ => format!(
+                "{name}: what is queued or goes on was asked to end; see `granum campaign status {}`",
+                quoted_path(&self.folder)
+            ),
+        })
+    }
+}
