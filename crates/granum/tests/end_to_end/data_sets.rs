@@ -280,6 +280,25 @@ fn a_data_set_is_exported() {
     assert!(text.lines().next().unwrap().contains(",probability_density_0.125,"));
 }
 
+/// The commands of the section "The data set" of the book work as they are printed.
+#[test]
+fn the_commands_of_the_book_work() {
+    let book = include_str!("../../../../docs/src/campaigns.md");
+    let section = book.split("## The data set").nth(1).unwrap().split("\n## ").next().unwrap();
+    let block = section.split("```sh\n").nth(1).unwrap().split("```").next().unwrap().replace("\\\n", " ");
+    let base = folder_with_plan();
+    let here = base.path();
+    done(here, &["campaign", "keep.toml", "--out", "study"]);
+    let mut commands = 0;
+    for line in block.lines() {
+        let words: Vec<&str> = line.split_whitespace().take_while(|word| *word != "#").collect();
+        assert_eq!(words[0], "granum", "{line}");
+        done(here, &words[1..]);
+        commands += 1;
+    }
+    assert!(commands >= 5 && here.join("study.hdf5").is_file(), "{commands}");
+}
+
 #[test]
 fn the_schema_of_a_plan_is_printed() {
     let base = folder_with_plan();
