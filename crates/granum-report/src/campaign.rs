@@ -10,7 +10,7 @@ use super::data::RunReport;
 use super::figure::marks::Shape;
 use super::figure::palette::{GREY, color, sequential};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
-use super::numbers::{quantity, trimmed};
+use super::numbers::{duration, quantity, trimmed};
 use super::page::{Document, Page, Table, rich, tiles};
 use super::{path, symbols};
 
@@ -302,7 +302,7 @@ impl Drawn<'_> {
         let runs = &self.campaign.runs;
         let flagged = runs.iter().filter(|run| !run.flags.is_empty()).count();
         let accepted = runs.iter().filter(|run| !run.flags.is_empty() && run.accepted).count();
-        let hours = runs.iter().map(|run| run.seconds).sum::<f64>() / 3600.0;
+        let seconds = runs.iter().map(|run| run.seconds).sum::<f64>();
         let tile = |value: String, name: &str, remark: String| [value, name.to_string(), remark];
         tiles(&[
             tile(
@@ -316,7 +316,7 @@ impl Drawn<'_> {
                 format!("{accepted} of them accepted by the plan"),
             ),
             tile(self.campaign.failed.len().to_string(), "failed", String::new()),
-            tile(trimmed(hours), "hours of work", "of all finished runs, on one thread each".into()),
+            tile(duration(seconds), "time of work", "of all finished runs, on one thread each".into()),
         ])
     }
 
