@@ -86,10 +86,13 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A quantity with an SI prefix: `20 kPa`, `0.1 mm`.
+/// A quantity with an SI prefix: `20 kPa`, `0.1 mm`; a number without a unit has none.
 pub fn quantity(value: f64, unit: &str) -> String {
     if !value.is_finite() {
         return "–".to_owned();
+    }
+    if unit.is_empty() {
+        return trimmed(value);
     }
     let prefixes = [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "μ"), (1e-9, "n")];
     let largest = 1.0 + 1e-9;
@@ -157,6 +160,8 @@ mod tests {
         assert_eq!(quantity(1e-4, "m"), "100\u{202f}μm");
         assert_eq!(quantity(70e9, "Pa"), "70\u{202f}GPa");
         assert_eq!(quantity(0.6, "J/m"), "600\u{202f}mJ/m");
+        assert_eq!(quantity(0.3514, ""), "0.3514");
+        assert_eq!(quantity(1500.0, ""), "1500");
         assert_eq!(duration(272.0), "4\u{202f}min 32\u{202f}s");
         assert_eq!(duration(0.0021), "2.10\u{202f}ms");
         assert_eq!(duration(7300.0), "2\u{202f}h 01\u{202f}min");
