@@ -15,7 +15,7 @@ use crate::execution::{CampaignObserver, Summary};
 
 /// Executes the runs of a campaign: here, or somewhere that sees the folder of the campaign. What it does is told by the folders of the
 /// runs, so that a program may end and another one ask later.
-pub trait Scheduler {
+pub trait Scheduler: Send + Sync {
     /// Gives it all runs that are neither finished nor already given to it. A scheduler that executes runs itself returns when they have
     /// ended; one that queues them returns at once.
     ///
