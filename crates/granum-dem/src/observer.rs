@@ -116,6 +116,8 @@ pub enum Work<'a> {
     },
     /// Steps are made; this is the progress so far.
     Steps(&'a Progress<'a>),
+    /// Another program makes the steps; this is what it told last.
+    Elsewhere(&'a general::Progress),
 }
 
 impl Work<'_> {
@@ -126,6 +128,7 @@ impl Work<'_> {
                 general::Progress::new(Phase::Placing.name(), "grains", *placed as u64).out_of(*count as u64)
             }
             Work::Steps(progress) => progress.report(),
+            Work::Elsewhere(progress) => (*progress).clone(),
         }
     }
 }

@@ -168,20 +168,20 @@ pub struct Control {
 }
 
 /// Fraction of the inertial time of the grains in which rates increase from zero.
-const EASE: f64 = 0.25;
+pub const EASE: f64 = 0.25;
 
 /// Default time constant of the servo of a stage, in time steps.
-const RESPONSE: f64 = 6.0;
+pub const RESPONSE: f64 = 6.0;
 
 /// Bound on the strain rate that the servo adds where the cell is strained anyway, as a multiple of the speed.
 pub const SERVO_LIMIT: f64 = 30.0;
 
 /// Ratio of the stiffness of a sample, by which the duration of a ramp of stress is chosen, to the estimate of the servo, which
 /// assumes affine motion and is therefore too stiff.
-const YIELDING: f64 = 0.25;
+pub const YIELDING: f64 = 0.25;
 
 /// Shortest duration of a ramp, in inertial times of the grains: a faster change is not quasi-static, however small it is.
-const SHORTEST_RAMP: f64 = 4.0;
+pub const SHORTEST_RAMP: f64 = 4.0;
 
 impl Default for Control {
     fn default() -> Self {

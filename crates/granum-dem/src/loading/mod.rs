@@ -12,7 +12,9 @@ mod until;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::control::{Constraint, Control, Drive, Kinematics, Ramp, SERVO_LIMIT, Speed, Target};
+pub use self::control::{
+    Constraint, Control, Drive, EASE, Kinematics, RESPONSE, Ramp, SERVO_LIMIT, SHORTEST_RAMP, Speed, Target, YIELDING,
+};
 pub use self::control_error::ControlError;
 pub use self::history::{History, HistoryQuantity, MOST_ROWS};
 pub use self::measure::{MacroState, Measure, MeasureGoal};
@@ -31,7 +33,7 @@ const STRIDE: u64 = 500;
 /// Global damping of a settling stage: fraction of a velocity that is lost per `sqrt(m / k_t)`.
 const SETTLING: f64 = 0.005;
 /// Arc length of strain from which on the accuracy of the servo is evaluated where the cell is strained.
-const START_UP: f64 = 1.0 / 300.0;
+pub const START_UP: f64 = 1.0 / 300.0;
 
 /// One stage of a test.
 ///

@@ -6,13 +6,14 @@ use granum_core::names::suggestion;
 
 use super::engine_error::EngineError;
 use super::engine_trait::Engine;
+use super::lammps::Lammps;
 use super::native::Native;
 
 /// The registry of the engines of a program.
 ///
 /// ```
 /// let engines = granum_run::Engines::standard();
-/// assert_eq!(engines.names().collect::<Vec<_>>(), ["granum"]);
+/// assert_eq!(engines.names().collect::<Vec<_>>(), ["granum", "lammps"]);
 /// let error = engines.named("gramun").err().map(|error| error.to_string());
 /// assert_eq!(error.as_deref(), Some("there is no engine \"gramun\"; did you mean granum?"));
 /// ```
@@ -22,7 +23,7 @@ pub struct Engines(Vec<Arc<dyn Engine>>);
 impl Engines {
     /// The engines that come with granum.
     pub fn standard() -> Engines {
-        Engines(vec![Arc::new(Native)])
+        Engines(vec![Arc::new(Native), Arc::new(Lammps::default())])
     }
 
     /// Adds an engine.
@@ -36,6 +37,13 @@ impl Engines {
         }
         self.0.push(Arc::new(engine));
         Ok(self)
+    }
+
+    /// The same engines, with this one in place of that of its name, as to give it other settings.
+    pub fn replaced_by(mut self, engine: impl Engine + 'static) -> Engines {
+        self.0.retain(|known| known.name() != engine.name());
+        self.0.push(Arc::new(engine));
+        self
     }
 
     /// Their names.

@@ -1,4 +1,4 @@
-//! An [`Engine`] computes samples and tests. The engine of granum is [`Native`](native::Native); a new one needs a file in
+//! An [`Engine`] computes samples and tests. The engine of granum is [`Native`](native::Native); [`Lammps`] starts another program; a new one needs a file in
 //! this folder and a line in [`Engines::standard`], and a program can add its own engine with
 //! [`RunRegistry::with_engine`](crate::RunRegistry::with_engine).
 
@@ -6,6 +6,7 @@ pub(crate) mod engine_error;
 pub(crate) mod engine_run;
 pub(crate) mod engine_trait;
 pub(crate) mod engines;
+mod lammps;
 pub mod native;
 pub(crate) mod resources;
 pub(crate) mod sink;
@@ -15,6 +16,7 @@ pub use engine_error::EngineError;
 pub use engine_run::EngineRun;
 pub use engine_trait::Engine;
 pub use engines::Engines;
+pub use lammps::Lammps;
 pub use resources::{CHECKPOINT_EVERY, GRAINS_PER_THREAD, Resources};
 pub use sink::Sink;
 pub use task::Task;

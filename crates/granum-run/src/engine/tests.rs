@@ -66,7 +66,7 @@ fn an_engine_of_ones_own_runs_the_cases_of_a_laboratory() {
     let message = laboratory.resume(&folder, &mut NoObserver).unwrap_err().to_string();
     assert!(message.starts_with("the engine clerk cannot resume an interrupted run"), "{message}");
     let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();
-    assert_eq!(message, "there is no engine \"clerk\"; there are: granum");
+    assert_eq!(message, "there is no engine \"clerk\"; there are: granum, lammps");
     let taken = laboratory.registry.with_engine(Clerk).err();
     assert_eq!(taken, Some(EngineError::NameTaken { name: "clerk" }.into()));
 }

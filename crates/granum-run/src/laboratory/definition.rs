@@ -76,7 +76,10 @@ impl Laboratory {
     ) -> Result<PlannedRun, LaboratoryError> {
         let engine = self.registry.engines.named(&self.engine)?;
         let mut run = engine.plan(self.task(engine, kind, case.clone(), source.clone()), observer)?;
-        run.record.engine_version = engine.version()?;
+        // An engine may leave a part of its work, such as samples, to another one, which the record then names.
+        if run.record.engine == engine.name() {
+            run.record.engine_version = engine.version()?;
+        }
         Ok(PlannedRun { case: case.clone(), run })
     }
 

@@ -24,7 +24,7 @@ pub use planned_run::PlannedRun;
 pub use run_result::RunResult;
 pub use shared::{Entered, Shared};
 pub use source::Source;
-pub use status::{ProgressField, fields, line};
+pub use status::{ProgressField, fields, fields_of_report, line};
 
 pub use crate::engine::native::{END, PREPARATION_COLUMNS, SAMPLE, cell, check_beside, simulation, spheres};
 pub use crate::engine::{CHECKPOINT_EVERY, GRAINS_PER_THREAD};

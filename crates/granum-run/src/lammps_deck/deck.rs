@@ -8,22 +8,30 @@ use granum_core::{Part, Parts};
 use granum_dem::config::{NormalKind, Preparation};
 use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until};
 use granum_dem::preparation::is_loose;
-use granum_dem::servo::CellControl;
-use granum_dem::simulation::Simulation;
+use granum_dem::simulation::{Properties, Simulation};
 use granum_io::atomic::write_atomically;
 use granum_io::formats::lammps_data::LammpsData;
 use granum_io::formats::{ObservedAssembly, ResultFormat};
 use granum_io::{Case, OutputFolder, Packing};
 
+use super::check::checked;
 use super::deck_error::DeckError;
+use super::drive::{self, Tilt};
 use super::head::{Head, Stiffening, head};
+use super::hooks::Follow;
 use super::laws::{pair_lines, rolling_follows_stress};
-use super::names::{DATA, SCRIPT};
-use super::stage::{self, Setting, Tilt};
+use super::motion::Motion;
+use super::names::{DATA, SAVE, SCRIPT};
+use super::stage::{self, Setting};
 use crate::laboratory::simulation;
 
 /// Fraction of a velocity that is lost per `sqrt(m / k_t)` while a sample comes to rest, as in granum.
 const SETTLING: f64 = 0.005;
+/// Numbers of a usual sample, with which it is tried whether a deck is possible before there is one: bulk modulus, Pa, diameter, m, and
+/// normal force of a contact, N.
+const USUAL_MODULUS: f64 = 1e8;
+const USUAL_DIAMETER: f64 = 1e-4;
+const USUAL_FORCE: f64 = 1e-4;
 /// Inertial number of the bound on the strain rates while the sample that was read comes to rest.
 const REST_INERTIAL_NUMBER: f64 = 1e-3;
 
@@ -63,7 +71,10 @@ pub enum Confinement {
 #[derive(Clone, Debug)]
 pub struct LammpsDeck {
     assembly: Assembly,
+    properties: Properties,
     script: String,
+    /// The commands that write a restart file, of a deck that a program follows.
+    save: Option<String>,
 }
 
 impl LammpsDeck {
@@ -73,6 +84,38 @@ impl LammpsDeck {
     /// # Errors
     /// [`DeckError`] with the key, the stage or the sample that LAMMPS cannot have.
     pub fn new(case: &Case, packing: &Packing, confinement: Confinement) -> Result<LammpsDeck, DeckError> {
+        LammpsDeck::with(case, packing, confinement, None)
+    }
+
+    /// The same deck, which tells a program how far it is and does what that asks for.
+    pub(crate) fn followed(
+        case: &Case,
+        packing: &Packing,
+        confinement: Confinement,
+    ) -> Result<LammpsDeck, DeckError> {
+        let follow = Follow::new(&case.test_stages(), case.recording.observations_per_state);
+        LammpsDeck::with(case, packing, confinement, Some(&follow))
+    }
+
+    /// Refuses a case whose test no deck can have, whatever its sample.
+    pub(crate) fn check(case: &Case) -> Result<(), DeckError> {
+        let stages = case.test_stages();
+        let properties = case.properties().with_densities(density(&stages)?);
+        let motions: Vec<Motion> =
+            stages.iter().map(|stage| checked(stage, USUAL_MODULUS)).collect::<Result<_, _>>()?;
+        only_tilt(&stages, &motions)?;
+        let names: Vec<String> =
+            properties.mixture.components.iter().map(|component| component.name.clone()).collect();
+        let radius = 0.5 * case.grains.mean_diameter().unwrap_or(USUAL_DIAMETER);
+        pair_lines(&properties, &names, [radius, USUAL_FORCE], false).map(|_| ())
+    }
+
+    fn with(
+        case: &Case,
+        packing: &Packing,
+        confinement: Confinement,
+        follow: Option<&Follow>,
+    ) -> Result<LammpsDeck, DeckError> {
         let stages = case.test_stages();
         let density = density(&stages)?;
         let mut sample = simulation(packing, case.properties().with_densities(density))?;
@@ -82,8 +125,8 @@ impl LammpsDeck {
         let assembly = sample.assembly();
         let state = sample.state();
         let modulus = state.bulk_modulus();
-        let controls: Vec<CellControl> =
-            stages.iter().map(|stage| stage::checked(stage, modulus)).collect::<Result<_, _>>()?;
+        let motions: Vec<Motion> =
+            stages.iter().map(|stage| checked(stage, modulus)).collect::<Result<_, _>>()?;
         let [radius, mass] = means(&assembly.grains);
         let stiffening = stiffening(case.contact.normal);
         let pair = |follows| {
@@ -95,8 +138,9 @@ impl LammpsDeck {
             unit_rate: sample.strain_rate(1.0, 1.0),
             modulus,
             drag: mass * SETTLING * case.numerics.time_step_factor / state.time_step(),
-            tilt: only_tilt(&stages, &controls)?,
+            tilt: only_tilt(&stages, &motions)?,
             laws: if follows { pair(true)? } else { String::new() },
+            follow,
         };
         let cube = |grain: &Grain| grain.radius.powi(3);
         let mut script = head(&Head {
@@ -110,6 +154,7 @@ impl LammpsDeck {
             modulus,
             time_step: state.time_step(),
             stiffening,
+            follow,
         });
         // Stages count from 1, as in granum; what precedes them is stage 0.
         let first = if stages.len() > case.test_stages().len() { 0 } else { 1 };
@@ -117,12 +162,23 @@ impl LammpsDeck {
             script += &stage::text(first + k, stage, &setting)?;
         }
         script += "\nprint \"all stages are complete\"\n";
-        Ok(LammpsDeck { assembly, script })
+        let properties = sample.properties().clone();
+        Ok(LammpsDeck { assembly, properties, script, save: follow.map(Follow::save) })
     }
 
     /// The script.
     pub fn script(&self) -> &str {
         &self.script
+    }
+
+    /// The sample with which the test begins.
+    pub(crate) fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// The properties of the contacts, with the densities of the test.
+    pub(crate) fn properties(&self) -> &Properties {
+        &self.properties
     }
 
     /// Number of grains.
@@ -135,14 +191,21 @@ impl LammpsDeck {
     /// # Errors
     /// If the folder holds something else, or holds a deck and `force` is not set, or a file cannot be written.
     pub fn write(&self, folder: &Path, force: bool) -> Result<(), DeckError> {
-        let folder = OutputFolder::create(folder, force)?;
+        self.write_into(OutputFolder::create(folder, force)?.path())
+    }
+
+    /// Writes the files into a folder that exists.
+    pub(crate) fn write_into(&self, folder: &Path) -> Result<(), DeckError> {
         // The box is centred on the origin, about which LAMMPS strains it.
         let edges = &self.assembly.cell;
         let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
         let observation = ObservedAssembly::new(self.assembly.clone(), parts, origin);
-        LammpsData.write(&folder.file(DATA), &[observation])?;
-        write_atomically(&folder.file(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
+        LammpsData.write(&folder.join(DATA), &[observation])?;
+        write_atomically(&folder.join(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
+        if let Some(save) = &self.save {
+            write_atomically(&folder.join(SAVE), |file| file.write_all(save.as_bytes()))?;
+        }
         Ok(())
     }
 }
@@ -202,10 +265,10 @@ fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: 
 }
 
 /// The one tilt of the box that the stages change.
-fn only_tilt(stages: &[Stage], controls: &[CellControl]) -> Result<Option<Tilt>, DeckError> {
+fn only_tilt(stages: &[Stage], motions: &[Motion]) -> Result<Option<Tilt>, DeckError> {
     let mut found = None;
-    for (stage, control) in stages.iter().zip(controls) {
-        for tilt in stage::tilts(control) {
+    for (stage, motion) in stages.iter().zip(motions) {
+        for tilt in drive::tilts(motion) {
             if found.is_some_and(|other| other != tilt) {
                 let why = "a box of LAMMPS is sheared in xy or in yz, but not in both in one test".into();
                 return Err(DeckError::Stage { stage: stage.name.clone(), why });

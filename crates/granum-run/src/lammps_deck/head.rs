@@ -1,6 +1,8 @@
 //! The beginning of the script: what it is, the sample, the laws, and the variables that all stages use.
 
 use super::formula::number;
+use super::hooks::Follow;
+use super::names::{DATA, RESTART};
 
 /// What the head needs.
 pub(super) struct Head<'a> {
@@ -24,6 +26,8 @@ pub(super) struct Head<'a> {
     pub(super) time_step: f64,
     /// How contacts become stiffer with the mean stress.
     pub(super) stiffening: Stiffening,
+    /// How a program follows the run, if one does.
+    pub(super) follow: Option<&'a Follow>,
 }
 
 /// How contacts become stiffer with the mean stress p.
@@ -96,6 +100,16 @@ const SORTING: &str = "\
 atom_modify sort 0 0.0
 ";
 
+/// The way of the strain begins here: its length so far, and the strain up to which it counts.
+pub(super) const NO_WAY: &str = "\
+variable walked equal 0
+variable a11 equal 0
+variable a22 equal 0
+variable a33 equal 0
+variable a12 equal 0
+variable a23 equal 0
+";
+
 /// Keeps the numbers of contacts, which LAMMPS has counted at the last step of a run, and those before them.
 pub(super) const LOOK: &str = "\
 variable coordination_before equal $(v_coordination)
@@ -109,13 +123,22 @@ variable touching equal $(c_touching)
 pub(super) fn head(of: &Head) -> String {
     let mut text = format!(
         "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index 1.0\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
-         newton off\ncomm_modify vel yes\nread_data {data}\n",
+         newton off\ncomm_modify vel yes\n",
         sorting = if of.moments { SORTING } else { "" },
         curve = super::names::CURVE,
-        data = super::names::DATA,
     );
+    text += &match of.follow {
+        None => format!("read_data {DATA}\n"),
+        Some(_) => format!(
+            "variable resume index none\n\
+             if \"${{resume}} == none\" then \"read_data {DATA}\" else \"read_restart {RESTART}${{resume}}\"\n"
+        ),
+    };
     if of.sheared {
-        text += "change_box all triclinic\n";
+        text += match of.follow {
+            None => "change_box all triclinic\n",
+            Some(_) => "if \"${resume} == none\" then \"change_box all triclinic\"\n",
+        };
     }
     let skin = number(0.02 * of.diameter);
     text += &format!(
@@ -142,7 +165,8 @@ pub(super) fn head(of: &Head) -> String {
              variable volumetric_strain equal v_e11+v_e22+v_e33\n\
              variable deviator_strain equal v_e11-0.5*(v_e22+v_e33)\n\
              variable deviatoric_strain equal sqrt(2/9*((v_e11-v_e22)^2+(v_e22-v_e33)^2+(v_e33-v_e11)^2)+(v_g12^2+v_g23^2)/3)\n\
-             variable since equal time-v_time0\n";
+             variable since equal time-v_time0\n\
+             variable arc equal v_walked+sqrt(2/3*((v_e11-v_a11)^2+(v_e22-v_a22)^2+(v_e33-v_a33)^2)+((v_g12-v_a12)^2+(v_g23-v_a23)^2)/3)\n";
     text += &format!(
         "variable solid_fraction equal {volume}/vol\nvariable void_ratio equal vol/{volume}-1\n",
         volume = number(of.volume)
@@ -172,17 +196,31 @@ pub(super) fn head(of: &Head) -> String {
         number(of.time_step)
     );
     text += "variable stage equal 0\nvariable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\n\
-             variable g12 equal 0\nvariable g23 equal 0\nvariable time0 equal 0\n\
-             timestep $(v_time_step_factor*";
+             variable g12_before equal 0\nvariable g23_before equal 0\n\
+             variable g12 equal v_g12_before\nvariable g23 equal v_g23_before\nvariable time0 equal 0\n";
+    text += NO_WAY;
+    text += "timestep $(v_time_step_factor*";
     text += &format!("{})\n", number(of.time_step));
     text += "thermo 1000000\n\
              thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical c_touching\n\
-             thermo_modify lost error norm no\nrun 0 post no\n";
+             thermo_modify lost error norm no\n";
+    if let Some(follow) = of.follow {
+        text += &follow.head();
+    }
+    text += "run 0 post no\n";
     text += "variable coordination equal 0\nvariable mechanical_now equal 0\n";
     text += LOOK;
     let at_ends = AT_ENDS.iter().map(|(name, _)| *name);
     let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).chain(at_ends).collect();
-    text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(","))
+    match of.follow {
+        None => text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(",")),
+        Some(_) => {
+            text + &format!(
+                "if \"${{resume}} == none\" then \"print 'stage,step,{}' file ${{out}} screen no\"\n",
+                names.join(",")
+            ) + &super::hooks::resume()
+        }
+    }
 }
 
 fn stiffness(of: &Head) -> String {

@@ -1,11 +1,16 @@
 //! A complete input deck for LAMMPS: the sample of a case and the script that tests it as the case does.
 
+mod check;
 mod deck;
 mod deck_error;
+mod drive;
+mod ends;
 mod formula;
 mod head;
+pub(crate) mod hooks;
 mod laws;
-mod names;
+mod motion;
+pub(crate) mod names;
 mod stage;
 
 pub use deck::{Confinement, LammpsDeck};

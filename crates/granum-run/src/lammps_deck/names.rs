@@ -6,3 +6,16 @@ pub const SCRIPT: &str = "in.granum";
 pub const DATA: &str = "packing.data";
 /// Name of the curve that the script writes.
 pub const CURVE: &str = "curve.csv";
+
+/// The lines that a deck writes for the program that follows it.
+pub(crate) const EVENTS: &str = "events";
+/// What the program asks for.
+pub(crate) const REQUEST: &str = "request";
+/// The commands that write a restart file.
+pub(crate) const SAVE: &str = "save.granum";
+/// The beginnings of the names of restart files, of the numbers beside them, and of the dumps of grains and contacts; the number of the
+/// step follows.
+pub(crate) const RESTART: &str = "restart.";
+pub(crate) const STATE: &str = "state.";
+pub(crate) const GRAINS: &str = "grains.";
+pub(crate) const CONTACTS: &str = "contacts.";

@@ -158,6 +158,10 @@ impl Observer for Show<'_> {
         match work {
             Work::Placing { placed, count } => self.placing(*placed, *count),
             Work::Steps(progress) => return self.progress(progress),
+            Work::Elsewhere(report) => {
+                self.begin(&report.activity);
+                self.progress.update(report.completed(), |_| laboratory::fields_of_report(report));
+            }
             _ => {}
         }
         self.context.flow()

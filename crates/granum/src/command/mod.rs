@@ -8,6 +8,7 @@ mod checkpoints;
 mod comparability;
 mod compare;
 mod digest;
+mod engine_flags;
 mod evaluate;
 mod evaluate_study;
 mod export;

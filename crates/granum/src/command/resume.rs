@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::campaign::{self, CarryOutFlags};
 use super::checkpoints::CheckpointFlags;
+use super::engine_flags::LammpsFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::reproduce::Reproduce;
 use super::run_report;
@@ -31,6 +32,8 @@ pub struct Resume {
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
+    lammps: LammpsFlags,
+    #[command(flatten)]
     hardware: HardwareFlags,
 }
 
@@ -48,7 +51,7 @@ impl Resume {
                 Err(Failure::new(format!("{name}: {next}")))
             }
             Contents::Runs { list, .. } => {
-                let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+                let laboratory = self.lammps.set(self.hardware.laboratory(context, &self.checkpoints)?)?;
                 several_runs::resume(context, &laboratory, &list, &self.folder)
             }
             Contents::Campaign(of) => {
@@ -61,7 +64,7 @@ impl Resume {
 
     /// Resumes a preparation or a test.
     fn of_grains(&self, context: &Context) -> Result<(), Failure> {
-        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+        let laboratory = self.lammps.set(self.hardware.laboratory(context, &self.checkpoints)?)?;
         let folder = RunFolder::open(&self.folder)?;
         let before = folder.run().record().ok().filter(|record| record.status == RunStatus::Finished);
         // All files of a finished run are compared with its record; one that is written again is renamed into its place as a whole.

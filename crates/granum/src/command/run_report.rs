@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use granum_io::run::OWN_ENGINE;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{QualityFlag, RunRecord, RunSource, RunStatus};
@@ -47,6 +48,8 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
         "folder": output::path(folder),
         "status": record.status,
         "seed": record.seed,
+        "engine": record.engine,
+        "engine_version": record.engine_version,
         "packing": record.packing,
         "case_digest": record.case_digest,
         "measures": record.measures,
@@ -94,6 +97,10 @@ fn text(context: &Context, folder: &Path, record: &RunRecord) -> String {
         lines.push(format!(
             "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
         ));
+    }
+    if record.engine != OWN_ENGINE {
+        let version = &record.engine_version;
+        lines.push(format!("the test was carried out by {} {version}", record.engine));
     }
     lines.extend(stresses(context, folder).iter().flat_map(Stresses::lines));
     lines.extend(strength_text::lines(record));

@@ -9,8 +9,10 @@ use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_core::Table;
 use granum_io::shell::ShowPath;
+use granum_io::run::OWN_ENGINE;
 use granum_io::{OutputFolder, RunStatus};
 use granum_learn::study::StudyPlan;
+use granum_run::engine::Lammps;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
@@ -121,6 +123,8 @@ struct FolderStatus {
     folder: PathBuf,
     kind: RunKind,
     status: RunStatus,
+    /// The engine and its version, where it is not granum's own.
+    engine: Option<String>,
     /// The current or last phase, e.g. `compaction, trial 2`.
     phase: String,
     /// True if a process is working in the folder.
@@ -149,9 +153,12 @@ impl FolderStatus {
         let series = if record.kind == RunKind::Test { run.series().ok() } else { None };
         let strain = series.as_ref().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
         let states = (record.kind == RunKind::Test).then(|| series.as_ref().map_or(0, Table::rows));
-        let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT]
-            .iter()
-            .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
+        // Another engine keeps its own restart files.
+        let checkpoint = Lammps::last_restart(folder)
+            .or_else(|| {
+                let names = [CHECKPOINT, PREVIOUS_CHECKPOINT];
+                names.iter().find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
+            })
             .map(|time| time.elapsed().unwrap_or_default());
         let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != RunKind::Sample);
         let contents = Contents::Run(Some(Box::new(record.clone())));
@@ -169,6 +176,7 @@ impl FolderStatus {
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,
             phase: record.phase,
+            engine: (record.engine != OWN_ENGINE).then(|| format!("{} {}", record.engine, record.engine_version)),
             next,
             faults,
         })
@@ -191,6 +199,7 @@ impl FolderStatus {
             "kind": self.kind,
             "status": self.word(),
             "phase": self.phase,
+            "engine": self.engine,
             "steps": self.steps,
             "wall_seconds": self.seconds,
             "deviator_strain": self.strain,
@@ -207,6 +216,9 @@ impl FolderStatus {
     fn text(&self) -> String {
         let what = if self.kind == RunKind::Sample { "preparation" } else { "test" };
         let mut text = format!("{}: {what} {}", self.folder.shown(), self.word());
+        if let Some(engine) = &self.engine {
+            text += &format!(" (by {})", engine.trim());
+        }
         if !self.phase.is_empty() {
             text += &format!(" in {}", self.phase);
         }

@@ -8,6 +8,7 @@ use granum_run::queue::RunKind;
 
 use super::case_flags::{CaseFlags, Loading};
 use super::checkpoints::CheckpointFlags;
+use super::engine_flags::EngineFlags;
 use super::hardware::HardwareFlags;
 use super::{several_runs, single_run};
 use crate::context::Context;
@@ -30,6 +31,8 @@ pub struct TestRun {
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
+    engine: EngineFlags,
+    #[command(flatten)]
     hardware: HardwareFlags,
 }
 
@@ -37,7 +40,7 @@ impl TestRun {
     /// Runs the test of a case file, or of a named path with its parameters in place of it, or the tests of several values.
     pub fn run(&self, context: &Context, file: &Path, path: Loading) -> Result<(), Failure> {
         let cases = self.flags.read_all(context, file, self.packing.is_some(), path)?;
-        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+        let laboratory = self.engine.set(self.hardware.laboratory(context, &self.checkpoints)?)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
             (_, Some(file)) => Source::Packing(file.clone()),

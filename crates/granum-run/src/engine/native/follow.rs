@@ -178,11 +178,11 @@ impl Observer for Snapshots<'_, '_> {
 }
 
 /// Name of the snapshot at a strain, e.g. `strain-0_05`.
-pub(super) fn snapshot_name(strain: f64) -> String {
+pub(in crate::engine) fn snapshot_name(strain: f64) -> String {
     format!("strain-{}", format_number(strain).replace('.', "_"))
 }
 
 /// Name of the snapshot at the end of a stage that is followed by another.
-pub(super) fn stage_snapshot(number: usize) -> String {
+pub(in crate::engine) fn stage_snapshot(number: usize) -> String {
     format!("stage-{number}")
 }

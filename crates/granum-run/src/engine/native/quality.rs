@@ -14,7 +14,7 @@ use super::test_state::Test;
 use crate::strength::{CARRIES_STRESS, ended_liquefied};
 
 /// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
-fn momentum_drift(assembly: &Assembly) -> f64 {
+pub(in crate::engine) fn momentum_drift(assembly: &Assembly) -> f64 {
     let mut net = [0.0; 3];
     let mut sum = 0.0;
     for g in &assembly.grains {
@@ -29,12 +29,18 @@ fn momentum_drift(assembly: &Assembly) -> f64 {
 }
 
 /// Largest ratio of overlap to the sum of the radii for which the theory of small contacts holds.
-const LARGEST_OVERLAP: f64 = 0.02;
+pub(in crate::engine) const LARGEST_OVERLAP: f64 = 0.02;
 /// Limit on the root mean square error of each controlled stress over the mean stress, in a stage whose rates grow from zero.
 const SERVO_ERROR: f64 = 0.005;
 /// The same in a stage whose rates begin at once, as in the test of the paper: the stresses still settle after the strain of the
 /// start, which is not judged.
 const SERVO_ERROR_WITHOUT_EASE: f64 = 0.01;
+/// Largest mean inertial number of a quasi-static test.
+pub(in crate::engine) const LARGEST_INERTIAL_NUMBER: f64 = 1.05e-3;
+/// Largest mean unbalanced force of a quasi-static test.
+pub(in crate::engine) const LARGEST_UNBALANCED_FORCE: f64 = 0.05;
+/// Largest net momentum over the sum of the magnitudes of the momenta.
+pub(in crate::engine) const LARGEST_MOMENTUM_DRIFT: f64 = 1e-6;
 /// Limit on the relative deviation of the mean stress of a sample at rest from its target.
 const MEAN_STRESS_MISSED: f64 = 0.005;
 
@@ -93,7 +99,7 @@ fn servo_limit(stage: &Stage) -> f64 {
 
 /// The error of the stage that comes nearest to its limit, or exceeds it most, with the limit; the limit of the first stage if no
 /// stage controls a stress.
-fn worst_servo_error<'e>(
+pub(in crate::engine) fn worst_servo_error<'e>(
     stages: &[Stage],
     errors: impl Iterator<Item = (usize, &'e ServoError)>,
 ) -> (f64, f64) {
@@ -105,7 +111,7 @@ fn worst_servo_error<'e>(
 }
 
 /// A remark for the user if states were averaged over fewer observations than the case requires.
-pub(super) fn remark_on_samples(missed_observations: &MissedObservations, speed_key: &str) -> Option<String> {
+pub(in crate::engine) fn remark_on_samples(missed_observations: &MissedObservations, speed_key: &str) -> Option<String> {
     let MissedObservations { wanted, missing, states, empty_states } = *missed_observations;
     let none = match empty_states {
         0 => String::new(),
@@ -136,7 +142,7 @@ fn carry_stress(record: &Record) -> Vec<bool> {
 }
 
 /// For every stage whether its sample lost its stress, by its states or by the reason why it ended.
-pub(super) fn stages_without_stress(record: &Record, ends: &[StageEnd]) -> Vec<bool> {
+pub(in crate::engine) fn stages_without_stress(record: &Record, ends: &[StageEnd]) -> Vec<bool> {
     let stages = record.series.values("stage").unwrap_or(&[]);
     let mut lost = vec![false; ends.len()];
     for (row, _) in carry_stress(record).iter().enumerate().filter(|(_, carries)| !**carries) {
@@ -151,6 +157,18 @@ pub(super) fn stages_without_stress(record: &Record, ends: &[StageEnd]) -> Vec<b
     lost
 }
 
+/// The mean of a column of a record over the states that count. The first is excluded, since it contains the start of the loading, and so
+/// are those of a sample that has lost its stress: grains without contact move as they like.
+pub(in crate::engine) fn mean_of_carrying(record: &Record) -> impl Fn(&str) -> f64 {
+    let carries = carry_stress(record);
+    move |name: &str| {
+        let values = record.series.values(name).unwrap_or(&[]);
+        let kept: Vec<f64> =
+            values.iter().zip(&carries).skip(1).filter(|(_, c)| **c).map(|(v, _)| *v).collect();
+        kept.iter().sum::<f64>() / kept.len().max(1) as f64
+    }
+}
+
 /// The quality flags of a finished test; `speed_key` is what sets its speed in the case.
 pub(super) fn judge(
     simulation: &Simulation,
@@ -162,15 +180,7 @@ pub(super) fn judge(
     let state = simulation.state();
     let column = |name: &str| record.series.values(name).unwrap_or(&[]).to_vec();
     let largest = |name: &str| column(name).into_iter().fold(0.0, f64::max);
-    // The first state is excluded, since it contains the start of the loading, and so are those of a sample that has lost its stress:
-    // grains without contact move as they like.
-    let carries = carry_stress(record);
-    let mean = |name: &str| {
-        let values: Vec<f64> = column(name);
-        let kept: Vec<f64> =
-            values.iter().zip(&carries).skip(1).filter(|(_, c)| **c).map(|(v, _)| *v).collect();
-        kept.iter().sum::<f64>() / kept.len().max(1) as f64
-    };
+    let mean = mean_of_carrying(record);
     let lost_stress = stages_without_stress(record, &test.ends);
     let judged = |k: usize| lost_stress.get(k) != Some(&true);
     // The errors of the present stage are those of the last end once it has one.
@@ -196,13 +206,13 @@ pub(super) fn judge(
         QualityFlag::at_most(
             "inertial_number",
             mean("inertial_number"),
-            1.05e-3,
+            LARGEST_INERTIAL_NUMBER,
             format!("the test is too fast to be quasi-static; lower {speed_key}"),
         ),
         QualityFlag::at_most(
             "unbalanced_force",
             mean("unbalanced_force"),
-            0.05,
+            LARGEST_UNBALANCED_FORCE,
             format!("grains are far from equilibrium; lower {speed_key}"),
         ),
         QualityFlag::at_most(
@@ -225,7 +235,7 @@ pub(super) fn judge(
         QualityFlag::at_most(
             "momentum_drift",
             momentum_drift(end),
-            1e-6,
+            LARGEST_MOMENTUM_DRIFT,
             "momentum is not conserved; lower numerics.time_step_factor",
         ),
         judge_time_step("time_step_fraction", simulation),

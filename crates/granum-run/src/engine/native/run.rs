@@ -31,8 +31,27 @@ use crate::strength;
 /// # Errors
 /// [`LaboratoryError`] if the case does not fit into memory, or if its sample, packing or sensors cannot be used.
 pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
-    let execution = TaskExecution::new(&task);
-    let Task { kind, case, source, .. } = &task;
+    let is_test = task.kind == RunKind::Test;
+    let Begun { execution, run_state, record } = begin(&task, is_test, observer)?;
+    let case = task.case;
+    Ok(EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer)))
+}
+
+/// A run whose inputs have been read and checked.
+pub(super) struct Begun {
+    pub(super) execution: Executor,
+    pub(super) run_state: RunState,
+    pub(super) record: RunRecord,
+}
+
+/// Reads and checks the inputs of a run; the estimate of its time counts the test if that is to be run here as well.
+pub(super) fn begin(
+    task: &Task,
+    with_test: bool,
+    observer: &mut dyn Observer,
+) -> Result<Begun, LaboratoryError> {
+    let execution = TaskExecution::new(task);
+    let Task { case, source, .. } = task;
     execution.vocabulary.sensors().of_test(&case.recording, case.test_definition().columns)?;
     // The folder of the run is read again from what is written there.
     case.readable_toml(None)?;
@@ -45,13 +64,12 @@ pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun,
         let packing = from_packing::describe(file, packing, sha256);
         record.set_packing(case, packing);
     }
-    if let Some(text) = estimate::warning(case, *source == Source::Case, *kind == RunKind::Test) {
+    if let Some(text) = estimate::warning(case, *source == Source::Case, with_test) {
         observer.warn(&text);
         record.notes.push(text);
     }
     let run_state = execution.start(case, source, packing, &mut record, observer)?;
-    let case = task.case;
-    Ok(EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer)))
+    Ok(Begun { execution, run_state, record })
 }
 
 /// Reads and checks what is needed to continue a preparation or test from its last usable checkpoint, or from the case if there is
@@ -120,10 +138,23 @@ impl TaskExecution {
     pub(crate) fn go_on(
         &self,
         case: &Case,
-        mut run_state: RunState,
+        run_state: RunState,
         sink: &mut dyn Sink,
         observer: &mut dyn Observer,
     ) -> Result<(), LaboratoryError> {
+        self.go_on_to(case, run_state, false, sink, observer).map(|_| ())
+    }
+
+    /// The same; with `sample_only` the test is left to the caller, who gets the sample at the mean stress of the test, unless the
+    /// observer stopped the run before.
+    pub(super) fn go_on_to(
+        &self,
+        case: &Case,
+        mut run_state: RunState,
+        sample_only: bool,
+        sink: &mut dyn Sink,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<RunState>, LaboratoryError> {
         run_state.results.case_digest.clone_from(&sink.record().case_digest);
         // This first checkpoint makes the run independent of all files outside its folder.
         save(sink, &run_state)?;
@@ -150,9 +181,13 @@ impl TaskExecution {
                     if sink.record().kind == RunKind::Sample {
                         run_state.write_into(sink.record());
                         sink.keep(run_state.simulation);
-                        return Ok(());
+                        return Ok(None);
                     }
                     match consolidation::wanted(case) {
+                        None if sample_only => {
+                            save(sink, &run_state)?;
+                            return Ok(Some(run_state));
+                        }
                         None => self.begin_test(case, &mut run_state, sink)?,
                         Some(preparation) => {
                             run_state = self.begin_consolidation(case, run_state, &preparation);
@@ -167,6 +202,10 @@ impl TaskExecution {
                 }
                 RunPart::Consolidated => {
                     write_sample(sink, &run_state)?;
+                    if sample_only {
+                        save(sink, &run_state)?;
+                        return Ok(Some(run_state));
+                    }
                     self.begin_test(case, &mut run_state, sink)?
                 }
                 RunPart::Test(_) => self.test_on(case, &mut run_state, sink, &mut speedometer, observer)?,
@@ -179,7 +218,7 @@ impl TaskExecution {
                 Segment::Complete => {
                     complete(case, &run_state, sink, observer)?;
                     sink.keep(run_state.simulation);
-                    return Ok(());
+                    return Ok(None);
                 }
                 Segment::GoOn if phase.is_none() => {}
                 // A test may have thousands of short stages, and a checkpoint is large.
@@ -192,7 +231,7 @@ impl TaskExecution {
                     save(sink, &run_state)?;
                     sink.record().status = RunStatus::Interrupted;
                     sink.keep(run_state.simulation);
-                    return Ok(());
+                    return Ok(None);
                 }
             }
         }

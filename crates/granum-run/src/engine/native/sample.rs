@@ -165,7 +165,7 @@ pub(crate) fn last_state(
 
 /// Adds a note unless the record has it already: a run that was killed before its first checkpoint starts again with the
 /// record of the first attempt.
-pub(super) fn note(record: &mut RunRecord, text: String) {
+pub(in crate::engine) fn note(record: &mut RunRecord, text: String) {
     if !record.notes.contains(&text) {
         record.notes.push(text);
     }

@@ -104,7 +104,7 @@ impl std::fmt::Debug for SavedStart {
 }
 
 /// Largest number of stages of a test for which a snapshot and a note are written at the end of every stage.
-pub(super) const MOST_STAGES_NOTED: usize = 24;
+pub(in crate::engine) const MOST_STAGES_NOTED: usize = 24;
 
 impl Test {
     /// Begins the first stage of a case's test.

@@ -1,0 +1,233 @@
+//! Grains and contacts of one instant: from the dumps of LAMMPS to an assembly that sensors can measure.
+//!
+//! Positions, velocities, spins and torques are those of the dump of grains. Which grains touch, how far they overlap, and the elastic
+//! normal force follow from the positions by granum's own law, since the forces of LAMMPS contain those of the dashpots, which a stress
+//! of granum leaves out. The tangential force of a contact is that of LAMMPS, with its dashpot. The resultant on a grain is the sum of the
+//! forces that LAMMPS has, with the dashpots as in granum.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::geometry::{apply, dot, invert, length};
+use granum_core::{Part, Parts};
+use granum_dem::config::NormalKind;
+use granum_dem::contact::law::pair_properties::PairProperties;
+use granum_dem::simulation::Properties;
+use granum_io::formats::lammps_dump::LammpsDump;
+use granum_io::formats::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use granum_io::{Error, Packing};
+
+use super::events::Instant;
+use super::place::Place;
+use crate::engine::native::simulation;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::lammps_deck::hooks::COLUMNS_OF_CONTACTS;
+
+/// Share of the friction limit from which on a contact counts as sliding: LAMMPS evaluates the dashpots once more for a dump.
+const SLIDES_FROM: f64 = 0.999;
+
+/// What LAMMPS tells of grains with this normal law.
+pub(super) fn parts(normal: NormalKind) -> Parts {
+    let known = Parts::new(&[
+        Part::Cell,
+        Part::Positions,
+        Part::Radii,
+        Part::Masses,
+        Part::Velocities,
+        Part::Spins,
+        Part::ResultantForces,
+        Part::Contacts,
+        Part::Overlaps,
+        Part::NormalForces,
+        Part::TangentialForces,
+        Part::Strain,
+        Part::StrainRate,
+        Part::Time,
+        Part::TargetMeanStress,
+    ]);
+    // Adhesion moves the friction limit in another way in either program.
+    if normal == NormalKind::JKR { known } else { known.with(Part::Sliding) }
+}
+
+/// The grains of a test, of which dumps give positions and motion only.
+#[derive(Clone, Debug)]
+pub(super) struct Grains {
+    /// The sample with which the test begins.
+    sample: Assembly,
+    properties: Properties,
+    /// Coefficients of friction of the materials against each other.
+    friction: Vec<Vec<f64>>,
+}
+
+/// An instant as sensors see it.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    pub(super) assembly: Assembly,
+    /// Largest `dt sqrt(k_t / m)` of a contact.
+    pub(super) time_step_fraction: f64,
+}
+
+impl Grains {
+    /// The grains of a sample with the properties of its test.
+    pub(super) fn new(sample: Assembly, properties: Properties) -> Result<Grains, LaboratoryError> {
+        let names = &sample.materials;
+        let friction = if names.is_empty() {
+            let side = (&properties.material, 1.0);
+            vec![vec![PairProperties::new(side, side, properties.contact.damping).friction]]
+        } else {
+            let pair = |a: &String, b: &String| match properties.pair([a, b], [1.0; 2]) {
+                Ok(pair) => Ok(pair.friction),
+                Err(error) => Err(LaboratoryError::Packing(error.to_string())),
+            };
+            let row = |a: &String| names.iter().map(|b| pair(a, b)).collect::<Result<_, LaboratoryError>>();
+            names.iter().map(row).collect::<Result<_, _>>()?
+        };
+        Ok(Grains { sample, properties, friction })
+    }
+
+    /// Their number.
+    pub(super) fn count(&self) -> usize {
+        self.sample.grains.len()
+    }
+
+    /// The properties of their contacts.
+    pub(super) fn properties(&self) -> &Properties {
+        &self.properties
+    }
+
+    /// The assembly of the dumps of an instant.
+    ///
+    /// # Errors
+    /// If a dump is missing or does not belong to these grains.
+    pub(super) fn seen(&self, place: &Place, instant: &Instant) -> Result<Seen, LaboratoryError> {
+        let [grains, contacts] = place.dumps(instant.step);
+        let frame = one(&grains, None)?;
+        let columns = COLUMNS_OF_CONTACTS.map(str::to_string).to_vec();
+        let pairs = one(&contacts, Some(columns))?.contacts.unwrap_or_default();
+        let mut assembly = self.placed(&grains, &frame, instant)?;
+        let simulated = simulation(&Packing::from_assembly(&assembly), self.properties.clone())?;
+        let state = simulated.state();
+        let time_step_fraction = state.time_step_fraction() / state.time_step() * instant.time_step;
+        assembly.contacts = simulated.assembly().contacts;
+        self.add_forces(&contacts, &mut assembly, &pairs)?;
+        Ok(Seen { assembly, time_step_fraction })
+    }
+
+    /// The grains where a dump has them, in the cell of the dump.
+    fn placed(&self, path: &Path, frame: &Frame, instant: &Instant) -> Result<Assembly, LaboratoryError> {
+        let bad = |what: &str| LaboratoryError::File(Error::content(path, what));
+        let Some(FrameCell { origin, edges }) = frame.cell else { return Err(bad("has no periodic box")) };
+        if frame.grains.len() != self.count() {
+            return Err(bad("does not have the grains of the sample"));
+        }
+        let inverse = invert(&edges);
+        let mut assembly = Assembly {
+            time: instant.time,
+            step: instant.step,
+            time_step: instant.time_step,
+            cell: edges,
+            velocity_gradient: instant.gradient,
+            strain: instant.strain,
+            arc_length: instant.arc_length,
+            target_mean_stress: (instant.target != 0.0).then_some(instant.target),
+            grains: self.sample.grains.clone(),
+            materials: self.sample.materials.clone(),
+            ..Assembly::default()
+        };
+        for dumped in &frame.grains {
+            let Some(at) = place_of(&assembly.grains, dumped.id) else {
+                return Err(bad("has a grain that the sample does not have"));
+            };
+            let share = apply(&inverse, std::array::from_fn(|a| dumped.position[a] - origin[a]));
+            let homogeneous = apply(&instant.gradient, dumped.position);
+            let grain = &mut assembly.grains[at];
+            grain.position = apply(&edges, share.map(|x| x - x.floor()));
+            // Velocities of LAMMPS are those in the laboratory, with the homogeneous part about the middle of the box.
+            grain.velocity = std::array::from_fn(|a| dumped.velocity[a] - homogeneous[a]);
+            (grain.spin, grain.torque, grain.force) = (dumped.spin, dumped.torque, [0.0; 3]);
+        }
+        Ok(assembly)
+    }
+
+    /// Adds the forces of LAMMPS to contacts and grains.
+    fn add_forces(
+        &self,
+        path: &Path,
+        assembly: &mut Assembly,
+        pairs: &[Pair],
+    ) -> Result<(), LaboratoryError> {
+        let mut forces: HashMap<[usize; 2], Vector> = HashMap::with_capacity(pairs.len());
+        for pair in pairs {
+            let force = pair.force.unwrap_or_default();
+            let ends = [pair.first, pair.second].map(|id| place_of(&assembly.grains, id));
+            let [Some(i), Some(j)] = ends else {
+                return Err(Error::content(path, "has a contact of a grain that the sample does not have").into());
+            };
+            for a in 0..3 {
+                assembly.grains[i].force[a] += force[a];
+                assembly.grains[j].force[a] -= force[a];
+            }
+            let on_first = if i < j { force } else { force.map(|x| -x) };
+            forces.insert([i.min(j), i.max(j)], on_first);
+        }
+        for contact in &mut assembly.contacts {
+            let (i, j) = (contact.i, contact.j);
+            let Some(force) = forces.remove(&[i.min(j), i.max(j)]) else { continue };
+            let force = if i < j { force } else { force.map(|x| -x) };
+            let materials = [i, j].map(|grain| assembly.grains[grain].material as usize);
+            let normal = -dot(&force, &contact.normal);
+            contact.tangential_force = std::array::from_fn(|a| force[a] + normal * contact.normal[a]);
+            let friction = self.friction[materials[0]][materials[1]];
+            contact.sliding =
+                friction > 0.0 && length(&contact.tangential_force) >= SLIDES_FROM * friction * normal.abs();
+        }
+        // Adhesive contacts hold across a gap, which the positions alone do not tell.
+        if self.properties.contact.normal == NormalKind::JKR {
+            let mut held: Vec<([usize; 2], Vector)> =
+                forces.into_iter().filter(|(_, force)| length(force) > 0.0).collect();
+            held.sort_unstable_by_key(|(ends, _)| *ends);
+            for ([i, j], force) in held {
+                let contact = across_a_gap(assembly, i, j, force);
+                assembly.contacts.push(contact);
+            }
+            assembly.contacts.sort_by_key(|contact| [contact.i, contact.j]);
+        }
+        Ok(())
+    }
+}
+
+/// The contact of two grains that do not overlap, with a force on the first.
+fn across_a_gap(assembly: &Assembly, i: usize, j: usize, force: Vector) -> Contact {
+    let [one, other] = [i, j].map(|grain| assembly.grains[grain]);
+    let apart: Vector = std::array::from_fn(|a| other.position[a] - one.position[a]);
+    let share = apply(&invert(&assembly.cell), apart);
+    let branch = apply(&assembly.cell, share.map(|x| x - x.round()));
+    let distance = length(&branch);
+    let normal = branch.map(|x| x / distance);
+    let normal_force = -dot(&force, &normal);
+    Contact {
+        i,
+        j,
+        branch,
+        normal,
+        approach: one.radius + other.radius - distance,
+        normal_force,
+        tangential_force: std::array::from_fn(|a| force[a] + normal_force * normal[a]),
+        ..Contact::default()
+    }
+}
+
+/// The place of a grain in a list that is sorted by ids.
+fn place_of(grains: &[Grain], id: u64) -> Option<usize> {
+    grains.binary_search_by_key(&id, |grain| grain.id).ok()
+}
+
+/// The one instant of a dump.
+fn one(path: &Path, columns: Option<Vec<String>>) -> Result<Frame, LaboratoryError> {
+    let mut frames = LammpsDump.read(path, &ReadOptions::with_columns(columns))?;
+    match frames.pop() {
+        Some(frame) if frames.is_empty() => Ok(frame),
+        _ => Err(Error::content(path, "should have one time step").into()),
+    }
+}

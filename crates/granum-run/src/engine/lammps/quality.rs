@@ -1,0 +1,90 @@
+//! What can be judged of a test that LAMMPS carried out, and what cannot.
+
+use granum_dem::config::MOST_CONTACTS;
+use granum_io::run::{QualityFlag, RunRecord};
+use granum_sensors::Record;
+
+use super::reading::Reading;
+use crate::engine::native::{note, quality};
+
+/// Largest root mean square difference of the mean stress of the recorded contacts from that of LAMMPS, relative to it.
+const STRESSES_DIFFER: f64 = 0.02;
+
+/// Adds the quality flags of a finished test, and a note on what is not judged.
+pub(super) fn add(reading: &Reading, seen: &Record, end: &granum_core::Assembly, record: &mut RunRecord) {
+    let progress = &reading.progress;
+    let speed_key = reading.case.test_definition().speed_key;
+    let errors: Vec<_> = progress.ends.iter().map(|end| end.servo_error).collect();
+    let lost = quality::stages_without_stress(seen, &progress.ends);
+    let judged: Vec<_> = errors.iter().enumerate().filter(|(k, _)| lost.get(*k) != Some(&true)).collect();
+    let (servo_error, servo_limit) = quality::worst_servo_error(&reading.stages, judged.iter().copied());
+    let unmet = progress.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
+    let mean = quality::mean_of_carrying(seen);
+    let largest = |name: &str| seen.series.values(name).unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
+    let mut flags = vec![
+        QualityFlag::at_most(
+            "stages_cut_short",
+            unmet as f64,
+            0.0,
+            "a stage met none of its end conditions; the reason why it ended is in the notes of the run",
+        ),
+        QualityFlag::at_most(
+            "inertial_number",
+            mean("inertial_number"),
+            quality::LARGEST_INERTIAL_NUMBER,
+            format!("the test is too fast to be quasi-static; lower {speed_key}"),
+        ),
+        QualityFlag::at_most(
+            "unbalanced_force",
+            mean("unbalanced_force"),
+            quality::LARGEST_UNBALANCED_FORCE,
+            format!("grains are far from equilibrium; lower {speed_key}"),
+        ),
+        QualityFlag::at_most(
+            "largest_overlap",
+            largest("largest_overlap"),
+            quality::LARGEST_OVERLAP,
+            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
+        ),
+        QualityFlag::at_most(
+            "momentum_drift",
+            quality::momentum_drift(end),
+            quality::LARGEST_MOMENTUM_DRIFT,
+            "momentum is not conserved; lower numerics.time_step_factor",
+        ),
+        QualityFlag::at_most(
+            "time_step_fraction",
+            progress.time_step_fraction,
+            reading.grains.properties().contact.stable_fraction(MOST_CONTACTS),
+            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower numerics.time_step_factor",
+        ),
+        QualityFlag::at_most(
+            "stress_differs_from_lammps",
+            (progress.differences / progress.compared.max(1) as f64).sqrt(),
+            STRESSES_DIFFER,
+            "the mean stress of the recorded contacts is not that of LAMMPS, whose dashpots it leaves out; lower the speed",
+        ),
+    ];
+    let controlled = reading.stages.iter().any(|stage| controls_stress(&stage.control));
+    if controlled && !judged.is_empty() {
+        flags.push(QualityFlag::at_most(
+            "servo_error_rms",
+            servo_error,
+            servo_limit,
+            format!("the controlled stress fluctuates about its target; lower {speed_key} or take more grains"),
+        ));
+    }
+    record.quality.extend(flags);
+    note(
+        record,
+        "not judged, since LAMMPS does not tell it: energy_gap (which energy was lost), servo_error_largest (the error of the servo \
+         in each step) and mean_stress_lost"
+            .into(),
+    );
+}
+
+/// True if some stress is held or moved.
+fn controls_stress(control: &granum_dem::loading::Control) -> bool {
+    let drives = control.components.iter().any(|drive| matches!(drive, granum_dem::loading::Drive::Stress(_)));
+    drives || control.constraints.iter().flatten().any(|constraint| constraint.stress != [0.0; 6])
+}

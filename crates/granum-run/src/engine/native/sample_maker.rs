@@ -1,0 +1,72 @@
+//! The sample of a test that another engine carries out: granum's own engine prepares and consolidates it.
+
+use granum_dem::observer::Observer;
+use granum_dem::simulation::Simulation;
+use granum_io::Case;
+use granum_io::run::{RunFolder, RunRecord};
+
+use super::executor::Executor;
+use super::run::{self, Begun};
+use super::run_state::{self, RunState};
+use crate::engine::sink::Sink;
+use crate::engine::task::Task;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::source::Source;
+
+/// Makes the sample of a test, with checkpoints in the folder of the run.
+pub(in crate::engine) struct SampleMaker {
+    executor: Executor,
+    /// The state from which it goes on; `None` to begin with what the record names.
+    run_state: Option<RunState>,
+}
+
+impl SampleMaker {
+    /// Reads and checks the inputs of the sample; the record is that of the whole run.
+    ///
+    /// # Errors
+    /// As for a run of granum's own engine.
+    pub(in crate::engine) fn plan(
+        task: &Task,
+        observer: &mut dyn Observer,
+    ) -> Result<(SampleMaker, RunRecord), LaboratoryError> {
+        let Begun { executor, run_state, record } = run::begin(task, false, observer)?;
+        Ok((SampleMaker { executor, run_state: Some(run_state) }, record))
+    }
+
+    /// Reads the last usable checkpoint of a folder.
+    ///
+    /// # Errors
+    /// As for a run of granum's own engine.
+    pub(in crate::engine) fn resume(
+        task: &Task,
+        record: &RunRecord,
+        folder: &RunFolder,
+        observer: &mut dyn Observer,
+    ) -> Result<SampleMaker, LaboratoryError> {
+        let executor = Executor::of(task);
+        let run_state = run_state::last_good(folder, record, &task.case, &executor.vocabulary, observer)?;
+        Ok(SampleMaker { executor, run_state })
+    }
+
+    /// Makes the sample; `None` if the observer stopped it, in which case the record says so.
+    ///
+    /// # Errors
+    /// As for a run of granum's own engine.
+    pub(in crate::engine) fn make(
+        self,
+        case: &Case,
+        sink: &mut dyn Sink,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Simulation>, LaboratoryError> {
+        let SampleMaker { executor, run_state } = self;
+        let run_state = match run_state {
+            Some(run_state) => run_state,
+            None => {
+                let source = Source::recorded(&sink.record().source)?;
+                executor.start(case, &source, None, sink.record(), observer)?
+            }
+        };
+        let made = executor.go_on_to(case, run_state, true, sink, observer)?;
+        Ok(made.map(|run_state| run_state.simulation))
+    }
+}
