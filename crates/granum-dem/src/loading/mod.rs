@@ -13,7 +13,8 @@ mod until;
 use serde::{Deserialize, Serialize};
 
 pub use self::control::{
-    Constraint, Control, Drive, EASE, Kinematics, RESPONSE, Ramp, SERVO_LIMIT, SHORTEST_RAMP, Speed, Target, YIELDING,
+    Constraint, Control, Drive, EASE, Kinematics, RESPONSE, Ramp, SERVO_LIMIT, SHORTEST_RAMP, Speed, Target,
+    YIELDING,
 };
 pub use self::control_error::ControlError;
 pub use self::history::{History, HistoryQuantity, MOST_ROWS};

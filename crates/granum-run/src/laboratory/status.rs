@@ -83,7 +83,9 @@ pub fn fields_of_report(report: &Report) -> Vec<Field> {
     fields.extend(value("von_mises_ratio").map(|ratio| Field::new(2, format!("q_vM/p {ratio:.3}"))));
     fields.extend(value("mean_stress").map(|p| Field::new(3, format!("p {:.1} kPa", p / 1e3))));
     fields.push(Field::new(0, format!("{} {}", report.done, report.counted)));
-    fields.extend(value("grain_steps_per_second").map(|rate| Field::new(0, format!("{} grain-steps/s", speed(rate)))));
+    fields.extend(
+        value("grain_steps_per_second").map(|rate| Field::new(0, format!("{} grain-steps/s", speed(rate)))),
+    );
     fields
 }
 

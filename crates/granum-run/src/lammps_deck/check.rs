@@ -28,7 +28,10 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<Motion, DeckError> 
     if let Some(turns) = stage.turns
         && of_measure(turns.measure).is_none()
     {
-        return Err(refuse(&format!("it turns round at {}, which the deck does not follow", turns.measure.name())));
+        return Err(refuse(&format!(
+            "it turns round at {}, which the deck does not follow",
+            turns.measure.name()
+        )));
     }
     if stage.until.is_empty() {
         return Err(refuse("it has no end condition"));
@@ -38,7 +41,9 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<Motion, DeckError> 
             Until::Reaches { measure, .. } | Until::DoubleAmplitude { measure, .. } => {
                 of_measure(*measure).is_some()
             }
-            Until::AtRest { .. } | Until::PorePressureRatio(_) | Until::Reversals(_) | Until::RampOver => true,
+            Until::AtRest { .. } | Until::PorePressureRatio(_) | Until::Reversals(_) | Until::RampOver => {
+                true
+            }
             _ => false,
         };
         if !known {

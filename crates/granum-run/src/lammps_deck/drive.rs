@@ -51,7 +51,7 @@ pub(super) fn is_sheared(motion: &Motion) -> bool {
 /// The clock of a stage, and the value of each controlled stress: formulas on which the numbers that a stage begins with depend.
 pub(super) fn values(motion: &Motion) -> String {
     let mut text = String::from(
-        "variable elapsed equal time-v_leg_at\nvariable lasted equal time-v_began_at\n\
+        "variable elapsed equal v_now-v_leg_at\nvariable lasted equal v_now-v_began_at\n\
          variable walked_here equal v_arc-v_began_arc\n",
     );
     for (k, (row, _)) in motion.rows.iter().enumerate() {
@@ -226,8 +226,11 @@ pub(super) fn deformation(motion: &Motion, tilt: Option<Tilt>, turns: bool) -> S
     let mut all = String::new();
     let share = if turns { "v_share*v_direction*" } else { "v_share*" };
     for (r, c, name) in ENTRIES {
-        let base: Vec<(f64, String)> =
-            motion.prescribed(r, c).into_iter().map(|(weight, of)| (weight, format!("{share}{of}"))).collect();
+        let base: Vec<(f64, String)> = motion
+            .prescribed(r, c)
+            .into_iter()
+            .map(|(weight, of)| (weight, format!("{share}{of}")))
+            .collect();
         let outs: Vec<(f64, String)> = (motion.rows.iter().enumerate())
             .map(|(k, (row, _))| (-row.moves[r][c], format!("v_out{}", k + 1)))
             .collect();
@@ -292,7 +295,9 @@ pub(super) fn target_mean_stress(rows: &[(Row, Target)]) -> Option<String> {
         return Some(format!("v_aim{}", k + 1));
     }
     let single = |axis: usize| {
-        let of_axis = |row: &Row| (0..6).all(|k| (row.stress[k] != 0.0) == (k == axis)) && row.stress[axis] == row.divisor;
+        let of_axis = |row: &Row| {
+            (0..6).all(|k| (row.stress[k] != 0.0) == (k == axis)) && row.stress[axis] == row.divisor
+        };
         rows.iter().position(|(row, _)| plain(row) && of_axis(row)).map(|k| format!("v_aim{}", k + 1))
     };
     let [a, b, c] = [single(0)?, single(1)?, single(2)?];

@@ -130,14 +130,14 @@ pub(super) fn head(of: &Head) -> String {
     text += &match of.follow {
         None => format!("read_data {DATA}\n"),
         Some(_) => format!(
-            "variable resume index none\n\
-             if \"${{resume}} == none\" then \"read_data {DATA}\" else \"read_restart {RESTART}${{resume}}\"\n"
+            "variable resume index 0\n\
+             if \"${{resume}} == 0\" then \"read_data {DATA}\" else \"read_restart {RESTART}${{resume}}\"\n"
         ),
     };
     if of.sheared {
         text += match of.follow {
             None => "change_box all triclinic\n",
-            Some(_) => "if \"${resume} == none\" then \"change_box all triclinic\"\n",
+            Some(_) => "if \"${resume} == 0\" then \"change_box all triclinic\"\n",
         };
     }
     let skin = number(0.02 * of.diameter);
@@ -165,7 +165,9 @@ pub(super) fn head(of: &Head) -> String {
              variable volumetric_strain equal v_e11+v_e22+v_e33\n\
              variable deviator_strain equal v_e11-0.5*(v_e22+v_e33)\n\
              variable deviatoric_strain equal sqrt(2/9*((v_e11-v_e22)^2+(v_e22-v_e33)^2+(v_e33-v_e11)^2)+(v_g12^2+v_g23^2)/3)\n\
-             variable since equal time-v_time0\n\
+             variable shift equal 0\n\
+             variable now equal time+v_shift\n\
+             variable since equal v_now-v_time0\n\
              variable arc equal v_walked+sqrt(2/3*((v_e11-v_a11)^2+(v_e22-v_a22)^2+(v_e33-v_a33)^2)+((v_g12-v_a12)^2+(v_g23-v_a23)^2)/3)\n";
     text += &format!(
         "variable solid_fraction equal {volume}/vol\nvariable void_ratio equal vol/{volume}-1\n",
@@ -216,7 +218,7 @@ pub(super) fn head(of: &Head) -> String {
         None => text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(",")),
         Some(_) => {
             text + &format!(
-                "if \"${{resume}} == none\" then \"print 'stage,step,{}' file ${{out}} screen no\"\n",
+                "if \"${{resume}} == 0\" then \"print 'stage,step,{}' file ${{out}} screen no\"\n",
                 names.join(",")
             ) + &super::hooks::resume()
         }

@@ -33,6 +33,8 @@ impl Follow {
     fn numbers(&self) -> Vec<(String, String)> {
         let same = |name: &str| (name.to_string(), name.to_string());
         let mut all: Vec<(String, String)> = KEPT.iter().map(|name| same(name)).collect();
+        // A restart file does not have the time.
+        all.push(("saved_at".into(), "now".into()));
         all.extend([("g12_before".into(), "g12".into()), ("g23_before".into(), "g23".into())]);
         for n in 1..=6 {
             all.extend(KEPT_OF_STRESS.iter().map(|name| same(&format!("{name}{n}"))));
@@ -69,10 +71,11 @@ impl Follow {
         );
         // Those of the test have been given above.
         for (name, value) in self.numbers().into_iter().skip(OF_TEST) {
-            if !name.starts_with('g') {
+            let is_given = ["now", "g12", "g23"].contains(&value.as_str());
+            if !is_given {
                 text += &format!("variable {name} equal 0\n");
             }
-            if value != name && !name.starts_with('g') {
+            if value != name && !is_given {
                 text += &format!("variable {value} equal 0\n");
             }
         }
@@ -135,7 +138,8 @@ const KEPT_OF_STRESS: [&str; 4] = ["target", "rate", "held", "held_since"];
 /// The sequence that begins with a restart file, or goes on with the first stage.
 pub(super) fn resume() -> String {
     format!(
-        "if \"${{resume}} == none\" then \"jump SELF first\"\ninclude {STATE}${{resume}}\nvariable resumed string yes\n\
+        "if \"${{resume}} == 0\" then \"jump SELF first\"\ninclude {STATE}${{resume}}\nvariable shift equal $(v_saved_at-time)\n\
+         variable resumed string yes\n\
          jump SELF set_$(v_stage:%.0f)\nlabel first\n"
     )
 }
@@ -156,16 +160,29 @@ pub(super) fn formulas(rows: &[(Row, Target)]) -> String {
 
 /// What a line says of an instant, beside the number of the stage.
 const INSTANT: [&str; 18] = [
-    "v_since", "dt", "v_e11", "v_e22", "v_e33", "v_g12", "v_g23", "v_arc", "v_l11", "v_l22", "v_l33", "v_l12", "v_l23",
-    "v_target_p", "v_s11", "v_s22", "v_s33", "v_von_mises",
+    "v_since",
+    "dt",
+    "v_e11",
+    "v_e22",
+    "v_e33",
+    "v_g12",
+    "v_g23",
+    "v_arc",
+    "v_l11",
+    "v_l22",
+    "v_l33",
+    "v_l12",
+    "v_l23",
+    "v_target_p",
+    "v_s11",
+    "v_s22",
+    "v_s33",
+    "v_von_mises",
 ];
 
 fn instant(kind: &str) -> String {
     let values: Vec<String> = INSTANT.iter().map(|value| format!("$({value}:%.17g)")).collect();
-    format!(
-        "print \"{kind},$(v_stage:%.0f),$(step:%.0f),{}\" append {EVENTS} screen no\n",
-        values.join(",")
-    )
+    format!("print \"{kind},$(v_stage:%.0f),$(step:%.0f),{}\" append {EVENTS} screen no\n", values.join(","))
 }
 
 /// The line of a row.
@@ -191,15 +208,18 @@ pub(super) fn reasons(stage: &Stage) -> String {
 /// The line of the end of a stage: steps, time, way, mean stress at the end and at the beginning, whether it lost its stress or exceeded
 /// its limits, which of its end conditions it met, and how well each controlled stress was held.
 pub(super) fn ended(stage: &Stage, rows: usize) -> String {
-    let mut words: Vec<String> =
-        ["$(step-v_began:%.0f)", "$(v_lasted:%.17g)", "$(v_walked_here:%.17g)", "$(v_p:%.17g)", "$(v_began_p:%.17g)"]
-            .map(String::from)
-            .to_vec();
+    let mut words: Vec<String> = [
+        "$(step-v_began:%.0f)",
+        "$(v_lasted:%.17g)",
+        "$(v_walked_here:%.17g)",
+        "$(v_p:%.17g)",
+        "$(v_began_p:%.17g)",
+    ]
+    .map(String::from)
+    .to_vec();
     words.extend(["was_lost", "was_long"].map(|name| format!("$(v_{name}:%.0f)")));
     words.extend((0..stage.until.len()).map(|k| format!("$(v_met{k}:%.0f)")));
-    words.extend(
-        (1..=rows).map(|n| format!("$(v_held{n}*sqrt(v_sum{n}/(step-v_held_since{n}+1e-9)):%.9g)")),
-    );
+    words.extend((1..=rows).map(|n| format!("$(v_held{n}*sqrt(v_sum{n}/(step-v_held_since{n}+1e-9)):%.9g)")));
     format!("print \"end,$(v_stage:%.0f),{}\" append {EVENTS} screen no\n", words.join(","))
 }
 

@@ -66,7 +66,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
         "\n# ---- Stage {at}: {name} ----\n\nprint \"stage {at}: {name}\"\nvariable stage equal {at}\n"
     );
     if stage.resets {
-        text += "variable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\nvariable time0 equal $(time)\n\
+        text += "variable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\nvariable time0 equal $(v_now)\n\
                  variable g12_before equal 0\nvariable g23_before equal 0\n\
                  variable g12 equal v_g12_before\nvariable g23 equal v_g23_before\n";
         text += super::head::NO_WAY;
@@ -105,13 +105,15 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
 /// The numbers that the stage begins with.
 fn begin(stage: &Stage, motion: &Motion, setting: &Setting) -> String {
     let mut text = String::from(
-        "variable began equal $(step)\nvariable began_at equal $(time)\nvariable began_p equal $(v_p)\n\
-         variable began_arc equal $(v_arc)\nvariable leg_at equal $(time)\n",
+        "variable began equal $(step)\nvariable began_at equal $(v_now)\nvariable began_p equal $(v_p)\n\
+         variable began_arc equal $(v_arc)\nvariable leg_at equal $(v_now)\n",
     );
     for n in 1..=motion.rows.len() {
         text += &format!("variable before{n} equal 0\n");
         if setting.follow.is_some() {
-            text += &format!("variable held{n} equal 0\nvariable held_since{n} equal 0\nvariable sum_before{n} equal 0\n");
+            text += &format!(
+                "variable held{n} equal 0\nvariable held_since{n} equal 0\nvariable sum_before{n} equal 0\n"
+            );
         }
     }
     if stage.turns.is_some() {
@@ -187,7 +189,7 @@ fn turn(at: usize, stage: &Stage, motion: &Motion, followed: bool) -> String {
         reasons = if followed { hooks::reasons(stage) } else { String::new() }
     );
     text += &still(motion, true);
-    text += "variable direction equal $(-v_direction)\nvariable leg_at equal $(time)\n";
+    text += "variable direction equal $(-v_direction)\nvariable leg_at equal $(v_now)\n";
     for (k, (_, target)) in motion.rows.iter().enumerate() {
         if target.rate != 0.0 || target.ramp.is_some() {
             // A changing stress turns round at its present value, even if its target was ahead of it.

@@ -48,6 +48,10 @@ fn every_path_that_lammps_can_follow_is_written_without_minus_zero() {
         "path = 'simple-shear-constant-volume'",
         "path = 'plane-strain'",
         "path = 'proportional'",
+        "path = 'proportional'\nratios_of = 'stress'",
+        "path = 'cyclic'",
+        "path = 'cyclic'\ndrainage = 'drained'\nstress_amplitude = '5 kPa'",
+        "path = 'unload-reload'",
     ];
     for path in paths {
         let script = stage(path).unwrap_or_else(|error| panic!("{path}: {error}"));
@@ -65,7 +69,8 @@ fn every_path_that_lammps_can_follow_is_written_without_minus_zero() {
             let labels = script.lines().filter(|line| line.starts_with(&format!("label {label}"))).count();
             assert_eq!(script.matches(&format!("jump SELF {label}")).count(), labels, "{path}");
             // A path whose rates are those of its servo alone has no beginning of its own.
-            assert!(labels >= 1 || (label == "start_" && path.contains("isotropic")), "{path}: {label}");
+            let by_servo = path.contains("isotropic") || path.contains("stress_amplitude");
+            assert!(labels >= 1 || (label == "start_" && by_servo), "{path}: {label}");
         }
     }
     let shear = deck(&format!("{LAWS}[shear]\ndeviator_strain = 0.05\ninertial_number = 1e-3\n")).unwrap();
@@ -92,6 +97,57 @@ fn the_servo_is_that_of_the_stage() {
     // With a consolidation of its own it does not come to rest twice.
     let script = stage("path = 'drained-triaxial'\nlateral_stress = '50 kPa'").unwrap();
     assert!(!script.contains("stage 0") && script.contains("variable target2 equal 50000.0\n"));
+}
+
+#[test]
+fn a_cyclic_stage_turns_round_and_counts_its_reversals() {
+    let script = stage("path = 'cyclic'\nstrain_amplitude = 1e-3\ncycles = 3").unwrap();
+    assert!(
+        script.contains(
+            "variable turns equal (v_direction>0)*(v_e11>=0.001)+(v_direction<0)*(v_e11<=(-0.001))\n"
+        )
+    );
+    assert!(script.contains("variable until0 equal (v_turned>=6)\n"));
+    assert!(script.contains("variable l11 equal -v_share*v_direction*v_speed\n"));
+    let turn = &script[script.find("label turn_1\n").unwrap()..];
+    let order = [
+        "variable turned equal $(v_turned+1)",
+        "jump SELF over_1",
+        "variable direction equal $(-v_direction)",
+    ];
+    let places = order.map(|text| turn.find(text).unwrap_or_else(|| panic!("{text} in {turn}")));
+    assert!(
+        places.is_sorted() && turn.contains("variable leg_at equal $(v_now)\njump SELF begin_1\n"),
+        "{turn}"
+    );
+    // A stress that changes turns round at its present value; its double amplitude counts from there.
+    let script = stage("path = 'cyclic'\nstress_amplitude = '5 kPa'").unwrap();
+    assert!(script.contains("variable rate1 equal $((5000.0-v_target1)/v_ramp)\n"), "{script}");
+    assert!(script.contains("variable aim1 equal v_target1+v_direction*v_rate1*v_progress\n"));
+    let turn = &script[script.find("label turn_1\n").unwrap()..];
+    assert!(
+        turn.contains("variable target1 equal $(v_value1)\nvariable turned_at2 equal $(v_e11)\n"),
+        "{turn}"
+    );
+}
+
+/// A row of a history has ramps of strains and stresses, which end together.
+#[test]
+fn ramps_take_as_long_as_the_slowest_of_them() {
+    let script =
+        stage("xx = { strain_to = 0.002 }\nyy = { stress_to = '22 kPa' }\nzz = { stress = '20 kPa' }")
+            .unwrap();
+    assert!(
+        script.contains("variable other equal $(abs(22000.0-v_target1)/(0.25*(3.0*v_modulus)*v_speed))\n"),
+        "{script}"
+    );
+    assert!(script.contains("variable other equal $(abs(0.002-v_e11)/v_speed)\n"));
+    assert!(script.contains("variable ramp_end equal $(v_ramp+0.5*v_ease)\n"));
+    assert!(script.contains("variable pace1 equal $((0.002-v_e11)/v_ramp)\n"));
+    assert!(script.contains("variable l11 equal -v_share*v_pace1\n"));
+    assert!(script.contains("variable until0 equal (v_lasted>=v_ramp_end)\n"));
+    // What is held has no rate, and no ramp counts for it.
+    assert!(script.contains("variable aim2 equal v_target2\n") && !script.contains("v_rate2"));
 }
 
 #[test]
@@ -204,9 +260,12 @@ fn what_lammps_has_not_is_refused_by_name() {
         assert!(error.contains(message), "{error}");
     }
     let refused = [
-        ("path = 'cyclic'", "it turns round"),
-        ("path = 'probes'", "it shears the cell without rotation"),
-        ("path = 'proportional'\nratios_of = 'stress'", "it has ramps"),
+        ("path = 'probes'", "its start is a state to which stages go back"),
+        ("xy = { rate = 1 }\nuntil = { xy_strain = 0.1 }", "it shears the cell without rotation"),
+        (
+            "xx = { rate = 1 }\nuntil = { critical_state = { window = 0.1, stress_ratio = 0.1, volumetric_strain = 0.1 } }",
+            "its end condition",
+        ),
     ];
     for (text, message) in refused {
         let error = stage(text).unwrap_err();

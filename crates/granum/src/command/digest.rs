@@ -47,7 +47,8 @@ impl Digest {
             })
             .collect();
         let line = |(folder, found): (&PathBuf, &Digested)| {
-            let part = if found.status == RunStatus::Finished { "" } else { "  (of the part finished so far)" };
+            let part =
+                if found.status == RunStatus::Finished { "" } else { "  (of the part finished so far)" };
             let engine = match found.is_own() {
                 true => String::new(),
                 false => format!("  (of what {} gave here: not the same on every computer)", found.engine),

@@ -8,8 +8,8 @@ use std::time::Duration;
 use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_core::Table;
-use granum_io::shell::ShowPath;
 use granum_io::run::OWN_ENGINE;
+use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, RunStatus};
 use granum_learn::study::StudyPlan;
 use granum_run::engine::Lammps;
@@ -157,7 +157,9 @@ impl FolderStatus {
         let checkpoint = Lammps::last_restart(folder)
             .or_else(|| {
                 let names = [CHECKPOINT, PREVIOUS_CHECKPOINT];
-                names.iter().find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
+                names.iter().find_map(|name| {
+                    std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok()
+                })
             })
             .map(|time| time.elapsed().unwrap_or_default());
         let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != RunKind::Sample);
@@ -176,7 +178,8 @@ impl FolderStatus {
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,
             phase: record.phase,
-            engine: (record.engine != OWN_ENGINE).then(|| format!("{} {}", record.engine, record.engine_version)),
+            engine: (record.engine != OWN_ENGINE)
+                .then(|| format!("{} {}", record.engine, record.engine_version)),
             next,
             faults,
         })

@@ -97,8 +97,28 @@ impl Event {
 }
 
 fn instant(n: &[f64]) -> Option<Instant> {
-    let &[stage, step, time, time_step, e11, e22, e33, g12, g23, arc, l11, l22, l33, l12, l23, target, s11, s22, s33, vm] =
-        n
+    let &[
+        stage,
+        step,
+        time,
+        time_step,
+        e11,
+        e22,
+        e33,
+        g12,
+        g23,
+        arc,
+        l11,
+        l22,
+        l33,
+        l12,
+        l23,
+        target,
+        s11,
+        s22,
+        s33,
+        vm,
+    ] = n
     else {
         return None;
     };
@@ -120,7 +140,8 @@ fn end(n: &[f64], stages: &[Stage]) -> Option<End> {
     let [stage, steps, time, arc_length, p, before, lost, too_long, rest @ ..] = n else { return None };
     let stage = *stage as usize;
     // What precedes the test has one condition: that the sample is at rest.
-    let conditions = stage.checked_sub(1).map_or(Some(1), |at| stages.get(at).map(|stage| stage.until.len()))?;
+    let conditions =
+        stage.checked_sub(1).map_or(Some(1), |at| stages.get(at).map(|stage| stage.until.len()))?;
     let (met, servo_errors) = rest.split_at_checked(conditions)?;
     Some(End {
         stage,
@@ -148,7 +169,8 @@ mod tests {
         let Some(Event::Row(row)) = Event::from_line(row, &stages) else { panic!("no row") };
         assert_eq!((row.stage, row.step, row.strain[0][1], row.gradient[0][1]), (1, 120, 0.001, 4.0));
         assert_eq!(row.mean_stress(), 2e4);
-        let Some(Event::Ended(end)) = Event::from_line("end,1,500,1e-4,0.2,2e4,1e4,0,0,1,0.002,0.004", &stages)
+        let Some(Event::Ended(end)) =
+            Event::from_line("end,1,500,1e-4,0.2,2e4,1e4,0,0,1,0.002,0.004", &stages)
         else {
             panic!("no end")
         };

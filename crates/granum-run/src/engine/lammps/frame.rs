@@ -162,7 +162,9 @@ impl Grains {
             let force = pair.force.unwrap_or_default();
             let ends = [pair.first, pair.second].map(|id| place_of(&assembly.grains, id));
             let [Some(i), Some(j)] = ends else {
-                return Err(Error::content(path, "has a contact of a grain that the sample does not have").into());
+                return Err(
+                    Error::content(path, "has a contact of a grain that the sample does not have").into()
+                );
             };
             for a in 0..3 {
                 assembly.grains[i].force[a] += force[a];

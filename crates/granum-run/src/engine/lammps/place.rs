@@ -202,7 +202,11 @@ impl Place {
             let file = path.file_name()?.to_str()?;
             file.strip_prefix(name)?.parse().ok()
         };
-        Ok(self.files()?.into_iter().filter_map(|path| number(&path).map(|step| (path.clone(), step))).collect())
+        Ok(self
+            .files()?
+            .into_iter()
+            .filter_map(|path| number(&path).map(|step| (path.clone(), step)))
+            .collect())
     }
 }
 
@@ -226,7 +230,10 @@ mod tests {
             write(&format!("progress.{step}"), "{}");
             write(&format!("restart.{step}"), "binary");
             // The last one was cut short.
-            write(&format!("state.{step}"), if step == 300 { "variable x equal 1\n" } else { "# complete\n" });
+            write(
+                &format!("state.{step}"),
+                if step == 300 { "variable x equal 1\n" } else { "# complete\n" },
+            );
         }
         assert_eq!(place.restarts().unwrap(), [200, 100]);
         place.keep_restarts(&[200]).unwrap();

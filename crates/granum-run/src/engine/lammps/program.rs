@@ -121,19 +121,25 @@ impl Program {
 
     /// How it ended, if it has.
     pub(super) fn ended(&mut self) -> Result<Option<ExitStatus>, LaboratoryError> {
-        let failed = |error: std::io::Error| EngineError::Failed { engine: NAME.into(), what: error.to_string() };
+        let failed =
+            |error: std::io::Error| EngineError::Failed { engine: NAME.into(), what: error.to_string() };
         Ok(self.child.try_wait().map_err(failed)?)
     }
 
     /// The last lines of what it printed and of its log.
     pub(super) fn last_words(&self, place: &Place) -> String {
-        let text = |name: &str| fs::read(place.file(name)).map(|text| String::from_utf8_lossy(&text).into_owned());
+        let text =
+            |name: &str| fs::read(place.file(name)).map(|text| String::from_utf8_lossy(&text).into_owned());
         let log = last_lines(&text(&self.log).unwrap_or_default(), LINES_SHOWN);
         let output = last_lines(&text(OUTPUT).unwrap_or_default(), LINES_SHOWN);
         let (name, folder) = (&self.log, place.path().display());
-        let log = if log.is_empty() { String::new() } else { format!("\nthe end of {folder}/{name}:\n{log}") };
-        let output =
-            if output.is_empty() { String::new() } else { format!("\nthe end of {folder}/{OUTPUT}:\n{output}") };
+        let log =
+            if log.is_empty() { String::new() } else { format!("\nthe end of {folder}/{name}:\n{log}") };
+        let output = if output.is_empty() {
+            String::new()
+        } else {
+            format!("\nthe end of {folder}/{OUTPUT}:\n{output}")
+        };
         format!("{log}{output}")
     }
 }
@@ -181,7 +187,11 @@ fn watch(_: &Path, _: u32) {}
 /// The last lines of a text that are not blank.
 fn last_lines(text: &str, count: usize) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim_end).filter(|line| !line.is_empty()).collect();
-    lines[lines.len().saturating_sub(count)..].iter().map(|line| format!("  {line}")).collect::<Vec<_>>().join("\n")
+    lines[lines.len().saturating_sub(count)..]
+        .iter()
+        .map(|line| format!("  {line}"))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::engine::native::{note, quality};
 const STRESSES_DIFFER: f64 = 0.02;
 
 /// Adds the quality flags of a finished test, and a note on what is not judged.
-pub(super) fn add(reading: &Reading, seen: &Record, end: &granum_core::Assembly, record: &mut RunRecord) {
+pub(super) fn add(reading: &Reading, seen: &Record, record: &mut RunRecord) {
     let progress = &reading.progress;
     let speed_key = reading.case.test_definition().speed_key;
     let errors: Vec<_> = progress.ends.iter().map(|end| end.servo_error).collect();
@@ -47,12 +47,6 @@ pub(super) fn add(reading: &Reading, seen: &Record, end: &granum_core::Assembly,
             "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
         QualityFlag::at_most(
-            "momentum_drift",
-            quality::momentum_drift(end),
-            quality::LARGEST_MOMENTUM_DRIFT,
-            "momentum is not conserved; lower numerics.time_step_factor",
-        ),
-        QualityFlag::at_most(
             "time_step_fraction",
             progress.time_step_fraction,
             reading.grains.properties().contact.stable_fraction(MOST_CONTACTS),
@@ -71,20 +65,23 @@ pub(super) fn add(reading: &Reading, seen: &Record, end: &granum_core::Assembly,
             "servo_error_rms",
             servo_error,
             servo_limit,
-            format!("the controlled stress fluctuates about its target; lower {speed_key} or take more grains"),
+            format!(
+                "the controlled stress fluctuates about its target; lower {speed_key} or take more grains"
+            ),
         ));
     }
     record.quality.extend(flags);
     note(
         record,
-        "not judged, since LAMMPS does not tell it: energy_gap (which energy was lost), servo_error_largest (the error of the servo \
-         in each step) and mean_stress_lost"
+        "not judged: energy_gap and servo_error_largest, since LAMMPS tells neither the energy that is lost nor the error of the servo in \
+         each step; momentum_drift, since LAMMPS integrates velocities in the laboratory and not relative to the cell; mean_stress_lost"
             .into(),
     );
 }
 
 /// True if some stress is held or moved.
 fn controls_stress(control: &granum_dem::loading::Control) -> bool {
-    let drives = control.components.iter().any(|drive| matches!(drive, granum_dem::loading::Drive::Stress(_)));
+    let drives =
+        control.components.iter().any(|drive| matches!(drive, granum_dem::loading::Drive::Stress(_)));
     drives || control.constraints.iter().flatten().any(|constraint| constraint.stress != [0.0; 6])
 }

@@ -49,7 +49,13 @@ pub(super) struct News {
 }
 
 impl Reading {
-    pub(super) fn new(case: Case, sensors: Sensors, unknown: Unknown, grains: Grains, place: Place) -> Reading {
+    pub(super) fn new(
+        case: Case,
+        sensors: Sensors,
+        unknown: Unknown,
+        grains: Grains,
+        place: Place,
+    ) -> Reading {
         let definition = case.test_definition();
         let progress = Progress::new(definition.snapshots);
         Reading {
@@ -98,7 +104,9 @@ impl Reading {
 
     fn begin(&mut self, instant: Instant, news: &mut News) -> Result<(), LaboratoryError> {
         self.progress.began = Some(instant);
-        let Some(stage) = instant.stage.checked_sub(1).and_then(|at| self.stages.get(at)) else { return Ok(()) };
+        let Some(stage) = instant.stage.checked_sub(1).and_then(|at| self.stages.get(at)) else {
+            return Ok(());
+        };
         let record = &stage.record;
         let origin = match record.measure.counts_from_stage() {
             true => record.measure.of(&instant.macro_state()),
@@ -109,7 +117,11 @@ impl Reading {
         self.progress.origins.push(origin);
         news.began = Some(instant.stage);
         // The grains are those of the last dump, which was written where the stage begins.
-        let last = self.progress.last.map_or(instant, |last| Instant { step: last.step, gradient: last.gradient, ..instant });
+        let last = self.progress.last.map_or(instant, |last| Instant {
+            step: last.step,
+            gradient: last.gradient,
+            ..instant
+        });
         let mut seen = self.seen_at(&last)?;
         seen.assembly.velocity_gradient = [[0.0; 3]; 3];
         seen.assembly.target_mean_stress = None;
@@ -238,7 +250,9 @@ impl Reading {
     /// Observations that were asked for and not made.
     pub(super) fn missed(&self) -> MissedObservations {
         let recorders = self.progress.recorders.iter();
-        recorders.map(Recorder::missed_observations).fold(MissedObservations::default(), MissedObservations::plus)
+        recorders
+            .map(Recorder::missed_observations)
+            .fold(MissedObservations::default(), MissedObservations::plus)
     }
 
     /// Number of steps of the test so far.

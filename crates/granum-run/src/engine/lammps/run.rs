@@ -122,7 +122,7 @@ pub(super) fn run(
     record.phase = reading.stage_name().to_string();
     match outcome? {
         Outcome::Stopped => {
-            sink.save_measurements(&reading.record())?;
+            save_measurements(&reading, sink)?;
             sink.record().status = RunStatus::Interrupted;
             Ok(())
         }
@@ -286,13 +286,21 @@ impl Follower<'_, '_> {
         let place = &self.reading.place;
         self.reading.progress.write(place, step)?;
         place.keep_restarts(&[step])?;
-        self.sink.save_measurements(&self.reading.record())?;
+        save_measurements(self.reading, self.sink)?;
         let (steps, phase) = (self.reading.steps(), self.reading.stage_name().to_string());
         let record = self.sink.record();
         record.steps.insert(TEST.into(), steps);
         record.phase = phase;
         self.sink.save_record()?;
         Ok(true)
+    }
+}
+
+/// Saves the measurements so far; before the first stage of the test there are none.
+fn save_measurements(reading: &Reading, sink: &mut dyn Sink) -> Result<(), LaboratoryError> {
+    match reading.progress.recorders.is_empty() {
+        true => Ok(()),
+        false => Ok(sink.save_measurements(&reading.record())?),
     }
 }
 
@@ -320,7 +328,7 @@ fn complete(
             note(record, text);
         }
     }
-    quality::add(reading, &seen, &end, record);
+    quality::add(reading, &seen, record);
     let speed_key = reading.case.test_definition().speed_key;
     if let Some(remark) = native_quality::remark_on_samples(&reading.missed(), speed_key) {
         observer.warn(&remark);

@@ -92,7 +92,12 @@ fn histograms_of(sensors: &Sensors, case: &Case, name: &str) -> Result<Vec<Strin
     let own = |histogram: &str| {
         histogram == description.name || description.columns.iter().any(|column| column.name == histogram)
     };
-    Ok(sensors.bins(&case.recording).iter().map(|bins| bins.name.to_string()).filter(|name| own(name)).collect())
+    Ok(sensors
+        .bins(&case.recording)
+        .iter()
+        .map(|bins| bins.name.to_string())
+        .filter(|name| own(name))
+        .collect())
 }
 
 /// Names with commas, and "and" before the last.

@@ -9,7 +9,11 @@ use crate::strength::symmetry::is_oedometric;
 
 /// Adds the ratio of lateral to axial stress at the end of every oedometric stage to the measures, as `k0_` and the name of the
 /// stage, with its number where stages have one name.
-pub(in crate::engine) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BTreeMap<String, f64>) {
+pub(in crate::engine) fn of_oedometers(
+    record: &Record,
+    stages: &[Stage],
+    measures: &mut BTreeMap<String, f64>,
+) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let numbers = column("stage");
     let stresses = ["stress_11", "stress_22", "stress_33"].map(column);

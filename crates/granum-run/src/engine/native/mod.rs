@@ -31,13 +31,13 @@ mod task_execution;
 mod test;
 mod test_state;
 
+pub(in crate::engine) use follow::{snapshot_name, stage_snapshot};
 pub use native_engine::Native;
 pub use packing_simulation::{cell, simulation, spheres};
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;
 pub(crate) use sample::last_state;
-pub(in crate::engine) use follow::{snapshot_name, stage_snapshot};
 pub(in crate::engine) use sample::note;
 pub(in crate::engine) use sample_maker::SampleMaker;
-pub(in crate::engine) use test_state::MOST_STAGES_NOTED;
 pub use snapshot_names::{END, SAMPLE};
+pub(in crate::engine) use test_state::MOST_STAGES_NOTED;

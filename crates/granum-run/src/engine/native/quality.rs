@@ -14,7 +14,7 @@ use super::test_state::Test;
 use crate::strength::{CARRIES_STRESS, ended_liquefied};
 
 /// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
-pub(in crate::engine) fn momentum_drift(assembly: &Assembly) -> f64 {
+fn momentum_drift(assembly: &Assembly) -> f64 {
     let mut net = [0.0; 3];
     let mut sum = 0.0;
     for g in &assembly.grains {
@@ -40,7 +40,7 @@ pub(in crate::engine) const LARGEST_INERTIAL_NUMBER: f64 = 1.05e-3;
 /// Largest mean unbalanced force of a quasi-static test.
 pub(in crate::engine) const LARGEST_UNBALANCED_FORCE: f64 = 0.05;
 /// Largest net momentum over the sum of the magnitudes of the momenta.
-pub(in crate::engine) const LARGEST_MOMENTUM_DRIFT: f64 = 1e-6;
+const LARGEST_MOMENTUM_DRIFT: f64 = 1e-6;
 /// Limit on the relative deviation of the mean stress of a sample at rest from its target.
 const MEAN_STRESS_MISSED: f64 = 0.005;
 
@@ -111,7 +111,10 @@ pub(in crate::engine) fn worst_servo_error<'e>(
 }
 
 /// A remark for the user if states were averaged over fewer observations than the case requires.
-pub(in crate::engine) fn remark_on_samples(missed_observations: &MissedObservations, speed_key: &str) -> Option<String> {
+pub(in crate::engine) fn remark_on_samples(
+    missed_observations: &MissedObservations,
+    speed_key: &str,
+) -> Option<String> {
     let MissedObservations { wanted, missing, states, empty_states } = *missed_observations;
     let none = match empty_states {
         0 => String::new(),
