@@ -76,15 +76,19 @@ pub fn fields(progress: &Progress) -> Vec<ProgressField> {
 }
 
 /// The progress of a test that another program carries out, in the same short form.
-pub fn fields_of_report(report: &Report) -> Vec<Field> {
+pub fn fields_of_report(report: &Report) -> Vec<ProgressField> {
     let value = |name: &str| report.value(name);
-    let mut fields: Vec<Field> = report.part.iter().map(|part| Field::new(4, part.clone())).collect();
-    fields.extend(value("deviatoric_strain").map(|strain| Field::new(1, format!("strain {strain:.4}"))));
-    fields.extend(value("von_mises_ratio").map(|ratio| Field::new(2, format!("q_vM/p {ratio:.3}"))));
-    fields.extend(value("mean_stress").map(|p| Field::new(3, format!("p {:.1} kPa", p / 1e3))));
-    fields.push(Field::new(0, format!("{} {}", report.done, report.counted)));
+    let mut fields: Vec<ProgressField> =
+        report.part.iter().map(|part| ProgressField::new(4, part.clone())).collect();
     fields.extend(
-        value("grain_steps_per_second").map(|rate| Field::new(0, format!("{} grain-steps/s", speed(rate)))),
+        value("deviatoric_strain").map(|strain| ProgressField::new(1, format!("strain {strain:.4}"))),
+    );
+    fields.extend(value("von_mises_ratio").map(|ratio| ProgressField::new(2, format!("q_vM/p {ratio:.3}"))));
+    fields.extend(value("mean_stress").map(|p| ProgressField::new(3, format!("p {:.1} kPa", p / 1e3))));
+    fields.push(ProgressField::new(0, format!("{} {}", report.done, report.counted)));
+    fields.extend(
+        value("grain_steps_per_second")
+            .map(|rate| ProgressField::new(0, format!("{} grain-steps/s", speed(rate)))),
     );
     fields
 }

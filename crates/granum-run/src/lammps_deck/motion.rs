@@ -121,7 +121,7 @@ mod tests {
         let components =
             [Drive::Ramp(Ramp::To(0.01)), held, Drive::Free, Drive::Rate(0.5), Drive::Fixed, Drive::Fixed];
         let ratio = Constraint::stresses([-0.5, 0.0, 1.0, 0.0, 0.0, 0.0], Target::ramp(Ramp::By(3e3)));
-        let control = Control::of(Speed::StrainRate(1.0), components).with(ratio);
+        let control = Control::new(Speed::StrainRate(1.0), components).with(ratio);
         let motion = Motion::new(&control, 1e8).unwrap();
         assert_eq!((motion.ramps.len(), motion.rows.len()), (1, 2));
         assert_eq!(motion.ramps[0].rate[0][0], 1.0);

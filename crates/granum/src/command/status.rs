@@ -154,7 +154,10 @@ impl FolderStatus {
         let strain = series.as_ref().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
         let states = (record.kind == RunKind::Test).then(|| series.as_ref().map_or(0, Table::rows));
         // Another engine keeps its own restart files.
-        let checkpoint = Lammps::last_restart(folder)
+        let own = record.engine == OWN_ENGINE;
+        let checkpoint = (!own)
+            .then(|| Lammps::last_restart(folder))
+            .flatten()
             .or_else(|| {
                 let names = [CHECKPOINT, PREVIOUS_CHECKPOINT];
                 names.iter().find_map(|name| {

@@ -13,6 +13,7 @@ mod escape;
 mod further_sensors;
 mod inputs;
 mod lammps_decks;
+mod lammps_engine;
 mod materials;
 mod mechanics;
 mod mixed;

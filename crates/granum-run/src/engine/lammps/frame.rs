@@ -15,7 +15,7 @@ use granum_dem::config::NormalKind;
 use granum_dem::contact::law::pair_properties::PairProperties;
 use granum_dem::simulation::Properties;
 use granum_io::formats::lammps_dump::LammpsDump;
-use granum_io::formats::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
+use granum_io::formats::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use granum_io::{Error, Packing};
 
 use super::events::Instant;
@@ -155,7 +155,7 @@ impl Grains {
         &self,
         path: &Path,
         assembly: &mut Assembly,
-        pairs: &[Pair],
+        pairs: &[FileContact],
     ) -> Result<(), LaboratoryError> {
         let mut forces: HashMap<[usize; 2], Vector> = HashMap::with_capacity(pairs.len());
         for pair in pairs {

@@ -92,7 +92,7 @@ impl Engine for Lammps {
             return Native.plan(Task { engine: OWN_ENGINE.into(), ..task }, observer);
         }
         LammpsDeck::check(&task.case).map_err(|error| refused(error.to_string()))?;
-        let test = Test::new(&task, self.command.clone())?;
+        let test = Test::new(&task, self.command.clone(), true)?;
         program::about(&self.command)?;
         let (sample, mut record) = SampleMaker::plan(&task, observer)?;
         if let Some(remark) = test.remark() {
@@ -119,7 +119,7 @@ impl Engine for Lammps {
         }
         let command = self.command_in(folder);
         let about = program::about(&command)?;
-        let mut test = Test::new(&task, command)?;
+        let mut test = Test::new(&task, command, false)?;
         if about.version != record.engine_version {
             let text = format!(
                 "began with LAMMPS {} and goes on with LAMMPS {}",

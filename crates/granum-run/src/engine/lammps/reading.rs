@@ -109,7 +109,7 @@ impl Reading {
         };
         let record = &stage.record;
         let origin = match record.measure.counts_from_stage() {
-            true => record.measure.of(&instant.macro_state()),
+            true => record.measure.value(&instant.macro_state()),
             false => 0.0,
         };
         let recorder = Recorder::of_stage(&self.sensors, &self.case.recording, self.columns, record, origin)?;
@@ -209,7 +209,7 @@ impl Reading {
 
     fn here(&self, instant: &Instant, measure: Measure) -> f64 {
         let origin = self.progress.origins.get(instant.stage.saturating_sub(1)).copied().unwrap_or(0.0);
-        measure.of(&instant.macro_state()) - origin
+        measure.value(&instant.macro_state()) - origin
     }
 
     fn observe(&mut self, seen: &Seen, news: &mut News) {
@@ -299,7 +299,7 @@ impl Reading {
         let stage = self.stages.get(last.stage.checked_sub(1)?)?;
         stage.until.iter().find_map(|until| {
             let Until::Reaches { measure, value } = *until else { return None };
-            let [start, here] = [began, last].map(|instant| measure.of(&instant.macro_state()));
+            let [start, here] = [began, last].map(|instant| measure.value(&instant.macro_state()));
             let origin = if measure.counts_from_stage() { start } else { 0.0 };
             let way = value + origin - start;
             (way != 0.0).then(|| ((here - start) / way).clamp(0.0, 1.0))
@@ -309,5 +309,5 @@ impl Reading {
 
 /// Mean stress of the contacts, Pa.
 fn mean_stress(assembly: &Assembly) -> f64 {
-    Measure::MeanStress.of(&granum_dem::loading::MacroState::of(assembly))
+    Measure::MeanStress.value(&granum_dem::loading::MacroState::from_assembly(assembly))
 }

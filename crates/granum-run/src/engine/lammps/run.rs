@@ -38,6 +38,8 @@ pub(super) struct Test {
     sensors: Sensors,
     unknown: Unknown,
     save_every: Duration,
+    /// True for a run that begins, false for one that goes on.
+    is_new: bool,
     /// A note that the run has from its start.
     pub(super) note: Option<String>,
 }
@@ -47,11 +49,11 @@ impl Test {
     ///
     /// # Errors
     /// If the case asks for a sensor that cannot measure what LAMMPS gives.
-    pub(super) fn new(task: &Task, command: Vec<String>) -> Result<Test, LaboratoryError> {
+    pub(super) fn new(task: &Task, command: Vec<String>, is_new: bool) -> Result<Test, LaboratoryError> {
         let sensors = task.vocabulary.sensors().clone();
         let unknown = Unknown::new(&task.case, &sensors, frame::parts(task.case.contact.normal))?;
         let save_every = task.resources.checkpoint_every;
-        Ok(Test { case: task.case.clone(), command, sensors, unknown, save_every, note: None })
+        Ok(Test { case: task.case.clone(), command, sensors, unknown, save_every, is_new, note: None })
     }
 
     /// A sentence on what is not recorded.
@@ -96,13 +98,17 @@ pub(super) fn run(
     if let Some(text) = &test.note {
         note(sink.record(), text.clone());
     }
-    let Some(sample) = sample.make(&test.case, sink, observer)? else { return Ok(()) };
     let workplace = Workplace::of(sink)?;
     let place = &workplace.place;
     let Some(lock) = lock(place, observer)? else {
         sink.record().status = RunStatus::Interrupted;
         return Ok(());
     };
+    if test.is_new {
+        // A run that this one replaces leaves nothing from which it could go on.
+        place.clear()?;
+    }
+    let Some(sample) = sample.make(&test.case, sink, observer)? else { return Ok(()) };
     let started = Clock::now();
     let mut reading = reading(&test, &sample, place)?;
     let restart = go_back(&mut reading)?;
@@ -319,7 +325,13 @@ fn complete(
     record.measures.extend(strength::of_test(&seen, &reading.stages, ends));
     measures::of_oedometers(&seen, &reading.stages, &mut record.measures);
     for (k, end) in ends.iter().enumerate() {
-        let text = format!("stage {} ({}) ended after {} steps: {}", k + 1, end.name, end.steps, end.reason);
+        let mut text =
+            format!("stage {} ({}) ended after {} steps: {}", k + 1, end.name, end.steps, end.reason);
+        let error = end.servo_error.rms();
+        if error > 0.0 {
+            let percent = 100.0 * error;
+            text += &format!("; its stresses were held within {percent:.2} % of p (root mean square)");
+        }
         let asked = end.reason.is_asked_for();
         if !asked {
             observer.warn(&text);

@@ -39,7 +39,7 @@ pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun,
 
 /// A run whose inputs have been read and checked.
 pub(super) struct Begun {
-    pub(super) execution: Executor,
+    pub(super) execution: TaskExecution,
     pub(super) run_state: RunState,
     pub(super) record: RunRecord,
 }

@@ -5,9 +5,9 @@ use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord};
 
-use super::executor::Executor;
 use super::run::{self, Begun};
 use super::run_state::{self, RunState};
+use super::task_execution::TaskExecution;
 use crate::engine::sink::Sink;
 use crate::engine::task::Task;
 use crate::laboratory::laboratory_error::LaboratoryError;
@@ -15,7 +15,7 @@ use crate::laboratory::source::Source;
 
 /// Makes the sample of a test, with checkpoints in the folder of the run.
 pub(in crate::engine) struct SampleMaker {
-    executor: Executor,
+    execution: TaskExecution,
     /// The state from which it goes on; `None` to begin with what the record names.
     run_state: Option<RunState>,
 }
@@ -29,8 +29,8 @@ impl SampleMaker {
         task: &Task,
         observer: &mut dyn Observer,
     ) -> Result<(SampleMaker, RunRecord), LaboratoryError> {
-        let Begun { executor, run_state, record } = run::begin(task, false, observer)?;
-        Ok((SampleMaker { executor, run_state: Some(run_state) }, record))
+        let Begun { execution, run_state, record } = run::begin(task, false, observer)?;
+        Ok((SampleMaker { execution, run_state: Some(run_state) }, record))
     }
 
     /// Reads the last usable checkpoint of a folder.
@@ -43,9 +43,9 @@ impl SampleMaker {
         folder: &RunFolder,
         observer: &mut dyn Observer,
     ) -> Result<SampleMaker, LaboratoryError> {
-        let executor = Executor::of(task);
-        let run_state = run_state::last_good(folder, record, &task.case, &executor.vocabulary, observer)?;
-        Ok(SampleMaker { executor, run_state })
+        let execution = TaskExecution::new(task);
+        let run_state = run_state::last_good(folder, record, &task.case, &execution.vocabulary, observer)?;
+        Ok(SampleMaker { execution, run_state })
     }
 
     /// Makes the sample; `None` if the observer stopped it, in which case the record says so.
@@ -58,15 +58,15 @@ impl SampleMaker {
         sink: &mut dyn Sink,
         observer: &mut dyn Observer,
     ) -> Result<Option<Simulation>, LaboratoryError> {
-        let SampleMaker { executor, run_state } = self;
+        let SampleMaker { execution, run_state } = self;
         let run_state = match run_state {
             Some(run_state) => run_state,
             None => {
                 let source = Source::recorded(&sink.record().source)?;
-                executor.start(case, &source, None, sink.record(), observer)?
+                execution.start(case, &source, None, sink.record(), observer)?
             }
         };
-        let made = executor.go_on_to(case, run_state, true, sink, observer)?;
+        let made = execution.go_on_to(case, run_state, true, sink, observer)?;
         Ok(made.map(|run_state| run_state.simulation))
     }
 }

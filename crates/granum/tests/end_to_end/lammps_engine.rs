@@ -1,0 +1,286 @@
+//! LAMMPS as an engine: what is refused without it, and, where `lmp` is installed, that a run is carried out, stopped, fails, goes on and is
+//! read back like one of granum's own engine.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use granum_io::{Run, RunStatus};
+
+use crate::{done, done_json, refused};
+
+/// A hundred grains with laws that LAMMPS has, dense enough that the sample is soon at rest.
+const CASE: &str = r#"
+[grains]
+count = 100
+[contact]
+normal = "hertz"
+tangential = "no-slip"
+[preparation]
+friction = 0.1
+solid_fraction = "none"
+inertial_number = 5e-3
+unbalanced_force = 2e-2
+[recording]
+observations_per_state = 2
+"#;
+
+/// A short drained test.
+const TEST: [&str; 10] = [
+    "--path",
+    "drained-triaxial",
+    "--with",
+    "axial_strain=0.003",
+    "--with",
+    "states=6",
+    "--with",
+    "inertial_number=3e-3",
+    "--engine",
+    "lammps",
+];
+
+fn has(program: &str) -> bool {
+    let found = Command::new(program).arg("-h").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    if !found {
+        println!("{program} is not on the PATH: the runs by LAMMPS were not made");
+    }
+    found
+}
+
+fn case(here: &Path) {
+    std::fs::write(here.join("case.toml"), CASE).unwrap();
+}
+
+/// The arguments of a run of the case.
+fn of_run<'a>(test: &[&'a str], out: &'a str) -> Vec<&'a str> {
+    [&["run", "case.toml", "--sample", "sample", "--out", out], test].concat()
+}
+
+/// The program with settings by which MPI runs here, also as root and beside other programs.
+fn granum(here: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_granum"));
+    command.args(arguments).current_dir(here).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.env("OMPI_MCA_rmaps_base_oversubscribe", "1").env("OMPI_MCA_mpi_yield_when_idle", "1");
+    command
+}
+
+/// Waits until the events of a run have a line that begins so.
+fn wait_for(child: &mut Child, run: &Path, beginning: &str) {
+    let since = Instant::now();
+    while since.elapsed() < Duration::from_secs(120) && child.try_wait().unwrap().is_none() {
+        let events = std::fs::read_to_string(run.join("lammps/events")).unwrap_or_default();
+        if events.lines().any(|line| line.starts_with(beginning)) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    panic!("no line {beginning} in the events of {}", run.display());
+}
+
+#[test]
+fn what_lammps_cannot_do_is_refused_before_there_is_a_folder() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    case(here);
+    let refused = |more: &[&str]| {
+        let error = refused(here, 1, &[&["run", "case.toml", "--out", "run"], more].concat());
+        assert!(!here.join("run").exists(), "{error}");
+        error
+    };
+    let lammps = ["--engine", "lammps"];
+    let with = |more: &[&'static str]| [&lammps[..], more].concat();
+    let error = refused(&with(&["--set", "contact.tangential=mindlin-deresiewicz", "--path", "oedometer"]));
+    assert!(error.contains("the engine lammps: contact.tangential = \"mindlin-deresiewicz\""), "{error}");
+    let error = refused(&with(&["--path", "probes"]));
+    assert!(error.contains("its start is a state to which stages go back"), "{error}");
+    let error = refused(&with(&["--path", "oedometer", "--set", "recording.sensors=[\"energy\"]"]));
+    assert!(error.contains("recording.sensors") && error.contains("leave it out"), "{error}");
+    // A program that is not there, and one that is no LAMMPS.
+    let error = refused(&with(&["--path", "oedometer", "--command", "no-such-lmp -k on"]));
+    assert!(error.contains("there is no program \"no-such-lmp\""), "{error}");
+    assert!(error.contains("apt install lammps") && error.contains("--command"), "{error}");
+    let error = refused(&with(&["--path", "oedometer", "--command", "true"]));
+    assert!(error.contains("`true -h` does not say that it is LAMMPS"), "{error}");
+    let error = refused(&with(&["--path", "oedometer", "--command", " "]));
+    assert!(error.contains("--command is empty"), "{error}");
+    let error = refused(&["--path", "oedometer", "--ranks", "2"]);
+    assert!(error.contains("--ranks says how LAMMPS is started: add --engine lammps"), "{error}");
+    let error = refused(&["--path", "oedometer", "--engine", "lamps"]);
+    assert!(error.contains("there is no engine \"lamps\"; did you mean lammps?"), "{error}");
+    let error = refused(&with(&["--ranks", "0", "--path", "oedometer"]));
+    assert!(error.contains("--ranks 0"), "{error}");
+}
+
+/// A run whose LAMMPS fails, that goes on on two processors, is stopped, goes on and is complete; then all commands read it.
+#[cfg(unix)]
+#[test]
+fn a_run_by_lammps_fails_is_stopped_goes_on_and_is_read_like_any_other() {
+    if !has("lmp") {
+        return;
+    }
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    case(here);
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+
+    // The program fails at a command that it does not know, after the sample has come to rest.
+    let failing = "#!/bin/sh\n[ \"$1\" = -h ] && exec lmp -h\nsed -i 's/^print \"stage 1: shear\"/no_such_command/' in.granum\nexec lmp \"$@\"\n";
+    std::fs::write(here.join("failing"), failing).unwrap();
+    assert!(Command::new("chmod").args(["+x", "failing"]).current_dir(here).status().unwrap().success());
+    let program = here.join("failing").display().to_string();
+    let error = refused(here, 1, &[&of_run(&TEST, "run")[..], &["--command", &program]].concat());
+    assert!(error.contains("ERROR: Unknown command: no_such_command"), "{error}");
+    assert!(error.contains("the end of") && error.contains("lammps/log.0"), "{error}");
+    let status = done(here, &["status", "run"]);
+    assert!(status.contains("failed (by lammps ") && status.contains("granum resume run"), "{status}");
+
+    // It goes on with another command, on two processors where MPI is there, and is stopped in good order.
+    let ranks: &[&str] = if has("mpirun") { &["--ranks", "2"] } else { &["--command", "lmp"] };
+    let mut child = granum(here, &[&["resume", "run"], ranks].concat()).spawn().unwrap();
+    wait_for(&mut child, &here.join("run"), "row,1,");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("continue with `granum resume run`"), "{told}");
+    let status = done_json(here, &["status", "run"]);
+    assert_eq!(status["status"], "interrupted");
+    let events = std::fs::read_to_string(here.join("run/lammps/events")).unwrap();
+    assert!(events.contains("\nsaved,"), "it was stopped with a restart file");
+
+    // It goes on from the restart file of LAMMPS.
+    done(here, &["resume", "run", "--command", "lmp"]);
+    let logs = std::fs::read_dir(here.join("run/lammps")).unwrap();
+    let names: Vec<String> = logs.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.iter().any(|name| name.starts_with("log.") && name != "log.0"), "{names:?}");
+    assert!(
+        !names.iter().any(|name| name.starts_with("grains.") || name.starts_with("restart.")),
+        "{names:?}"
+    );
+    let told = done(here, &["resume", "run"]);
+    assert!(told.contains("it was already finished"), "{told}");
+    check_record(here);
+    check_results(here);
+}
+
+fn check_record(here: &Path) {
+    let record = Run::at(here.join("run")).unwrap().record().unwrap();
+    assert_eq!((record.engine.as_str(), record.status), ("lammps", RunStatus::Finished));
+    assert!(!record.engine_version.is_empty());
+    let note = |text: &str| record.notes.iter().any(|note| note.contains(text));
+    assert!(
+        note("not recorded: ") && note("boundary_work") && note("LAMMPS does not give"),
+        "{:?}",
+        record.notes
+    );
+    assert!(note("not judged: energy_gap"), "{:?}", record.notes);
+    assert!(note("stage 1 (shear) ended after") && note("xx_strain reached 0.003"), "{:?}", record.notes);
+    let flag = |name: &str| record.quality.iter().find(|flag| flag.name == name);
+    assert!(flag("energy_gap").is_none() && flag("momentum_drift").is_none());
+    // What is recorded is what LAMMPS has: the stresses of its contacts, without those of the dashpots.
+    let stress = flag("stress_differs_from_lammps").unwrap();
+    assert!(stress.passed && stress.value > 0.0, "{stress:?}");
+    assert!(flag("stages_cut_short").unwrap().passed && flag("largest_overlap").unwrap().passed);
+}
+
+/// The run beside that of granum's own engine on the same sample.
+fn check_results(here: &Path) {
+    done(here, &of_run(&TEST[..8], "own"));
+    let runs = ["run", "own"].map(|name| Run::at(here.join(name)).unwrap());
+    let [theirs, ours] = runs.each_ref().map(|run| run.series().unwrap());
+    assert_eq!(theirs.column("state").unwrap(), ours.column("state").unwrap());
+    assert!(ours.has("boundary_work") && !theirs.has("boundary_work"));
+    let mean = |table: &granum_io::Table, name: &str| {
+        let values = table.column(name).unwrap();
+        values[1..].iter().sum::<f64>() / (values.len() - 1) as f64
+    };
+    // Several times what two runs of either program with other time steps differ by.
+    for (column, tolerance) in [
+        ("axial_strain", 1e-4),
+        ("stress_ratio", 0.1),
+        ("stress_22", 600.0),
+        ("solid_fraction", 1e-3),
+        ("coordination_number", 0.25),
+        ("mechanical_coordination_number", 0.25),
+        ("deviator_fabric", 0.02),
+        ("sliding_fraction", 0.1),
+        ("unbalanced_force", 0.05),
+        ("inertial_number", 1e-3),
+    ] {
+        let [a, b] = [&theirs, &ours].map(|table| mean(table, column));
+        println!("{column}: LAMMPS {a}, granum {b}");
+        assert!((a - b).abs() < tolerance, "{column}: LAMMPS {a}, granum {b}");
+    }
+    // The snapshot at the end carries the stresses of the last state, by its contacts with their tangential forces.
+    let end = runs[0].snapshot("end").unwrap();
+    assert!(end.contacts.iter().any(|contact| contact.tangential_force.iter().any(|force| *force != 0.0)));
+    assert!(runs[0].forces().unwrap().rows() > 0);
+    let compared = done(here, &["compare", "own", "run", "-o", "compare.svg"]);
+    assert!(compared.contains("run") && here.join("compare.svg").exists(), "{compared}");
+    let measured = done(here, &["measure", "run"]);
+    assert!(measured.contains("coordination_number"), "{measured}");
+    done(here, &["export", "run", "-o", "run.csv"]);
+    done(here, &["report", "run", "--out", "run.html"]);
+    let digest = done(here, &["digest", "run", "own"]);
+    let lines: Vec<&str> = digest.lines().collect();
+    assert!(lines[0].ends_with("(of what lammps gave here: not the same on every computer)"), "{digest}");
+    assert!(lines[1].ends_with("  own"), "{digest}");
+    let digest = done_json(here, &["digest", "run"]);
+    assert_eq!(
+        (&digest["digests"][0]["engine"], &digest["digests"][0]["same_everywhere"]),
+        (&"lammps".into(), &false.into())
+    );
+    let told = done(here, &["export", "run", "--to", "lammps", "--out", "deck"]);
+    assert!(told.contains("a deck of 100 grains"), "{told}");
+}
+
+/// Ramps, turning points and several stages end where those of granum end, by granum's reasons.
+#[test]
+fn stages_that_turn_round_and_ramps_are_those_of_granum() {
+    if !has("lmp") {
+        return;
+    }
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let stages = "[[stage]]\nname = \"ramp\"\nxx = { strain_to = 0.0004 }\nyy = { stress_to = '21 kPa' }\nzz = { stress = '20 kPa' }\ninertial_number = 3e-3\n\
+                  record = { measure = \"arc_length\", every = 2e-4 }\nresets = true\n\
+                  [[stage]]\npath = 'cyclic'\nstrain_amplitude = 3e-4\ncycles = 1\ninterval = 2e-4\ninertial_number = 3e-3\n";
+    std::fs::write(here.join("case.toml"), format!("{CASE}{stages}")).unwrap();
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+    done(here, &of_run(&[], "own"));
+    done(here, &of_run(&["--engine", "lammps"], "run"));
+    let runs = ["run", "own"].map(|name| Run::at(here.join(name)).unwrap());
+    let notes = runs.each_ref().map(|run| {
+        let notes = run.record().unwrap().notes;
+        let reason = |note: &String| {
+            let end = note.split("ended after ").nth(1)?;
+            Some(end.split_once(": ")?.1.split(';').next()?.to_string())
+        };
+        notes.iter().filter_map(reason).collect::<Vec<_>>()
+    });
+    assert_eq!(notes[0], ["its ramp is over", "it was reversed 2 times"]);
+    assert_eq!(notes[0], notes[1]);
+    let [theirs, ours] = runs.each_ref().map(|run| run.series().unwrap());
+    let extremes = |table: &granum_io::Table, name: &str, number: f64| {
+        let (values, stages) = (table.column(name).unwrap(), table.column("stage").unwrap());
+        let of_stage =
+            || values.iter().zip(stages).filter(|(_, stage)| **stage == number).map(|(value, _)| *value);
+        [of_stage().fold(f64::INFINITY, f64::min), of_stage().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    for (stage, column, tolerance) in [
+        (1.0, "axial_strain", 1e-4),
+        (1.0, "stress_22", 600.0),
+        (2.0, "axial_strain", 1e-4),
+        (2.0, "mean_stress", 3e3),
+        (2.0, "stress_11", 4e3),
+    ] {
+        let [a, b] = [&theirs, &ours].map(|table| extremes(table, column, stage));
+        println!("stage {stage}, {column}: LAMMPS {a:?}, granum {b:?}");
+        for k in 0..2 {
+            assert!((a[k] - b[k]).abs() < tolerance, "stage {stage}, {column}: LAMMPS {a:?}, granum {b:?}");
+        }
+    }
+    // The snapshot between the stages is there, and the ramp ended at its stress.
+    assert!(runs[0].snapshots().unwrap().iter().any(|name| name == "stage-1"));
+}
