@@ -7,6 +7,7 @@ use granum_core::input::read_text;
 use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, Run, RunStatus};
+use granum_run::Laboratory;
 use granum_run::laboratory::Source;
 use granum_run::queue::{QueuedRun, sample_name};
 use granum_sensors::Sensors;
@@ -52,6 +53,9 @@ struct CampaignFile {
     /// What stays of finished runs.
     #[serde(default, skip_serializing_if = "Keep::is_usual")]
     keep: Keep,
+    /// The engine that carries out the tests; empty for granum's own.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    engine: String,
     runs: Vec<CampaignRun>,
     /// Names of the runs of earlier plans whose folders are still there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -140,6 +144,7 @@ impl Campaign {
             variables: variables.collect(),
             accept: plan.accept.iter().map(|condition| condition.value.text().to_string()).collect(),
             keep: plan.keep,
+            engine: plan.engine.clone(),
             runs: runs.collect(),
             no_longer_planned: Vec::new(),
         };
@@ -193,6 +198,14 @@ impl Campaign {
     /// [`Error::File`].
     pub fn write(&self) -> Result<()> {
         write_sealed(&self.folder.join(CAMPAIGN_FILE), &self.file)
+    }
+
+    /// A laboratory with the engine that carries out the tests of this campaign.
+    pub fn laboratory(&self, laboratory: &Laboratory) -> Laboratory {
+        match self.file.engine.as_str() {
+            "" => laboratory.clone(),
+            engine => Laboratory { engine: engine.into(), ..laboratory.clone() },
+        }
     }
 
     /// The folder.

@@ -42,6 +42,7 @@ pub fn execute_run(
         let message = "there is no campaign.json: the folder holds no campaign";
         granum_io::Error::content(folder, message)
     })?;
+    let laboratory = &campaign.laboratory(laboratory);
     let run = campaign.queued(name)?;
     let execute = |run: &QueuedRun| execute(folder, run, laboratory, flow, tell);
     let end = match sample_of(&campaign, &run)? {

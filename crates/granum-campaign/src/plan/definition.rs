@@ -47,6 +47,8 @@ pub struct Plan {
     pub accept: Vec<Spanned<Condition>>,
     /// What stays of the runs.
     pub keep: Keep,
+    /// The engine that carries out the tests; empty for granum's own.
+    pub engine: String,
 }
 
 /// What stays of finished runs.

@@ -17,8 +17,8 @@ use super::reader::Reader;
 /// A plan is a page or two long, but for long lists of runs; a larger file is something else.
 const LARGEST_FILE: u64 = 1 << 24;
 /// The keys of a plan.
-pub(super) const PLAN_KEYS: [&str; 7] =
-    ["case", "set", "design", "variable", "constraints", "accept", "keep"];
+pub(super) const PLAN_KEYS: [&str; 8] =
+    ["case", "set", "design", "variable", "constraints", "accept", "keep", "engine"];
 
 impl Plan {
     /// Reads a plan and its base case.
@@ -85,6 +85,7 @@ impl Reader {
         let constraints = self.conditions(table, "constraints");
         let accept = self.conditions(table, "accept");
         let keep = self.keep(table);
+        let engine = table.get("engine").and_then(|node| self.text(node, "engine")).unwrap_or_default();
         let design = match table.get("design") {
             Some(node) => self.design(node)?,
             None => {
@@ -95,7 +96,8 @@ impl Reader {
         };
         let Some(design) = design else { return Ok(None) };
         let source = self.source.clone();
-        let plan = Plan { source, case_file, case, fixed, variables, design, constraints, accept, keep };
+        let plan =
+            Plan { source, case_file, case, fixed, variables, design, constraints, accept, keep, engine };
         self.check_names(&plan, &reference);
         self.check_design(&plan);
         Ok(Some(plan))

@@ -93,6 +93,13 @@ fn plan_keys() -> Vec<Key> {
                 &["folders", "dataset"],
             ),
         ),
+        (
+            "engine",
+            described(
+                "The engine that carries out the tests: granum, or lammps, which must be installed as lmp.",
+                json!({ "type": "string" }),
+            ),
+        ),
     ]
 }
 

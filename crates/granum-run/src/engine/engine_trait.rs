@@ -69,6 +69,11 @@ pub trait Engine: Send + Sync {
         Ok(String::new())
     }
 
+    /// True if it prepares samples; for an engine that does not, granum's own prepares them.
+    fn makes_samples(&self) -> bool {
+        true
+    }
+
     /// Reads and checks the inputs of a run, refuses what this engine cannot execute ([`EngineError::Refused`]), and warns the observer
     /// of anything that the user should know. Nothing is written, so that a mistake leaves no folder behind.
     ///

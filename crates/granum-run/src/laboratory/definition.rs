@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::simulation::{Hardware, Simulation};
-use granum_io::run::{RunFolder, RunKind, RunRecord, RunStatus};
+use granum_io::run::{OWN_ENGINE, RunFolder, RunKind, RunRecord, RunStatus};
 use granum_io::{Case, Error as FileError};
 
 use super::folder_sink::FolderSink;
@@ -61,6 +61,15 @@ impl Laboratory {
         Laboratory { registry: registry.into(), ..self }
     }
 
+    /// The name of the engine that executes runs of a kind: that of the laboratory, or granum's own for samples if that prepares none.
+    ///
+    /// # Errors
+    /// [`LaboratoryError::Engine`] if there is no engine of that name.
+    pub fn engine_for(&self, kind: RunKind) -> Result<&str, LaboratoryError> {
+        let engine = self.registry.engines.named(&self.engine)?;
+        Ok(if kind == RunKind::Sample && !engine.makes_samples() { OWN_ENGINE } else { &self.engine })
+    }
+
     /// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written,
     /// so that a mistake leaves no folder behind. What is planned is executed in a folder or in memory.
     ///
@@ -74,12 +83,9 @@ impl Laboratory {
         source: &Source,
         observer: &mut dyn Observer,
     ) -> Result<PlannedRun, LaboratoryError> {
-        let engine = self.registry.engines.named(&self.engine)?;
+        let engine = self.registry.engines.named(self.engine_for(kind)?)?;
         let mut run = engine.plan(self.task(engine, kind, case.clone(), source.clone()), observer)?;
-        // An engine may leave a part of its work, such as samples, to another one, which the record then names.
-        if run.record.engine == engine.name() {
-            run.record.engine_version = engine.version()?;
-        }
+        run.record.engine_version = engine.version()?;
         Ok(PlannedRun { case: case.clone(), run })
     }
 

@@ -82,7 +82,7 @@ fn is_of(record: &RunRecord, run: &QueuedRun, laboratory: &Laboratory) -> granum
     let same_case = record.case_digest == run.case.digest_with(packing.as_deref());
     Ok(same_case
         && record.kind == run.kind
-        && record.engine == laboratory.engine
+        && laboratory.engine_for(run.kind).is_ok_and(|engine| record.engine == engine)
         && record.granum_version == laboratory.version)
 }
 

@@ -284,3 +284,37 @@ fn stages_that_turn_round_and_ramps_are_those_of_granum() {
     // The snapshot between the stages is there, and the ramp ended at its stress.
     assert!(runs[0].snapshots().unwrap().iter().any(|name| name == "stage-1"));
 }
+
+/// The samples of a campaign are granum's, its tests those of the engine that the plan names.
+#[test]
+fn a_campaign_uses_the_engine_of_its_plan() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let test = "[[stage]]\npath = 'oedometer'\naxial_stress = '30 kPa'\ninertial_number = 3e-3\n";
+    std::fs::write(here.join("case.toml"), format!("{CASE}{test}")).unwrap();
+    let plan = |engine: &str| {
+        let text = format!(
+            "case = 'case.toml'\nengine = '{engine}'\nset.grains.count = 60\n[design]\nkind = 'list'\n\
+             rows = [{{ friction = 0.4 }}, {{ friction = 0.5 }}]\n[[variable]]\nname = 'friction'\nkey = 'grains.material.friction'\n"
+        );
+        std::fs::write(here.join("plan.toml"), text).unwrap();
+    };
+    plan("lamps");
+    let error = refused(here, 1, &["campaign", "plan.toml"]);
+    assert!(error.contains("there is no engine \"lamps\"; did you mean lammps?"), "{error}");
+    assert!(!here.join("plan").exists());
+    if !has("lmp") {
+        return;
+    }
+    plan("lammps");
+    done(here, &["campaign", "plan.toml"]);
+    let again = done(here, &["campaign", "plan.toml"]);
+    println!("{again}");
+    let mut engines = Vec::new();
+    for entry in std::fs::read_dir(here.join("plan/tests")).unwrap() {
+        let record = Run::at(entry.unwrap().path()).unwrap().record().unwrap();
+        assert_eq!(record.status, RunStatus::Finished);
+        engines.push(record.engine);
+    }
+    assert_eq!(engines, ["lammps", "lammps"]);
+}

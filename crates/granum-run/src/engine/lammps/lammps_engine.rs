@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use granum_dem::observer::Observer;
-use granum_io::run::{OWN_ENGINE, RunFolder, RunKind, RunRecord, RunStatus};
+use granum_io::run::{RunFolder, RunRecord, RunStatus};
 
 use super::place::Place;
 use super::program::{self, NAME};
@@ -12,7 +12,7 @@ use super::run::{self, Test};
 use crate::engine::engine_error::EngineError;
 use crate::engine::engine_run::EngineRun;
 use crate::engine::engine_trait::Engine;
-use crate::engine::native::{Native, SampleMaker, note};
+use crate::engine::native::{SampleMaker, note};
 use crate::engine::task::Task;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::LammpsDeck;
@@ -86,11 +86,12 @@ impl Engine for Lammps {
         Ok(program::about(&self.command)?.version)
     }
 
+    /// LAMMPS is not asked to compact samples.
+    fn makes_samples(&self) -> bool {
+        false
+    }
+
     fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
-        if task.kind == RunKind::Sample {
-            // LAMMPS compacts no samples; the record names the engine that did.
-            return Native.plan(Task { engine: OWN_ENGINE.into(), ..task }, observer);
-        }
         LammpsDeck::check(&task.case).map_err(|error| refused(error.to_string()))?;
         let test = Test::new(&task, self.command.clone(), true)?;
         program::about(&self.command)?;

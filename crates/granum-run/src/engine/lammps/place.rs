@@ -117,7 +117,7 @@ impl Place {
         Ok(())
     }
 
-    /// Removes the dumps up to a step; of a later one all those before `keep`.
+    /// Removes the dumps of a step.
     pub(super) fn remove_dump(&self, step: u64) -> Result<()> {
         self.dumps(step).iter().try_for_each(|path| remove(path))
     }

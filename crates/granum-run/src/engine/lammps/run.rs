@@ -111,7 +111,7 @@ pub(super) fn run(
     let Some(sample) = sample.make(&test.case, sink, observer)? else { return Ok(()) };
     let started = Clock::now();
     let mut reading = reading(&test, &sample, place)?;
-    let restart = go_back(&mut reading)?;
+    let restart = go_back(&mut reading, sink)?;
     if restart.is_none() && !reading.is_complete() {
         begin(&test, &sample, place)?;
     }
@@ -182,7 +182,7 @@ fn begin(test: &Test, sample: &Simulation, place: &Place) -> Result<(), Laborato
 
 /// Takes up what is in the folder: reads on from the last restart file what LAMMPS did after it, as far as its dumps are there.
 /// Returns the step of the restart file from which it goes on.
-fn go_back(reading: &mut Reading) -> Result<Option<u64>, LaboratoryError> {
+fn go_back(reading: &mut Reading, sink: &mut dyn Sink) -> Result<Option<u64>, LaboratoryError> {
     let place = reading.place.clone();
     let mut good = None;
     for step in place.restarts()? {
@@ -196,6 +196,9 @@ fn go_back(reading: &mut Reading) -> Result<Option<u64>, LaboratoryError> {
     let mut lines = Lines::open(&place, progress.read)?;
     for (line, length) in lines.next()? {
         let Ok(news) = reading.read(&line, length) else { break };
+        for (name, assembly) in &news.snapshots {
+            sink.save_snapshot(name, assembly)?;
+        }
         if let Some(saved) = news.saved.filter(|saved| place.is_restart(*saved)) {
             (step, progress) = (saved, reading.progress.clone());
             progress.write(&place, step)?;

@@ -10,6 +10,7 @@ use granum_campaign::scheduler::{self, JobRecord, Order, SchedulerOptions, Submi
 use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
 use granum_io::OutputFolder;
 use granum_io::shell::{ShowPath, quoted_path};
+use granum_run::LaboratoryError;
 use granum_run::queue::QueueError;
 use serde_json::json;
 
@@ -148,7 +149,8 @@ pub fn resume(context: &Context, campaign: &Campaign, flags: &CarryOutFlags) -> 
 /// Refuses a campaign of which a run cannot be executed, before any begins.
 fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Result<(), Failure> {
     flags.workers()?;
-    let laboratory = flags.laboratory(context)?;
+    let laboratory = campaign.laboratory(&flags.laboratory(context)?);
+    laboratory.registry.engines.named(&laboratory.engine).map_err(LaboratoryError::from)?;
     let executor = scheduling::executor(context, campaign.folder(), flags)?;
     let _alone = context.nothing_written(Some("checking the runs"));
     let coordinator = Coordinator {
@@ -176,7 +178,7 @@ fn carry_out(
     campaign: &Campaign,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
-    let laboratory = flags.laboratory(context)?;
+    let laboratory = campaign.laboratory(&flags.laboratory(context)?);
     let scheduler = scheduler.scheduler(context, flags, pace)?;
     let order = Order {
         campaign,
