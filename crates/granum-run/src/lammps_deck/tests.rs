@@ -260,7 +260,7 @@ fn what_lammps_has_not_is_refused_by_name() {
         assert!(error.contains(message), "{error}");
     }
     let refused = [
-        ("path = 'probes'", "its start is a state to which stages go back"),
+        ("path = 'probes'", "it shears the cell without rotation"),
         ("xy = { rate = 1 }\nuntil = { xy_strain = 0.1 }", "it shears the cell without rotation"),
         (
             "xx = { rate = 1 }\nuntil = { critical_state = { window = 0.1, stress_ratio = 0.1, volumetric_strain = 0.1 } }",

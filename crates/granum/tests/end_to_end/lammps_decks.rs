@@ -164,7 +164,7 @@ fn what_no_deck_can_be_is_said() {
     );
     let error =
         refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--path", "probes"]);
-    assert!(error.contains("its start is a state to which stages go back"), "{error}");
+    assert!(error.contains("it shears the cell without rotation"), "{error}");
     let error =
         refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--snapshot", "start"]);
     assert!(error.contains("--snapshot does not go with --to lammps"), "{error}");

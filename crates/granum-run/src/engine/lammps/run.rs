@@ -51,7 +51,7 @@ impl Test {
     /// If the case asks for a sensor that cannot measure what LAMMPS gives.
     pub(super) fn new(task: &Task, command: Vec<String>, is_new: bool) -> Result<Test, LaboratoryError> {
         let sensors = task.vocabulary.sensors().clone();
-        let unknown = Unknown::new(&task.case, &sensors, frame::parts(task.case.contact.normal))?;
+        let unknown = Unknown::new(&task.case, &sensors, frame::parts())?;
         let save_every = task.resources.checkpoint_every;
         Ok(Test { case: task.case.clone(), command, sensors, unknown, save_every, is_new, note: None })
     }
@@ -160,7 +160,7 @@ fn lock(place: &Place, observer: &mut dyn Observer) -> Result<Option<File>, Labo
 fn reading(test: &Test, sample: &Simulation, place: &Place) -> Result<Reading, LaboratoryError> {
     let case = test.case.clone();
     let deck = LammpsDeck::followed(&case, &packing(sample), Confinement::Own).map_err(of_deck)?;
-    let grains = Grains::new(deck.assembly().clone(), deck.properties().clone())?;
+    let grains = Grains::new(deck.assembly().clone(), deck.properties().clone());
     Ok(Reading::new(case, test.sensors.clone(), test.unknown.clone(), grains, place.clone()))
 }
 
