@@ -5,6 +5,7 @@
 - Within a crate no files import each other in a circle, but for those in CIRCLES. Tests may import what they test.
 - Every file and folder that ARCHITECTURE.md names exists.
 - The file of a folder `thing/` is `thing/mod.rs`, not a file `thing.rs` beside it.
+- No function is called `of`: its name says what it gives (CONTRIBUTING.md).
 
 With --show, every import between two files of a crate is printed. Exit code 1 if anything does not hold.
 """
@@ -165,9 +166,12 @@ def check_lengths():
     for file in sorted(file for folder in folders for file in folder.rglob("*.rs")):
         if "target" in file.relative_to(ROOT).parts:
             continue
-        lines = file.read_text().count("\n")
+        text = file.read_text()
+        lines = text.count("\n")
         if lines > LONGEST:
             problems.append(f"{file.relative_to(ROOT)} has {lines} lines, more than {LONGEST}: divide it by its ideas")
+        if re.search(r"\bfn of\b", text):
+            problems.append(f"{file.relative_to(ROOT)} has a function `of`: name it by what it gives, `new` or `from_x`")
         if "src" in file.parts and file.with_suffix("").is_dir() and file.name not in ("main.rs", "lib.rs"):
             problems.append(f"{file.relative_to(ROOT)} lies beside its folder: make it {file.stem}/mod.rs")
 

@@ -26,7 +26,7 @@ use crate::checks;
 type Seed = (String, Vec<u8>);
 
 /// The seeds of a target.
-pub fn of(target: &str) -> Vec<Seed> {
+pub fn for_target(target: &str) -> Vec<Seed> {
     match target {
         "case" => cases(),
         "packing" => packings(),

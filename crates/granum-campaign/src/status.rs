@@ -69,7 +69,7 @@ impl CampaignStatus {
     ///
     /// # Errors
     /// If the record of a run cannot be read.
-    pub fn of(campaign: &Campaign) -> Result<CampaignStatus> {
+    pub fn read(campaign: &Campaign) -> Result<CampaignStatus> {
         let (events, accept) = (last_events(campaign.folder()), campaign.accept());
         let rows = campaign.rows_kept()?;
         let state = |run: &CampaignRun| -> Result<RunState> {

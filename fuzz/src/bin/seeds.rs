@@ -15,7 +15,7 @@ fn main() -> std::io::Result<()> {
         }
         let folder = std::path::Path::new(&folder).join(target);
         std::fs::create_dir_all(&folder)?;
-        for (name, bytes) in seeds::of(target) {
+        for (name, bytes) in seeds::for_target(target) {
             std::fs::write(folder.join(name), bytes)?;
         }
     }

@@ -29,7 +29,7 @@ pub(super) struct Contents {
 impl Contents {
     /// From the state of a campaign.
     pub fn new(campaign: &Campaign) -> Result<Contents> {
-        let status = CampaignStatus::of(campaign)?;
+        let status = CampaignStatus::read(campaign)?;
         let mut contents = Contents::default();
         for (number, state) in status.states.iter().enumerate() {
             let (state, checks) = match state {

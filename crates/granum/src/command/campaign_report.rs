@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// The report of a campaign, whose curves are coloured by a variable: the first one, if none is chosen.
 pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) -> Result<Document, Failure> {
     let coloured_by = chosen(campaign, colour)?;
-    let status = CampaignStatus::of(campaign)?;
+    let status = CampaignStatus::read(campaign)?;
     let with_state = || campaign.runs().iter().zip(&status.states);
     let finished: Vec<_> = with_state()
         .filter_map(|(run, state)| match state {

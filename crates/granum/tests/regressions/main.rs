@@ -101,7 +101,7 @@ fn replay(target: &str) {
         check(target, work, &file.display().to_string(), &bytes);
         inputs.push(bytes);
     }
-    let seeds = seeds::of(target);
+    let seeds = seeds::for_target(target);
     assert!(!seeds.is_empty());
     for (name, bytes) in &seeds {
         check(target, work, name, bytes);
@@ -148,23 +148,23 @@ fn tables_as_parquet() {
 /// The checks accept the seeds; otherwise the mutations would only test the first stage of reading a file.
 #[test]
 fn seeds_are_good() {
-    for (name, bytes) in seeds::of("checkpoint") {
+    for (name, bytes) in seeds::for_target("checkpoint") {
         let bytes = checks::with_header(&bytes);
         let (_, beside) = granum_dem::simulation::Simulation::restore(&bytes).unwrap();
         let known = granum_run::laboratory::check_beside(&beside, &checks::tested());
         assert!(beside.is_empty() || known.is_ok(), "{name}: {known:?}");
     }
-    for (name, bytes) in seeds::of("parquet") {
+    for (name, bytes) in seeds::for_target("parquet") {
         let table = granum_io::formats::parquet::read_bytes(bytes, &name, None).unwrap();
         assert!(table.rows() == 3 || table.rows() == 6, "{name}");
     }
-    for (name, bytes) in seeds::of("packing") {
+    for (name, bytes) in seeds::for_target("packing") {
         assert!(granum_io::formats::packing_csv::read_from(&bytes[..], &name).is_ok(), "{name}");
     }
-    for (name, bytes) in seeds::of("csv") {
+    for (name, bytes) in seeds::for_target("csv") {
         assert!(granum_io::formats::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
     }
-    for (name, bytes) in seeds::of("model").into_iter().filter(|(_, bytes)| bytes[0] != b'T') {
+    for (name, bytes) in seeds::for_target("model").into_iter().filter(|(_, bytes)| bytes[0] != b'T') {
         let text = String::from_utf8(bytes).unwrap();
         assert!(granum_nets::Model::from_json(&text, &name).is_ok(), "{name}");
     }

@@ -42,7 +42,7 @@ impl Spread {
         }
     }
 
-    fn of(values: &[f64]) -> Spread {
+    fn from_values(values: &[f64]) -> Spread {
         let [least, most] = least_and_most(values);
         let is_wide = least > 0.0 && most > WIDE * least;
         let logarithms = || values.iter().map(|v| libm::log(*v)).collect::<Vec<_>>();
@@ -124,7 +124,7 @@ pub(super) fn groups_of(names: &[String], units: &[String], runs: &[&[f64]]) -> 
         let all = values(&plain);
         let spread = match plain.over {
             None if names[input].ends_with(FRICTION) => Spread::of_friction(&all),
-            _ => Spread::of(&all),
+            _ => Spread::from_values(&all),
         };
         let spread = Group { spread, ..plain };
         let all = values(&spread);

@@ -93,7 +93,7 @@ fn collect(context: &Context, campaign: &Campaign) -> Result<Collected, Failure>
 
 /// A command for each run that is not finished.
 fn list_jobs(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
-    let status = CampaignStatus::of(campaign)?;
+    let status = CampaignStatus::read(campaign)?;
     let left = campaign.runs().iter().zip(&status.states);
     let left = left.filter(|(_, state)| !matches!(state, RunState::Finished { .. }));
     let folder = std::path::absolute(campaign.folder()).unwrap_or_else(|_| campaign.folder().to_path_buf());
@@ -202,7 +202,7 @@ fn carry_out(
         }
         Submitted::Queued(submission) => {
             tell_submission(context, &submission);
-            let is_done = CampaignStatus::of(campaign)?.is_done();
+            let is_done = CampaignStatus::read(campaign)?.is_done();
             if is_done || campaign.keep() == Keep::Dataset {
                 let collected = scheduler.collect(campaign, &|| context.flow())?;
                 collected.remarks.iter().for_each(|remark| context.warn(remark));

@@ -66,7 +66,7 @@ impl<'a> Found<'a> {
 
     /// The same with what a scheduler knows.
     fn with_jobs(campaign: &'a Campaign, jobs: Jobs) -> Result<Found<'a>, Failure> {
-        let status = CampaignStatus::of(campaign)?.with_jobs(campaign, &jobs);
+        let status = CampaignStatus::read(campaign)?.with_jobs(campaign, &jobs);
         Ok(Found { campaign, status, jobs })
     }
 
