@@ -9,6 +9,8 @@ use granum::prelude::*;
 
 pub struct FadingMemory;
 
+/// Its name in the registry and in files.
+const NAME: &str = "fading-memory";
 /// How much of its mean a run keeps from state to state.
 const KEPT: f64 = 0.8;
 /// Added to the diagonal of the equations over its mean, so that inputs that depend on each other have a solution.
@@ -35,7 +37,7 @@ fn features(run: &[f64], inputs: usize) -> Vec<Vec<f64>> {
 
 impl SurrogateMethod for FadingMemory {
     fn name(&self) -> &str {
-        "fading-memory"
+        NAME
     }
 
     fn help(&self) -> &str {
@@ -66,14 +68,13 @@ impl SurrogateMethod for FadingMemory {
         let solver = Cholesky::new(count, &squares).ok_or_else(problem)?;
         let factors = |name: String| {
             let values = dataset.column(&name)?;
-            let sum = |k: usize| rows.iter().zip(&values).map(|(row, value)| row[k] * value).sum();
+            let sum = |k: usize| rows.iter().zip(&values).map(|(row, value)| row[k] * value).sum::<f64>();
             Ok(solver.solve(&(0..count).map(sum).collect::<Vec<f64>>()))
         };
         let factors = columns.output_names().into_iter().map(factors).collect::<Result<_>>()?;
-        let range = |k: usize| {
-            let values = inputs.rows().map(|row| row[k]);
-            [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
-        };
+        let wider = |[low, high]: [f64; 2], x: f64| [low.min(x), high.max(x)];
+        let range =
+            |k: usize| inputs.rows().map(|row| row[k]).fold([f64::INFINITY, f64::NEG_INFINITY], wider);
         let ranges = (0..inputs.columns()).map(range).collect();
         Ok(Box::new(Fitted { columns, ranges, factors }))
     }
@@ -91,7 +92,7 @@ impl SurrogateMethod for FadingMemory {
 
 impl Surrogate for Fitted {
     fn method(&self) -> &str {
-        FadingMemory.name()
+        NAME
     }
 
     fn columns(&self) -> &Columns {
@@ -104,7 +105,7 @@ impl Surrogate for Fitted {
 
     fn answer(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
         let answer = |(features, row): (Vec<f64>, &[f64])| {
-            let mean = |factors: &Vec<f64>| factors.iter().zip(&features).map(|(a, x)| a * x).sum();
+            let mean = |factors: &Vec<f64>| factors.iter().zip(&features).map(|(a, x)| a * x).sum::<f64>();
             let estimates = self.factors.iter().map(|factors| Estimate::new(mean(factors))).collect();
             Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, row))
         };

@@ -1,5 +1,5 @@
-//! A study of columns, methods and a split of one's own: the stress ratio from the strain, from the void ratio and from the speed that
-//! the sensor of this program measures.
+//! A study of columns, methods and a split of one's own: the stress ratio from the strain and from the speed that the sensor of this
+//! program measures.
 
 use granum::learn::Result;
 use granum::learn::study::StudyScores;
@@ -12,7 +12,7 @@ pub fn hardening_study(records: &[Record], methods: &SurrogateMethods) -> Result
         RunStates::from_record(&NamedRecord { name: &name(k), seed: k as u64, record })
     };
     let dataset = Dataset::new(records.iter().enumerate().map(run).collect::<Result<_>>()?)?;
-    let spec = FitSpec::new(["axial_strain", "void_ratio", "fluctuating_speed"], ["von_mises_ratio"]);
+    let spec = FitSpec::new(["axial_strain", "fluctuating_speed"], ["von_mises_ratio"]);
     let definition = StudyDefinition::new(
         [spec.with_coordinate("axial_strain")],
         ["fading-memory"],

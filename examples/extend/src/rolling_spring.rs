@@ -89,7 +89,8 @@ impl MomentLaw for RollingSpring {
         Moment {
             couple: [couple[0], couple[1], R::zero()],
             at_limit,
-            work,
+            // What is in the channel is accounted for there.
+            work: work - energies[RELEASED],
             loss: slid,
             step_stiffness: c.step * normal.stiffness,
             ..Moment::none()
