@@ -40,7 +40,9 @@ pub(super) fn formulas(stage: &Stage, rows: usize, has_ramp: bool) -> String {
         let condition = match *until {
             Until::Reaches { measure, value } => {
                 let measured = of_measure(measure).unwrap_or("0");
-                format!("(v_sense{k}*({measured}-{})>=0)", term(value))
+                let left =
+                    if value == 0.0 { measured.to_string() } else { format!("({measured}-{})", term(value)) };
+                format!("(v_sense{k}*{left}>=0)")
             }
             Until::PorePressureRatio(ratio) => format!("(v_p<={}*v_began_p)", number(1.0 - ratio)),
             Until::Reversals(count) => format!("(v_turned>={count})"),

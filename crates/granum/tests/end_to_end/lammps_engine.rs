@@ -94,7 +94,7 @@ fn what_lammps_cannot_do_is_refused_before_there_is_a_folder() {
     assert!(error.contains("the engine lammps: contact.tangential = \"mindlin-deresiewicz\""), "{error}");
     let error = refused(&with(&["--path", "probes"]));
     assert!(error.contains("it shears the cell without rotation"), "{error}");
-    let error = refused(&with(&["--path", "oedometer", "--set", "recording.sensors=[\"energy\"]"]));
+    let error = refused(&with(&["--path", "oedometer", "--set", "recording.sensors=[\"sliding\"]"]));
     assert!(error.contains("recording.sensors") && error.contains("leave it out"), "{error}");
     // A program that is not there, and one that is no LAMMPS.
     let error = refused(&with(&["--path", "oedometer", "--command", "no-such-lmp -k on"]));

@@ -29,15 +29,21 @@ impl Unknown {
         for name in names {
             let description = sensors.named(name)?;
             let missing = known.missing(&description.needs);
-            if !missing.is_empty() && case.recording.sensors.iter().any(|asked| asked == name) {
-                let parts = listed(missing.iter().map(|part| part.name()));
+            let lacks = |needs: &[Part]| [missing.clone(), known.missing(needs)].concat();
+            let nothing = description.columns.iter().all(|column| !lacks(column.needs).is_empty());
+            if nothing && case.recording.sensors.iter().any(|asked| asked == name) {
+                let mut parts: Vec<Part> =
+                    description.columns.iter().flat_map(|column| lacks(column.needs)).collect();
+                parts.sort_unstable();
+                parts.dedup();
+                let parts = listed(parts.iter().map(|part| part.name()));
                 let what = format!(
                     "recording.sensors = {name:?} cannot be measured: it needs {parts}, which LAMMPS does not give; leave it out"
                 );
                 return Err(EngineError::Refused { engine: NAME.into(), what }.into());
             }
             for column in &description.columns {
-                let missing: Vec<Part> = missing.iter().copied().chain(known.missing(column.needs)).collect();
+                let missing = lacks(column.needs);
                 if !missing.is_empty() {
                     unknown.columns.push(column.name.into());
                     unknown.parts.extend(missing);
