@@ -35,7 +35,7 @@ use crate::error::{LearnError, Result};
 ///
 /// ```
 /// use granum_core::observer::NoObserver;
-/// use granum_core::{ModelColumn, Table};
+/// use granum_core::{Column, Table};
 /// use granum_learn::surrogate::{FitSpec, Recurrent, RunInputs, SurrogateMethod};
 /// use granum_learn::{Dataset, RunStates};
 ///
@@ -47,7 +47,7 @@ use crate::error::{LearnError, Result};
 ///         Some(*most)
 ///     });
 ///     let y = largest.collect();
-///     let table = Table::new(vec![ModelColumn::new("x", "", x), ModelColumn::new("y", "", y)])?;
+///     let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
 ///     RunStates::new(&format!("run-{k}"), table)
 /// };
 /// let dataset = Dataset::new((0..16).map(run).collect::<granum_learn::Result<_>>()?)?;
