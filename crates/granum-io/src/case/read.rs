@@ -50,7 +50,9 @@ impl Case {
         let folder = path.parent().unwrap_or(Path::new(""));
         let recorded = path.file_name() == Some(OsStr::new(CASE)) && folder.join(RECORD).is_file();
         let reading = match recorded {
-            true => Reading { outside: reading.outside, ..Reading::recorded() },
+            true => {
+                Reading { outside: reading.outside, vocabulary: reading.vocabulary, ..Reading::recorded() }
+            }
             false => reading,
         };
         Case::parse_in(&text, &path.shown(), folder, reading)

@@ -192,6 +192,11 @@ mod tests {
         assert!(Case::template_with(&vocabulary).contains("stiffening = 1"));
         let schema = Case::schema_with(&vocabulary);
         assert!(schema["properties"]["contact"]["properties"]["stiffening"]["description"].is_string());
+        // So is the case of a run folder, which is read as a record.
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("case.toml"), case.resolved_toml()).unwrap();
+        std::fs::write(folder.path().join("run.json"), "{}").unwrap();
+        assert_eq!(Case::read_as(folder.path().join("case.toml"), reading()).unwrap(), case);
         // A mistake is met with what the vocabulary has.
         let typo =
             Case::parse_as(&TEXT.replace("\nstiffening", "\nstiffenin"), "case", reading()).unwrap_err();

@@ -69,7 +69,7 @@ struct Workplace {
 }
 
 impl Workplace {
-    fn of(sink: &dyn Sink) -> Result<Workplace, LaboratoryError> {
+    fn new(sink: &dyn Sink) -> Result<Workplace, LaboratoryError> {
         if let Some(folder) = sink.folder() {
             return Ok(Workplace { place: Place::create(folder)?, temporary: None });
         }
@@ -98,7 +98,7 @@ pub(super) fn run(
     if let Some(text) = &test.note {
         note(sink.record(), text.clone());
     }
-    let workplace = Workplace::of(sink)?;
+    let workplace = Workplace::new(sink)?;
     let place = &workplace.place;
     let Some(lock) = lock(place, observer)? else {
         sink.record().status = RunStatus::Interrupted;
@@ -261,7 +261,7 @@ impl Follower<'_, '_> {
                     }
                 };
             }
-            let report = self.reading.report(speed.of(self.reading));
+            let report = self.reading.report(speed.rate(self.reading));
             let stops = self.observer.work(&Work::Elsewhere(&report)) == Flow::Stop;
             if stops && asked != Request::Stop {
                 asked = Request::Stop;
@@ -397,7 +397,7 @@ impl Speed {
         Speed { since: Clock::now(), step: reading.steps(), rate: None }
     }
 
-    fn of(&mut self, reading: &Reading) -> Option<f64> {
+    fn rate(&mut self, reading: &Reading) -> Option<f64> {
         let (steps, seconds) = (reading.steps(), self.since.elapsed().as_secs_f64());
         if seconds > 1.0 && steps > self.step {
             let rate = (steps - self.step) as f64 * reading.grains.count() as f64 / seconds;
