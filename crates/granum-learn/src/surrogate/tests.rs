@@ -104,10 +104,13 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
     let recurrent = Recurrent { hidden: 3, trainer, ..Recurrent::default() };
     let methods = SurrogateMethods::standard().with(small).with(recurrent).with(Nearest);
     let folder = tempfile::tempdir().unwrap();
+    let spec = spec_of(&dataset, "F2");
+    // What is not constant in a run is no input of whole curves.
+    let curves = FitSpec { inputs: vec!["deviator_strain".into()], ..spec.clone() };
     for name in methods.names() {
         let scores = compare(
             &parts,
-            &spec_of(&dataset, "F2"),
+            if name == "gaussian-process" { &curves } else { &spec },
             &[methods.by_name(name).unwrap()],
             0.9,
             &mut NoObserver,
