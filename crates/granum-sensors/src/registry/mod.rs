@@ -115,7 +115,7 @@ impl Known {
 /// The sensors that a program knows, in the order of their columns.
 ///
 /// ```
-/// use granum_core::Assembly;
+/// use granum_core::{Assembly, Part, Parts};
 /// use granum_sensors::Sensors;
 ///
 /// // The sensors that can be evaluated on spheres with known positions, and the reasons why the others cannot.
