@@ -135,7 +135,7 @@ def make(arguments):
     if "gallery" in arguments.what or not arguments.what:
         cases = [*FIGURE, *LABORATORY]
     make_gallery(granum, work, cases, stated)
-    files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("*.svg")]
+    files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg")]
     stated["pictures"] = {str(path.relative_to(ROOT / "docs")): sha256(path) for path in sorted(files)}
     STATED.write_text(json.dumps(stated, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
 
