@@ -71,8 +71,8 @@ impl Surrogate for FittedNeighbours {
     fn columns(&self) -> &Columns {
         &self.columns
     }
-    fn answer(&self, inputs: &RunInputs, _level: f64) -> granum::learn::Result<Vec<Prediction>> {
-        let answer = |row: &[f64]| {
+    fn evaluate(&self, inputs: &RunInputs, _level: f64) -> granum::learn::Result<Vec<Prediction>> {
+        let predicted = |row: &[f64]| {
             let distance = |other: &[f64]| -> f64 {
                 let each = other.iter().zip(row).zip(&self.ranges);
                 each.map(|((a, b), [low, high])| ((a - b) / (high - low)).powi(2)).sum()
@@ -84,7 +84,7 @@ impl Surrogate for FittedNeighbours {
             let estimates = (0..self.columns.outputs.len()).map(|k| Estimate::new(mean(k)));
             Prediction::new(estimates.collect()).with_outside(outside_of(&self.columns, &self.ranges, row))
         };
-        Ok(inputs.rows().map(answer).collect())
+        Ok(inputs.rows().map(predicted).collect())
     }
     fn content(&self) -> granum::learn::Result<Content> {
         Content::new(&(self.count, &self.ranges, &self.rows))

@@ -148,14 +148,14 @@ fn scalar_panel(shown: &Shown) -> Result<PaperPanel> {
                 [(shown.with_sensors, &mut panel.lines), (shown.strain_only, &mut panel.strain_only)]
             {
                 let states = fine_states(shown.mapping, &shown.inputs(networks, run)?, k);
-                let answers = networks.predict_states(&states.concat())?;
+                let predictions = networks.predict_states(&states.concat())?;
                 lines.push(Curve {
                     run: run.name().to_owned(),
                     sub_model: k + 1,
                     strain: None,
                     x: states.iter().map(|state| state[0]).collect(),
-                    y: answers.iter().map(|answer| answer.values[0]).collect(),
-                    outside: answers.iter().map(|answer| answer.outside).collect(),
+                    y: predictions.iter().map(|predicted| predicted.values[0]).collect(),
+                    outside: predictions.iter().map(|predicted| predicted.outside).collect(),
                 });
             }
         }
@@ -205,14 +205,14 @@ fn distribution_panel(shown: &Shown, k: usize) -> Result<PaperPanel> {
                 [(shown.with_sensors, &mut panel.lines), (shown.strain_only, &mut panel.strain_only)]
             {
                 let inputs = shown.inputs(networks, run)?.row(state);
-                for answer in networks.predict_states_at(&inputs, &fine)? {
+                for predicted in networks.predict_states_at(&inputs, &fine)? {
                     lines.push(Curve {
                         run: run.name().to_owned(),
                         sub_model: k + 1,
                         strain: Some(strain),
                         x: fine.clone(),
-                        y: answer.values,
-                        outside: vec![answer.outside; fine.len()],
+                        y: predicted.values,
+                        outside: vec![predicted.outside; fine.len()],
                     });
                 }
             }

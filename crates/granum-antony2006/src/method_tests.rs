@@ -107,11 +107,11 @@ fn a_mapping_as_a_surrogate_answers_as_the_networks_of_the_study() {
     let options = PaperOptions { mappings: vec![mapping], ..Default::default() };
     let study = options.train(&data, &NoStudyObserver).unwrap();
     let networks = crate::evaluation::networks(&study, "F2").unwrap();
-    let answers = networks.predict_states(&rows).unwrap();
-    assert_eq!(predictions.len(), answers.len());
-    for (prediction, answer) in predictions.iter().zip(&answers) {
+    let alone = networks.predict_states(&rows).unwrap();
+    assert_eq!(predictions.len(), alone.len());
+    for (prediction, alone) in predictions.iter().zip(&alone) {
         let means: Vec<f64> = prediction.values.iter().map(|value| value.mean).collect();
-        assert_eq!(means, answer.values);
+        assert_eq!(means, alone.values);
         for value in &prediction.values {
             let own = value.interval.as_ref().unwrap();
             assert!(own.lower < value.mean && value.mean < own.upper);

@@ -338,9 +338,9 @@ fn a_study_survives_its_files_and_answers_rows() {
     };
     let state = at(run, f2, 0.1);
     let force = data.bins.centres[2];
-    let answer = f2.predict_row(&[state[0], state[1], force], 0.9).unwrap();
-    assert_eq!(answer.sub_model, 1);
-    assert_eq!(answer.value, f2.predict_states(&state).unwrap()[0].values[2]);
+    let predicted = f2.predict_row(&[state[0], state[1], force], 0.9).unwrap();
+    assert_eq!(predicted.sub_model, 1);
+    assert_eq!(predicted.value, f2.predict_states(&state).unwrap()[0].values[2]);
     let ratio = at(&data.parts.training_runs.runs()[0], f2, 0.28)[1];
     let far = f2.predict_row(&[0.5, ratio, 9.0], 0.9).unwrap();
     let names: Vec<&str> = far.outside.iter().map(|outside| outside.name.as_str()).collect();
@@ -483,9 +483,9 @@ fn figures_have_lines_points_and_bands() {
     let part = granum_learn::Dataset::new(vec![run.clone()]).unwrap();
     let part = part.select(|run, row| run.table().column("deviator_strain").unwrap()[row] == strain);
     let inputs = RunInputs::from_dataset(&part, Surrogate::columns(f2)).unwrap();
-    let answer = &f2.predict_states(inputs.values()).unwrap()[0];
-    assert!((panel.lines[0].y[0] - answer.values[0]).abs() < 1e-12);
-    assert!((panel.lines[0].y[200] - answer.values[13]).abs() < 1e-12);
+    let predicted = &f2.predict_states(inputs.values()).unwrap()[0];
+    assert!((panel.lines[0].y[0] - predicted.values[0]).abs() < 1e-12);
+    assert!((panel.lines[0].y[200] - predicted.values[13]).abs() < 1e-12);
     let band = &panel.bands[0];
     assert!(band.low.iter().zip(&band.high).all(|(low, high)| low <= high));
 }

@@ -28,9 +28,9 @@ pub const RUN: &str = "run";
 /// let ridge = methods.by_name("ridge")?.fit(&dataset, &spec, &mut NoObserver)?;
 ///
 /// let asked = Table::new(vec![Column::new("x", "", vec![4.5, 40.0])])?;
-/// let answers = inference::predict_table(ridge.as_ref(), &asked, 0.9)?;
-/// assert!((answers.column("predicted_y")?[0] - 13.5).abs() < 0.1);
-/// assert_eq!(answers.column("outside")?, [0.0, 1.0]);
+/// let predictions = inference::predict_table(ridge.as_ref(), &asked, 0.9)?;
+/// assert!((predictions.column("predicted_y")?[0] - 13.5).abs() < 0.1);
+/// assert_eq!(predictions.column("outside")?, [0.0, 1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

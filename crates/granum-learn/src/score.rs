@@ -1,8 +1,8 @@
 //! Scores of predictions.
 //!
 //! The main score is the **relative RMSE**: the root mean square error over the root mean square of the DEM values,
-//! `sqrt(sum (answer - dem)^2 / sum dem^2)` over all values of all scored states. In contrast to
-//! `R2 = 1 - sum (answer - dem)^2 / sum (dem - mean dem)^2` it does not diverge if a curve is flat; R2 is reported in
+//! `sqrt(sum (predicted - dem)^2 / sum dem^2)` over all values of all scored states. In contrast to
+//! `R2 = 1 - sum (predicted - dem)^2 / sum (dem - mean dem)^2` it does not diverge if a curve is flat; R2 is reported in
 //! addition. A state with a distribution counts with each of its bins.
 
 use serde::{Deserialize, Serialize};
@@ -42,9 +42,9 @@ pub struct Scorer {
 
 impl Scorer {
     /// Adds one state with its DEM values and its prediction.
-    pub fn add(&mut self, dem: &[f64], answer: &[f64]) {
+    pub fn add(&mut self, dem: &[f64], predicted: &[f64]) {
         self.states += 1;
-        for (&exact, &value) in dem.iter().zip(answer) {
+        for (&exact, &value) in dem.iter().zip(predicted) {
             self.values += 1;
             self.errors += (value - exact) * (value - exact);
             self.squares += exact * exact;

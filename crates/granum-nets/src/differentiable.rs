@@ -46,7 +46,7 @@ use crate::trainer::error::TrainingError;
 ///     fn weights_mut(&mut self) -> &mut [f64] {
 ///         &mut self.0
 ///     }
-///     fn answer(&self, _: Isa, inputs: &[f64], _: Option<&Sequences>) -> Result<Vec<f64>, TrainingError> {
+///     fn evaluate(&self, _: Isa, inputs: &[f64], _: Option<&Sequences>) -> Result<Vec<f64>, TrainingError> {
 ///         Ok(inputs.iter().map(|x| self.0[0] * x).collect())
 ///     }
 ///     fn batch(&self, _: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
@@ -81,7 +81,7 @@ pub trait Differentiable: Send + Sync {
     ///
     /// # Errors
     /// If the rows do not match the model.
-    fn answer(
+    fn evaluate(
         &self,
         isa: Isa,
         inputs: &[f64],

@@ -169,7 +169,7 @@ impl Differentiable for Gru {
         &mut self.weights
     }
 
-    fn answer(
+    fn evaluate(
         &self,
         isa: Isa,
         inputs: &[f64],
@@ -185,7 +185,7 @@ impl Differentiable for Gru {
             )));
         }
         let rows = GruRows { inputs, sequences, targets: None, weights: None };
-        GruBatch::new(isa, self.shape, &rows).map(|mut batch| batch.answer(&self.weights))
+        GruBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
     }
 
     fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
@@ -228,7 +228,7 @@ mod tests {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let sigmoid = |x: f64| 1.0 / (1.0 + (-x).exp());
         let sequences = data.sequences().unwrap();
-        let mut answers = Vec::new();
+        let mut predictions = Vec::new();
         for (k, rows) in sequences.ranges().into_iter().enumerate() {
             let start = &sequences.starts()[k * starts..(k + 1) * starts];
             let first = |j: usize| {
@@ -251,13 +251,13 @@ mod tests {
                     (1.0 - update) * n + update * h[j]
                 };
                 h = (0..hidden).map(next).collect();
-                answers.extend((0..outputs).map(|o| {
+                predictions.extend((0..outputs).map(|o| {
                     let row = &w[shape.read_out() + o * shape.state_row()..][..shape.state_row()];
                     row[0] + dot(&row[1..], &h)
                 }));
             }
         }
-        answers
+        predictions
     }
 
     /// Lengths that fill less than one lane, several lane blocks, and more than one group.
@@ -270,11 +270,11 @@ mod tests {
         for lengths in cases() {
             let data = data(&lengths, [3, 2, 2]);
             let gru = Gru::new(3, 2, 7, 2, 5).unwrap();
-            let answers = gru.answer(Isa::detect(), data.inputs(), data.sequences()).unwrap();
-            for (ours, expected) in answers.iter().zip(by_hand(&gru, &data)) {
+            let predictions = gru.evaluate(Isa::detect(), data.inputs(), data.sequences()).unwrap();
+            for (ours, expected) in predictions.iter().zip(by_hand(&gru, &data)) {
                 assert!((ours - expected).abs() < 1e-13, "{ours} {expected}");
             }
-            let error: f64 = answers
+            let error: f64 = predictions
                 .iter()
                 .zip(data.targets())
                 .enumerate()
@@ -322,7 +322,7 @@ mod tests {
                 let mut gradient = vec![0.0; gru.weights().len()];
                 let error = batch.squared_error(gru.weights());
                 batch.gradient(gru.weights(), 0.3, &mut gradient);
-                (error, gradient, gru.answer(isa, data.inputs(), data.sequences()).unwrap())
+                (error, gradient, gru.evaluate(isa, data.inputs(), data.sequences()).unwrap())
             };
             let reference = all(Isa::Portable);
             for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
@@ -331,15 +331,15 @@ mod tests {
         }
     }
 
-    /// The answer for a sequence depends on nothing but the sequence: neither on its neighbours nor on their lengths.
+    /// The prediction for a sequence depends on nothing but the sequence: neither on its neighbours nor on their lengths.
     #[test]
     fn sequences_do_not_disturb_each_other() {
         let data = data(&[5, 2, 9, 1, 3, 8, 4, 4, 7, 6], [2, 1, 1]);
         let gru = Gru::new(2, 1, 5, 1, 3).unwrap();
-        let together = gru.answer(Isa::detect(), data.inputs(), data.sequences()).unwrap();
+        let together = gru.evaluate(Isa::detect(), data.inputs(), data.sequences()).unwrap();
         for (member, rows) in data.sequences().unwrap().ranges().into_iter().enumerate() {
             let own = data.only_members(&[member]).unwrap();
-            let alone = gru.answer(Isa::detect(), own.inputs(), own.sequences()).unwrap();
+            let alone = gru.evaluate(Isa::detect(), own.inputs(), own.sequences()).unwrap();
             assert_eq!(alone, together[rows]);
         }
     }
@@ -355,12 +355,12 @@ mod tests {
         assert!(Gru::from_weights(2, 1, 3, 1, vec![f64::NAN; count]).is_err());
         let data = data(&[3, 2], [2, 1, 1]);
         let message = |result: Result<Vec<f64>, TrainingError>| result.unwrap_err().to_string();
-        assert!(message(gru.answer(Isa::detect(), data.inputs(), None)).contains("divided into sequences"));
+        assert!(message(gru.evaluate(Isa::detect(), data.inputs(), None)).contains("divided into sequences"));
         let bare = Sequences::new(vec![3, 2]).unwrap();
-        let text = message(gru.answer(Isa::detect(), data.inputs(), Some(&bare)));
+        let text = message(gru.evaluate(Isa::detect(), data.inputs(), Some(&bare)));
         assert_eq!(text, "the recurrent unit has 1 start values, the sequences have 0");
         assert!(
-            message(gru.answer(Isa::detect(), &[0.0; 9], data.sequences())).contains("5 rows of 2 inputs")
+            message(gru.evaluate(Isa::detect(), &[0.0; 9], data.sequences())).contains("5 rows of 2 inputs")
         );
     }
 }

@@ -193,19 +193,19 @@ impl GruBatch {
     }
 
     /// The outputs for all rows, `rows x outputs`.
-    pub(crate) fn answer(&mut self, weights: &[f64]) -> Vec<f64> {
-        let mut answers = vec![0.0; self.rows * self.shape.outputs];
+    pub(crate) fn evaluate(&mut self, weights: &[f64]) -> Vec<f64> {
+        let mut predictions = vec![0.0; self.rows * self.shape.outputs];
         for number in 0..self.groups.len() {
             self.forward(number, weights, false);
             let layout = &self.groups[number].layout;
             layout.each_row(|row, block, lane| {
                 for o in 0..self.shape.outputs {
-                    answers[row * self.shape.outputs + o] =
+                    predictions[row * self.shape.outputs + o] =
                         self.scratch.outputs[o * layout.stride + block].0[lane];
                 }
             });
         }
-        answers
+        predictions
     }
 
     fn forward(&mut self, number: usize, weights: &[f64], trains: bool) {

@@ -36,7 +36,7 @@ impl Differentiable for Network {
         Network::weights_mut(self)
     }
 
-    fn answer(&self, isa: Isa, inputs: &[f64], _: Option<&Sequences>) -> Result<Vec<f64>, TrainingError> {
+    fn evaluate(&self, isa: Isa, inputs: &[f64], _: Option<&Sequences>) -> Result<Vec<f64>, TrainingError> {
         self.forward_on(isa, inputs).map_err(|error| TrainingError::Rows(error.to_string()))
     }
 

@@ -10,7 +10,7 @@ use crate::trainer::trainer_trait::check_columns;
 /// The mean squared error of a model as a function of its weights,
 ///
 /// ```text
-/// E = sum of w (answer - target)^2 / (observations * targets)
+/// E = sum of w (prediction - target)^2 / (observations * targets)
 /// ```
 ///
 /// with the weights `w` of the rows. Sums have a fixed order, so that the bits are identical with every instruction set.

@@ -45,10 +45,10 @@ pub struct SequenceDefinition {
 ///     SequenceDefinition { inputs: column("x", "1"), outputs: column("y", "kPa"), hidden: 6, seed: 1 };
 /// let trainer = Adam { epochs: 300, learning_rate: 0.02, ..Adam::default() };
 /// let (model, _) = SequenceModel::fit(&definition, &data, &trainer, &mut NoObserver)?;
-/// let answers = model.predict(&[0.2, 0.6, -0.4], &[3])?;
-/// assert!((answers[1] - 40.0).abs() < 8.0 && (answers[2] - 10.0).abs() < 8.0, "{answers:?}");
+/// let predictions = model.predict(&[0.2, 0.6, -0.4], &[3])?;
+/// assert!((predictions[1] - 40.0).abs() < 8.0 && (predictions[2] - 10.0).abs() < 8.0, "{predictions:?}");
 /// let back = SequenceModel::from_value(&model.to_value()?, "model")?;
-/// assert_eq!(back.predict(&[0.2, 0.6, -0.4], &[3])?, answers);
+/// assert_eq!(back.predict(&[0.2, 0.6, -0.4], &[3])?, predictions);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -132,11 +132,11 @@ impl SequenceModel {
             return Err(ModelError::Columns(text));
         }
         let sequences = with_starts(sequences, &scaled, columns)?;
-        let mut answers = self.gru.answer(Isa::detect(), &scaled, Some(&sequences))?;
-        for (k, answer) in answers.iter_mut().enumerate() {
-            *answer = self.output_scalers[k % self.outputs.len()].unscale(*answer);
+        let mut predictions = self.gru.evaluate(Isa::detect(), &scaled, Some(&sequences))?;
+        for (k, prediction) in predictions.iter_mut().enumerate() {
+            *prediction = self.output_scalers[k % self.outputs.len()].unscale(*prediction);
         }
-        Ok(answers)
+        Ok(predictions)
     }
 
     /// Input columns, in the order of a row.

@@ -10,9 +10,9 @@ fn figures_for_machines_name_law_size_threads_and_instruction_set() {
     let flags = ["bench", "--json", "--seconds", "0.01", "--threads", "1,2", "--isa", "portable"];
     let done = run(folder.path(), &[&flags[..], &["--only", "dem", "--law", "hertz,no-slip"]].concat());
     assert!(done.status.success(), "{}", stderr(&done));
-    let answer = json(&stdout(&done));
-    let dem = answer["dem"].as_array().unwrap();
-    assert_eq!(dem.len(), 4, "{answer}");
+    let measured = json(&stdout(&done));
+    let dem = measured["dem"].as_array().unwrap();
+    assert_eq!(dem.len(), 4, "{measured}");
     for (k, (grains, threads)) in [(5000, 1), (5000, 2), (100_000, 1), (100_000, 2)].into_iter().enumerate() {
         assert_eq!((&dem[k]["grains"], &dem[k]["threads"]), (&grains.into(), &threads.into()));
         assert_eq!((&dem[k]["normal"], &dem[k]["tangential"]), (&"hertz".into(), &"no-slip".into()));
@@ -26,7 +26,7 @@ fn figures_for_machines_name_law_size_threads_and_instruction_set() {
             );
         }
     }
-    assert_eq!(answer["nets"], json("[]"));
+    assert_eq!(measured["nets"], json("[]"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -35,8 +35,8 @@ fn networks_have_their_figures() {
     let folder = tempfile::tempdir().unwrap();
     let done = run(folder.path(), &["bench", "--json", "--seconds", "0.01", "--only", "nets"]);
     assert!(done.status.success(), "{}", stderr(&done));
-    let answer = json(&stdout(&done));
-    let nets = answer["nets"].as_array().unwrap();
+    let measured = json(&stdout(&done));
+    let nets = measured["nets"].as_array().unwrap();
     assert_eq!(nets.len(), 6);
     for figure in nets {
         assert!(figure["value"].as_f64().unwrap() > 0.0, "{figure}");

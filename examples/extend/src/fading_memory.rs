@@ -103,14 +103,14 @@ impl Surrogate for Fitted {
         true
     }
 
-    fn answer(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
-        let answer = |(features, row): (Vec<f64>, &[f64])| {
+    fn evaluate(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
+        let predicted = |(features, row): (Vec<f64>, &[f64])| {
             let mean = |factors: &Vec<f64>| factors.iter().zip(&features).map(|(a, x)| a * x).sum::<f64>();
             let estimates = self.factors.iter().map(|factors| Estimate::new(mean(factors))).collect();
             Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, row))
         };
         let features = inputs.runs().flat_map(|run| features(run, inputs.columns()));
-        Ok(features.zip(inputs.rows()).map(answer).collect())
+        Ok(features.zip(inputs.rows()).map(predicted).collect())
     }
 
     fn content(&self) -> Result<Content> {

@@ -166,12 +166,14 @@ mod tests {
     }
 
     /// Tries procedures until the search ends; returns the best difference from the target, and the trials.
-    fn search(line: &Line, answer: impl Fn(f64) -> f64, target: f64) -> (f64, Vec<Trial>) {
+    fn search(line: &Line, solid_fraction_at: impl Fn(f64) -> f64, target: f64) -> (f64, Vec<Trial>) {
         let mut trials = Vec::new();
         for _ in 0..7 {
             let position = line.next(&trials, target);
-            trials
-                .push(Trial { solid_fraction: answer(position), ..line.procedure(position).trial(position) });
+            trials.push(Trial {
+                solid_fraction: solid_fraction_at(position),
+                ..line.procedure(position).trial(position)
+            });
         }
         (trials.iter().map(|t| (t.solid_fraction - target).abs()).fold(1.0, f64::min), trials)
     }
@@ -180,10 +182,10 @@ mod tests {
     fn the_search_converges_on_a_smooth_curve_in_all_its_parts() {
         let preparation = Preparation::default();
         let line = Line::new(&preparation, 0.5);
-        let answer =
+        let solid_fraction_at =
             |x: f64| 0.63 - 0.02 * x.min(0.0) - 0.14 * x.clamp(0.0, 0.5) - 0.004 * (x - 0.5).max(0.0);
         for (target, within) in [(0.61, 1e-4), (0.645, 1e-3), (0.553, 1e-3)] {
-            let (best, trials) = search(&line, answer, target);
+            let (best, trials) = search(&line, solid_fraction_at, target);
             assert!(best < within, "{target}: {trials:?}");
         }
     }

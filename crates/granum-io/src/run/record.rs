@@ -267,7 +267,7 @@ impl RunRecord {
 
     /// True if the run is finished, belongs to exactly this case, and was executed by this version: it need not be repeated
     /// then.
-    pub fn answers(&self, case: &Case, granum_version: &str) -> bool {
+    pub fn is_result_of(&self, case: &Case, granum_version: &str) -> bool {
         self.status == RunStatus::Finished
             && self.case_digest == case.digest()
             && self.granum_version == granum_version

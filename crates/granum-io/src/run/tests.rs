@@ -53,7 +53,7 @@ fn a_run_comes_back() {
     assert_eq!(back.content["series.parquet"], back.content["forces.parquet"]);
     assert_eq!(RunRecord { content: BTreeMap::new(), ..back.clone() }, record());
     assert_eq!(back.grain_steps(), 5_000_000);
-    assert!(back.answers(&Case::default(), "0.1.0") && !back.answers(&Case::default(), "0.2.0"));
+    assert!(back.is_result_of(&Case::default(), "0.1.0") && !back.is_result_of(&Case::default(), "0.2.0"));
 }
 
 /// A finished run with a snapshot, a further histogram and a preparation.

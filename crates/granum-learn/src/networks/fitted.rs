@@ -25,7 +25,7 @@ pub struct SubModelNetworks {
 
 /// The prediction for a state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StateAnswer {
+pub struct StatePrediction {
     /// The output: one value, or for a histogram one value for each bin.
     pub values: Vec<f64>,
     /// Number of the sub-model that was used, from 0.
@@ -36,7 +36,7 @@ pub struct StateAnswer {
 
 /// The prediction for one row, see [`SubModelNetworks::input_names`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowAnswer {
+pub struct RowPrediction {
     /// The output.
     pub value: f64,
     /// Standard deviation of an observation around the output, split by cause, if the network provides it.
@@ -141,7 +141,7 @@ impl SubModelNetworks {
     ///
     /// # Errors
     /// If the row has the wrong length or a value is not finite.
-    pub fn predict_row(&self, row: &[f64], level: f64) -> Result<RowAnswer> {
+    pub fn predict_row(&self, row: &[f64], level: f64) -> Result<RowPrediction> {
         let one = self.predict_single_values(row, level)?.pop();
         one.ok_or_else(|| LearnError::Network {
             network: self.mapping.name.clone(),
@@ -153,7 +153,7 @@ impl SubModelNetworks {
     ///
     /// # Errors
     /// As [`SubModelNetworks::predict_row`].
-    pub fn predict_single_values(&self, rows: &[f64], level: f64) -> Result<Vec<RowAnswer>> {
+    pub fn predict_single_values(&self, rows: &[f64], level: f64) -> Result<Vec<RowPrediction>> {
         let names = self.input_names();
         let problem = |reason: String| LearnError::Network { network: self.mapping.name.clone(), reason };
         if !rows.len().is_multiple_of(names.len()) {
@@ -165,7 +165,7 @@ impl SubModelNetworks {
             return Err(problem(format!("row {row}: {name} is {}, not a finite number", rows[k])));
         }
         let rows: Vec<&[f64]> = rows.chunks_exact(names.len()).collect();
-        let mut answers = vec![None; rows.len()];
+        let mut predictions = vec![None; rows.len()];
         for (sub_model, own) in self.by_sub_model(&rows) {
             let mut inputs = Vec::new();
             for &k in &own {
@@ -175,7 +175,7 @@ impl SubModelNetworks {
             let spread = self.spread(sub_model, &inputs, level)?;
             let ranges = self.trained_ranges(sub_model);
             for (place, &k) in own.iter().enumerate() {
-                answers[k] = Some(RowAnswer {
+                predictions[k] = Some(RowPrediction {
                     value: spread.values[place],
                     deviation: spread.deviations.as_ref().map(|deviations| deviations[place]),
                     interval: spread.interval(place),
@@ -184,7 +184,7 @@ impl SubModelNetworks {
                 });
             }
         }
-        Ok(answers.into_iter().flatten().collect())
+        Ok(predictions.into_iter().flatten().collect())
     }
 
     /// The numbers of the rows of each sub-model that has some.
@@ -226,7 +226,7 @@ impl SubModelNetworks {
     ///
     /// # Errors
     /// If a value is not finite.
-    pub fn predict_states(&self, rows: &[f64]) -> Result<Vec<StateAnswer>> {
+    pub fn predict_states(&self, rows: &[f64]) -> Result<Vec<StatePrediction>> {
         self.predict_states_at(rows, self.mapping.output_centres())
     }
 
@@ -234,9 +234,9 @@ impl SubModelNetworks {
     ///
     /// # Errors
     /// As [`SubModelNetworks::predict_states`].
-    pub fn predict_states_at(&self, rows: &[f64], at: &[f64]) -> Result<Vec<StateAnswer>> {
+    pub fn predict_states_at(&self, rows: &[f64], at: &[f64]) -> Result<Vec<StatePrediction>> {
         let rows: Vec<&[f64]> = rows.chunks_exact(self.columns.inputs.len().max(1)).collect();
-        let mut answers: Vec<Option<StateAnswer>> = vec![None; rows.len()];
+        let mut predictions: Vec<Option<StatePrediction>> = vec![None; rows.len()];
         for (sub_model, own) in self.by_sub_model(&rows) {
             let mut inputs = Vec::new();
             own.iter().for_each(|&k| self.mapping.push_inputs(rows[k], at, &mut inputs));
@@ -247,7 +247,7 @@ impl SubModelNetworks {
             for (place, &k) in own.iter().enumerate() {
                 let values = &batch.values[place * each..(place + 1) * each];
                 let inside = self.mapping.sub_model_at(self.mapping.coordinate_of(rows[k])).1;
-                answers[k] = Some(StateAnswer {
+                predictions[k] = Some(StatePrediction {
                     values: match self.mapping.predicts_histogram() {
                         true => values.to_vec(),
                         false => vec![values.iter().sum::<f64>() / each as f64],
@@ -257,7 +257,7 @@ impl SubModelNetworks {
                 });
             }
         }
-        Ok(answers.into_iter().flatten().collect())
+        Ok(predictions.into_iter().flatten().collect())
     }
 
     fn failed(&self, sub_model: usize, error: &ModelError) -> LearnError {
@@ -321,7 +321,7 @@ impl Surrogate for SubModelNetworks {
         self.mapping.check_bins(dataset)
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         // If the output is a histogram, the last value of a row is that of the binned variable.
         let bins: Vec<Option<f64>> = match self.mapping.predicts_histogram() {
             true => self.mapping.output_centres().iter().copied().map(Some).collect(),
@@ -331,12 +331,12 @@ impl Surrogate for SubModelNetworks {
             .rows()
             .flat_map(|row| bins.iter().flat_map(|bin| row.iter().copied().chain(*bin)))
             .collect();
-        let answers = self.predict_single_values(&asked, level)?;
-        Ok(answers.chunks(bins.len()).map(prediction).collect())
+        let predictions = self.predict_single_values(&asked, level)?;
+        Ok(predictions.chunks(bins.len()).map(prediction).collect())
     }
 
     fn means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
-        Ok(self.predict_states(inputs.values())?.into_iter().map(|answer| answer.values).collect())
+        Ok(self.predict_states(inputs.values())?.into_iter().map(|predicted| predicted.values).collect())
     }
 
     fn content(&self) -> Result<Content> {
@@ -350,16 +350,16 @@ impl Surrogate for SubModelNetworks {
 }
 
 /// The prediction for one state, with one estimate for each output.
-fn prediction(answers: &[RowAnswer]) -> Prediction {
-    let estimate = |answer: &RowAnswer| match (answer.interval, &answer.deviation) {
-        (Some(ends), Some(deviation)) => Estimate::new(answer.value).within(ends, causes(deviation)),
-        _ => Estimate::new(answer.value),
+fn prediction(predictions: &[RowPrediction]) -> Prediction {
+    let estimate = |predicted: &RowPrediction| match (predicted.interval, &predicted.deviation) {
+        (Some(ends), Some(deviation)) => Estimate::new(predicted.value).within(ends, causes(deviation)),
+        _ => Estimate::new(predicted.value),
     };
     let mut outside: Vec<Outside> = Vec::new();
-    for found in answers.iter().flat_map(|answer| &answer.outside) {
+    for found in predictions.iter().flat_map(|predicted| &predicted.outside) {
         if outside.iter().all(|known| known.name != found.name) {
             outside.push(found.clone());
         }
     }
-    Prediction::new(answers.iter().map(estimate).collect()).with_outside(outside)
+    Prediction::new(predictions.iter().map(estimate).collect()).with_outside(outside)
 }

@@ -25,7 +25,7 @@ pub mod training_rows;
 mod tests;
 
 pub use checkpoints::{NetworkCheckpoints, NoCheckpoints};
-pub use fitted::{RowAnswer, StateAnswer, SubModelNetworks, networks_of};
+pub use fitted::{RowPrediction, StatePrediction, SubModelNetworks, networks_of};
 pub use kept_networks::{KeptNetworks, TIMES_FILE};
 pub use mapping::{Form, MappingBins, MappingQuantity, NetworkMapping};
 pub use method::NetworksBySubModel;

@@ -6,7 +6,7 @@
 //! chosen with ridge regression, which costs hardly any time: every training run is predicted from the others,
 //!
 //! ```text
-//! answer = B(coordinate) a + sum_k b_k x_k,   x_k = deviation of input k from its mean along the coordinate, scaled as in the network
+//! predicted = B(coordinate) a + sum_k b_k x_k,   x_k = deviation of input k from its mean along the coordinate, scaled as in the network
 //! ```
 //!
 //! where `b_k` has a normal prior distribution with the variance [`SLOPE_VARIANCE`] that is typical of slopes in networks,

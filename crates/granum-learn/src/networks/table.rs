@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use granum_core::{Column, Table};
 
-use super::fitted::{RowAnswer, SubModelNetworks};
+use super::fitted::{RowPrediction, SubModelNetworks};
 use crate::error::{LearnError, Result};
 use crate::inference::{chosen, rows_of};
 
@@ -36,24 +36,24 @@ impl SubModelNetworks {
                 return Err(LearnError::Rows(reason));
             }
         }
-        let answers = self.predict_single_values(&rows_of(&inputs), level)?;
-        let outside = answers.iter().filter(|answer| !answer.outside.is_empty()).count();
+        let predictions = self.predict_single_values(&rows_of(&inputs), level)?;
+        let outside = predictions.iter().filter(|predicted| !predicted.outside.is_empty()).count();
         let mut all = inputs.columns().to_vec();
-        let mut add = |name: &str, value: &dyn Fn(&RowAnswer) -> f64| {
-            all.push(Column::new(name, "", answers.iter().map(value).collect()));
+        let mut add = |name: &str, value: &dyn Fn(&RowPrediction) -> f64| {
+            all.push(Column::new(name, "", predictions.iter().map(value).collect()));
         };
-        add(&format!("predicted_{}", self.mapping().output.name), &|answer| answer.value);
-        if answers.iter().any(|answer| answer.interval.is_some()) {
-            add("standard_deviation", &|answer| {
-                answer.deviation.map_or(f64::NAN, |deviation| deviation.total)
+        add(&format!("predicted_{}", self.mapping().output.name), &|predicted| predicted.value);
+        if predictions.iter().any(|predicted| predicted.interval.is_some()) {
+            add("standard_deviation", &|predicted| {
+                predicted.deviation.map_or(f64::NAN, |deviation| deviation.total)
             });
-            add("lower", &|answer| answer.interval.map_or(f64::NAN, |[lower, _]| lower));
-            add("upper", &|answer| answer.interval.map_or(f64::NAN, |[_, upper]| upper));
+            add("lower", &|predicted| predicted.interval.map_or(f64::NAN, |[lower, _]| lower));
+            add("upper", &|predicted| predicted.interval.map_or(f64::NAN, |[_, upper]| upper));
         }
-        add("sub_model", &|answer| (answer.sub_model + 1) as f64);
-        add("outside", &|answer| f64::from(u8::from(!answer.outside.is_empty())));
+        add("sub_model", &|predicted| (predicted.sub_model + 1) as f64);
+        add("outside", &|predicted| f64::from(u8::from(!predicted.outside.is_empty())));
         let table = Table::new(all)?;
-        let sub_models: BTreeSet<usize> = answers.iter().map(|answer| answer.sub_model).collect();
+        let sub_models: BTreeSet<usize> = predictions.iter().map(|predicted| predicted.sub_model).collect();
         Ok(TablePrediction { table, outside, sub_models: sub_models.into_iter().collect() })
     }
 

@@ -1,7 +1,7 @@
 //! Ridge regression on functions of a coordinate and on the deviations of the inputs from their means along it.
 //!
 //! ```text
-//! answer = B(coordinate) a + sum_k b_k z_k,   z_k = (input_k - B(coordinate) c_k) / s_k
+//! predicted = B(coordinate) a + sum_k b_k z_k,   z_k = (input_k - B(coordinate) c_k) / s_k
 //! ```
 //!
 //! with functions `B` of the coordinate. An input enters as its deviation from its mean as a function of the coordinate

@@ -327,10 +327,10 @@ fn a_word_is_an_input_that_is_learned_from() {
         Table::new(vec![Column::new("x", "", vec![0.9; 2]), Column::of_words("contact.normal", laws)])
             .unwrap()
     };
-    let answers = crate::inference::predict_table(surrogate, &asked(["hertz", "jkr"]), 0.9).unwrap();
-    let y = answers.column("predicted_y").unwrap();
+    let predictions = crate::inference::predict_table(surrogate, &asked(["hertz", "jkr"]), 0.9).unwrap();
+    let y = predictions.column("predicted_y").unwrap();
     assert!(y[1] > y[0] + 0.3, "{y:?}");
-    assert_eq!(answers.names().take(2).collect::<Vec<_>>(), ["contact.normal", "x"]);
+    assert_eq!(predictions.names().take(2).collect::<Vec<_>>(), ["contact.normal", "x"]);
     let error =
         crate::inference::predict_table(surrogate, &asked(["hertz", "hooke"]), 0.9).unwrap_err().to_string();
     assert!(

@@ -193,7 +193,7 @@ impl Surrogate for FittedNetworks {
         &self.columns
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let flat = inputs.values();
         let mut predictions = vec![Prediction::default(); inputs.len()];
         for model in &self.models {

@@ -166,7 +166,7 @@ impl Surrogate for FittedCurve {
         &self.columns
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let Fitted { along_coordinate, runs, coordinates, means, deviations } = &self.fitted;
         let n = *runs as f64;
         let quantile = granum_nets::two_sided_quantile(level, n - 1.0);

@@ -68,13 +68,13 @@ fn memory_is_worth_something_where_there_is_a_history() {
     let loaded = SurrogateMethods::standard().from_json(&text, "recurrent.json").unwrap();
     assert_eq!(score_surrogate(loaded.as_ref(), &parts.unseen).unwrap(), recurrent.unseen);
     let inputs = RunInputs::from_dataset(&parts.unseen, loaded.columns()).unwrap();
-    let answers = loaded.predict(&inputs, 0.9).unwrap();
+    let predictions = loaded.predict(&inputs, 0.9).unwrap();
     let table = predict_table(loaded.as_ref(), &parts.unseen.table().unwrap(), 0.9).unwrap();
-    let means: Vec<f64> = answers.iter().map(|answer| answer.values[0].mean).collect();
+    let means: Vec<f64> = predictions.iter().map(|predicted| predicted.values[0].mean).collect();
     assert_eq!(table.column("predicted_stress").unwrap(), means);
-    // The boundaries of runs matter: as one run, the same rows give other answers.
+    // The boundaries of runs matter: as one run, the same rows give other predictions.
     let joined = RunInputs::new(inputs.values().to_vec(), 2, vec![inputs.len()]).unwrap();
-    assert_ne!(loaded.predict(&joined, 0.9).unwrap(), answers);
+    assert_ne!(loaded.predict(&joined, 0.9).unwrap(), predictions);
     // For a method without memory they do not.
     let ridge = ridge.surrogate.as_ref();
     assert_eq!(ridge.predict(&joined, 0.9).unwrap(), ridge.predict(&inputs, 0.9).unwrap());

@@ -55,7 +55,7 @@
 //!     fn columns(&self) -> &Columns {
 //!         &self.columns
 //!     }
-//!     fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+//!     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
 //!         let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
 //!         let estimates = self.moments.iter().map(|[mean, sd]| Estimate::new(*mean).by(vec![(Cause::Noise, *sd)], quantile));
 //!         Ok(vec![Prediction::new(estimates.collect()); inputs.len()])

@@ -55,9 +55,9 @@ use crate::error::{LearnError, Result};
 /// (method.hidden, method.networks) = (8, 2);
 /// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
 /// let asked = RunInputs::new(vec![-0.5, 0.9, -0.5], 1, vec![3])?;
-/// let answers = fitted.predict(&asked, 0.9)?;
+/// let predictions = fitted.predict(&asked, 0.9)?;
 /// // The last row has the input of the first, but another history.
-/// assert!(answers[2].values[0].mean > answers[0].values[0].mean + 0.5, "{answers:?}");
+/// assert!(predictions[2].values[0].mean > predictions[0].values[0].mean + 0.5, "{predictions:?}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -233,21 +233,21 @@ struct FittedRecurrent {
 
 impl FittedRecurrent {
     /// The outputs of every network, in row-major order.
-    fn answers(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
-        let answer = |network: &SequenceModel| network.predict(inputs.values(), inputs.lengths());
-        self.networks.iter().map(|network| answer(network).map_err(failed)).collect()
+    fn outputs_of_networks(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let outputs = |network: &SequenceModel| network.predict(inputs.values(), inputs.lengths());
+        self.networks.iter().map(|network| outputs(network).map_err(failed)).collect()
     }
 
     /// The variances of the errors that the networks make for runs that they were not trained on.
     fn run_variances(&self, inputs: &RunInputs, targets: &[f64]) -> Result<RunVariances> {
-        let (answers, outputs) = (self.answers(inputs)?, self.columns.outputs.len());
+        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
         let mut excess = vec![0.0; outputs];
         let mut row = 0;
         for (run, length) in inputs.lengths().iter().enumerate() {
-            let own = &answers[run % answers.len()];
+            let own = &means[run % means.len()];
             for place in row * outputs..(row + length) * outputs {
                 let error = own[place] - targets[place];
-                excess[place % outputs] += error * error - mean_and_variance(&answers, place).1;
+                excess[place % outputs] += error * error - mean_and_variance(&means, place).1;
             }
             row += length;
         }
@@ -258,10 +258,10 @@ impl FittedRecurrent {
 }
 
 /// Mean of the networks' values at a place, and the variance between them.
-fn mean_and_variance(answers: &[Vec<f64>], place: usize) -> (f64, f64) {
-    let count = answers.len() as f64;
-    let mean = answers.iter().map(|values| values[place]).sum::<f64>() / count;
-    let squares: f64 = answers.iter().map(|values| (values[place] - mean) * (values[place] - mean)).sum();
+fn mean_and_variance(predictions: &[Vec<f64>], place: usize) -> (f64, f64) {
+    let count = predictions.len() as f64;
+    let mean = predictions.iter().map(|values| values[place]).sum::<f64>() / count;
+    let squares: f64 = predictions.iter().map(|values| (values[place] - mean) * (values[place] - mean)).sum();
     (mean, squares / (count - 1.0).max(1.0))
 }
 
@@ -278,16 +278,16 @@ impl Surrogate for FittedRecurrent {
         true
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         if inputs.is_empty() {
             return Ok(Vec::new());
         }
-        let (answers, outputs) = (self.answers(inputs)?, self.columns.outputs.len());
+        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
         let quantile =
             |known: &RunVariances| granum_nets::two_sided_quantile(level, known.degrees_of_freedom);
         let known = self.run_variances.as_ref().map(|known| (known, quantile(known)));
         let estimate = |row: usize, output: usize| {
-            let (mean, between) = mean_and_variance(&answers, row * outputs + output);
+            let (mean, between) = mean_and_variance(&means, row * outputs + output);
             let Some((known, quantile)) = known else { return Estimate::new(mean) };
             let causes =
                 vec![(Cause::Parameters, between.sqrt()), (Cause::Runs, known.outputs[output].sqrt())];

@@ -300,7 +300,7 @@ impl Surrogate for FittedRidge {
         &self.columns
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let fitted = &self.fitted;
         let size = fitted.outputs.first().map_or(0, |output| output.coefficients.len());
         let factor = Cholesky::from_lower(size, fitted.factor.clone());

@@ -101,7 +101,7 @@ pub trait Surrogate: Any + Send + Sync {
     ///
     /// # Errors
     /// If a row cannot be predicted.
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
 
     /// Refuses a data set with the columns of its names that mean something else, such as bins of another width.
     ///
@@ -145,7 +145,7 @@ pub trait Surrogate: Any + Send + Sync {
             let (row, name, value) = (k / names.len() + 1, &names[k % names.len()], inputs.values()[k]);
             return Err(problem(format!("row {row}: {name} is {value}, not a finite number")));
         }
-        let predictions = self.answer(inputs, level)?;
+        let predictions = self.evaluate(inputs, level)?;
         let (rows, outputs) = (inputs.len(), self.columns().outputs.len());
         if predictions.len() != rows || predictions.iter().any(|p| p.values.len() != outputs) {
             return Err(problem(format!("it did not return {rows} rows with {outputs} values each")));

@@ -55,7 +55,7 @@ impl Surrogate for FittedNearest {
     fn columns(&self) -> &Columns {
         &self.columns
     }
-    fn answer(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
         let distance = |a: &[f64], b: &[f64]| -> f64 {
             let each = a.iter().zip(b).zip(&self.ranges);
             each.map(|((a, b), [low, high])| ((a - b) / (high - low).max(1e-300)).powi(2)).sum()
@@ -184,7 +184,7 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     );
     assert!(forged("\"noise_variance\": ", "\"noise_variance\": -").contains("its coefficients are not"));
     assert!(forged("\"ranges\": [[", "\"ranges\": [[0.0, 1.0], [").contains("its coefficients are not"));
-    // A file that answers nothing, sealed again.
+    // A file that predictions nothing, sealed again.
     let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
     value["columns"]["outputs"] = serde_json::json!([]);
     value.as_object_mut().unwrap().remove("sha256");
@@ -290,7 +290,7 @@ fn wrong_questions_are_refused() {
         fn columns(&self) -> &Columns {
             &self.0
         }
-        fn answer(&self, _: &RunInputs, _: f64) -> Result<Vec<Prediction>> {
+        fn evaluate(&self, _: &RunInputs, _: f64) -> Result<Vec<Prediction>> {
             Ok(Vec::new())
         }
         fn content(&self) -> Result<Content> {

@@ -165,8 +165,8 @@ fn left_out_residuals_are_those_of_a_network_trained_without_the_block() {
         let others: Vec<usize> = all.iter().copied().filter(|r| r / 8 != block).collect();
         let w = fit(&others);
         for r in block * 8..block * 8 + 8 {
-            let answer = w[0] * inputs[2 * r] + w[1] * inputs[2 * r + 1] + w[2];
-            assert!((found[r] - (answer - targets[r])).abs() < 1e-6, "{r}");
+            let prediction = w[0] * inputs[2 * r] + w[1] * inputs[2 * r + 1] + w[2];
+            assert!((found[r] - (prediction - targets[r])).abs() < 1e-6, "{r}");
         }
     }
 }

@@ -44,9 +44,9 @@ pub struct Impact {
 }
 
 /// A column of the result: name, unit, value.
-type Answer = (&'static str, &'static str, fn(&impact::Impact) -> f64);
+type ImpactColumn = (&'static str, &'static str, fn(&impact::Impact) -> f64);
 
-const COLUMNS: [Answer; 10] = [
+const COLUMNS: [ImpactColumn; 10] = [
     ("speed", "m/s", |impact| impact.speed),
     ("angle_deg", "deg", |impact| impact.angle_deg),
     ("normal_velocity_in", "m/s", |impact| impact.normal_velocity_in),
@@ -76,8 +76,9 @@ impl Impact {
                 impacts.push(impact);
             }
         }
-        let column =
-            |(name, unit, value): &Answer| Column::new(*name, *unit, impacts.iter().map(value).collect());
+        let column = |(name, unit, value): &ImpactColumn| {
+            Column::new(*name, *unit, impacts.iter().map(value).collect())
+        };
         put_table(context, self.output.as_deref(), &Table::new(COLUMNS.iter().map(column).collect())?)
     }
 }

@@ -60,9 +60,9 @@ impl Pair {
             .collect();
         let side = (&case.grains.material, 0.5 * case.grains.diameter);
         let pair = PairProperties::new(side, side, case.contact.damping);
-        let answer =
+        let refined =
             drive_pair_refined(&case.contact, &pair, &path, TOLERANCE).map_err(|error| in_file(&error))?;
-        let rows = &answer.rows;
+        let rows = &refined.rows;
         let column = |name: &str, unit: &str, value: fn(&PairRow) -> f64| {
             Column::new(name, unit, rows.iter().map(value).collect())
         };
@@ -72,7 +72,7 @@ impl Pair {
         context.say(|| {
             format!("{} rows with {} and {}", path.len(), case.contact.normal, case.contact.tangential)
         });
-        let steps = answer.steps;
+        let steps = refined.steps;
         let note = format!(
             "{steps} steps from one row to the next: with half as many steps no force at a row differs by more than \
              {TOLERANCE:e} of the largest"

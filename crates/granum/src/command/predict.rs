@@ -24,7 +24,7 @@ use crate::output;
 ///
 /// The inputs are those of a state of a test, whatever the form of the networks: deviator_strain, deviator_fabric, stress_ratio,
 /// every bin of P(f) (probability_density_0.125, ...) where the mapping has it as an input, and force where P(f) is the output.
-/// The answer is given with the interval that should contain 90 % of the states of unseen runs; for networks that were trained on
+/// The prediction is given with the interval that should contain 90 % of the states of unseen runs; for networks that were trained on
 /// a single run it does not include the scatter between samples. A row outside the range on which a network was trained is also
 /// answered, and is marked as outside: do not trust it. Without --set and --input the error lists the inputs with their ranges.
 ///
@@ -32,7 +32,7 @@ use crate::output;
 /// --mapping.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
-                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv\n  granum predict surrogate.json \
+                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o predictions.csv\n  granum predict surrogate.json \
                   --set arc_length=0.1")]
 pub struct Predict {
     /// Folder of the study that `granum train` left (or `models` of a reproduction), or the file of a surrogate.
@@ -113,43 +113,43 @@ impl Predict {
     fn one(&self, context: &Context, surrogate: &SubModelNetworks, formula: &str) -> Result<(), Failure> {
         let needs = || format!("{formula} needs:\n{}", inputs(surrogate, None));
         let row = row(context, &surrogate.input_names(), &|_| String::new(), &self.values, &needs)?;
-        let answer = surrogate.predict_row(&row, LEVEL)?;
-        let network = &surrogate.networks()[answer.sub_model];
+        let predicted = surrogate.predict_row(&row, LEVEL)?;
+        let network = &surrogate.networks()[predicted.sub_model];
         let output = &surrogate.mapping().output.name;
-        let range = surrogate.mapping().sub_models[answer.sub_model].range;
+        let range = surrogate.mapping().sub_models[predicted.sub_model].range;
         let outside =
-            answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
+            predicted.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
         let result = json!({
             "mapping": surrogate.mapping().name,
             "output": output,
-            "value": answer.value,
-            "standard_deviation": answer.deviation.map(|deviation| deviation.total),
+            "value": predicted.value,
+            "standard_deviation": predicted.deviation.map(|deviation| deviation.total),
             "level": LEVEL,
-            "lower": answer.interval.map(|[lower, _]| lower),
-            "upper": answer.interval.map(|[_, upper]| upper),
+            "lower": predicted.interval.map(|[lower, _]| lower),
+            "upper": predicted.interval.map(|[_, upper]| upper),
             "runs_of_interval": network.blocks(),
             "constant": network.is_constant(),
-            "sub_model": answer.sub_model + 1,
+            "sub_model": predicted.sub_model + 1,
             "strain_range": range,
             "outside": outside.collect::<Vec<_>>(),
         });
-        let remarks = surrogate.remarks(&[answer.sub_model]);
-        remarks.iter().chain(&outside_text(&answer.outside)).for_each(|text| context.warn_in_json(text));
+        let remarks = surrogate.remarks(&[predicted.sub_model]);
+        remarks.iter().chain(&outside_text(&predicted.outside)).for_each(|text| context.warn_in_json(text));
         output::say(context, &result, || {
-            let interval = answer
+            let interval = predicted
                 .interval
                 .map_or(String::new(), |[lower, upper]| format!(", 90 % interval {lower:.6} to {upper:.6}"));
             let head = format!(
                 "{output} = {:.6}{interval}  ({} sub-model {}, deviator strain {} to {})",
-                answer.value,
+                predicted.value,
                 surrogate.mapping().name,
-                answer.sub_model + 1,
+                predicted.sub_model + 1,
                 range[0],
                 range[1]
             );
             let mut lines = vec![head];
             lines.extend(remarks);
-            lines.extend(outside_text(&answer.outside));
+            lines.extend(outside_text(&predicted.outside));
             lines.join("\n")
         })
     }
@@ -161,27 +161,29 @@ impl Predict {
         let names = surrogate.input_names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let table = read_columns(path, &names)?;
-        let answers = surrogate.predict_table(&table, LEVEL).map_err(|error| match error {
+        let predictions = surrogate.predict_table(&table, LEVEL).map_err(|error| match error {
             LearnError::Rows(reason) => Failure::new(format!("{}: {reason}", path.shown())),
             other => other.into(),
         })?;
         let warning = format!(
-            "{} of {} rows lie outside the trained range (column outside is 1): do not trust their answers",
-            answers.outside,
-            answers.table.rows()
+            "{} of {} rows lie outside the trained range (column outside is 1): do not trust their predictions",
+            predictions.outside,
+            predictions.table.rows()
         );
-        if answers.outside > 0 {
+        if predictions.outside > 0 {
             context.warn(&warning);
         }
-        surrogate.remarks(&answers.sub_models).iter().for_each(|remark| context.note(remark));
-        let Some(path) = &self.output else { return output::put_table(context, None, &answers.table) };
-        write_table(path, &answers.table)?;
+        surrogate.remarks(&predictions.sub_models).iter().for_each(|remark| context.note(remark));
+        let Some(path) = &self.output else { return output::put_table(context, None, &predictions.table) };
+        write_table(path, &predictions.table)?;
         let result = json!({
             "output": output::path(path),
-            "rows": answers.table.rows(),
-            "rows_outside": answers.outside,
-            "constant_sub_models": surrogate.constants(&answers.sub_models),
+            "rows": predictions.table.rows(),
+            "rows_outside": predictions.outside,
+            "constant_sub_models": surrogate.constants(&predictions.sub_models),
         });
-        output::say(context, &result, || format!("wrote {} rows to {}", answers.table.rows(), path.shown()))
+        output::say(context, &result, || {
+            format!("wrote {} rows to {}", predictions.table.rows(), path.shown())
+        })
     }
 }

@@ -93,19 +93,19 @@ pub fn many(
         false => read_columns(input, &with_runs).or_else(|_| read_columns(input, &inputs))?,
     };
     words.read_into(&mut table, input)?;
-    let answers = predict_table(surrogate, &table, LEVEL)
+    let predictions = predict_table(surrogate, &table, LEVEL)
         .map_err(|error| Failure::new(format!("{}: {error}", input.shown())))?;
     let outside =
-        answers.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
+        predictions.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
     if outside > 0 {
-        let rows = answers.rows();
+        let rows = predictions.rows();
         context.warn(&format!(
             "{outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
-             is 1): do not trust their answers"
+             is 1): do not trust their predictions"
         ));
     }
-    let Some(path) = output else { return output::put_table(context, None, &answers) };
-    write_table(path, &answers)?;
-    let result = json!({ "output": output::path(path), "rows": answers.rows(), "rows_outside": outside });
-    output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), path.shown()))
+    let Some(path) = output else { return output::put_table(context, None, &predictions) };
+    write_table(path, &predictions)?;
+    let result = json!({ "output": output::path(path), "rows": predictions.rows(), "rows_outside": outside });
+    output::say(context, &result, || format!("wrote {} rows to {}", predictions.rows(), path.shown()))
 }

@@ -93,5 +93,5 @@ pub(super) fn outside_text(outside: &[Outside]) -> Option<String> {
         format!("{} = {value} (trained from {low} to {high})", outside.name)
     });
     let all = each.collect::<Vec<_>>().join(", ");
-    (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this answer."))
+    (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this prediction."))
 }

@@ -66,9 +66,9 @@ fn a_study_of_columns_is_trained_judged_asked_reported_and_resumed() {
     let question = ["-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.1"];
     let by_name = [&["predict", "study", "--model", "stress_ratio-ridge"], &question[..]].concat();
     let by_file = [&["predict", "study/stress_ratio-ridge.json"], &question[..]].concat();
-    let answer = done_json(here, &by_name);
-    assert_eq!(answer, done_json(here, &by_file));
-    assert!(answer["outputs"][0]["lower"].is_number(), "{answer}");
+    let predicted = done_json(here, &by_name);
+    assert_eq!(predicted, done_json(here, &by_file));
+    assert!(predicted["outputs"][0]["lower"].is_number(), "{predicted}");
     let message = refused(here, 1, &["predict", "study"]);
     assert!(
         message.contains("--model NAME") && message.contains("coordination_number-mean-curve"),
@@ -275,19 +275,21 @@ fn words_samples_and_every_histogram_are_columns() {
         ["predict", "laws", "-m", "stress_ratio-ridge", "-s", "deviator_strain=0.01", "-s", &law]
             .map(String::from)
     };
-    let answer = |law: &str| {
+    let predicted = |law: &str| {
         done_json(here, &ask(law).each_ref().map(String::as_str))["outputs"][0]["mean"].as_f64().unwrap()
     };
-    let (slip, stick) = (answer("mindlin-deresiewicz"), answer("no-slip"));
+    let (slip, stick) = (predicted("mindlin-deresiewicz"), predicted("no-slip"));
     assert_ne!(slip, stick);
     let message = refused(here, 1, &ask("rough").each_ref().map(String::as_str));
     assert!(message.contains("it must be mindlin-deresiewicz or no-slip"), "{message}");
     let rows = "contact.tangential,deviator_strain\nno-slip,0.01\nmindlin-deresiewicz,0.01\n";
     std::fs::write(here.join("rows.csv"), rows).unwrap();
-    let many = ["predict", "laws", "-m", "stress_ratio-ridge", "--input", "rows.csv", "-o", "answers.csv"];
+    let many =
+        ["predict", "laws", "-m", "stress_ratio-ridge", "--input", "rows.csv", "-o", "predictions.csv"];
     done(here, &many);
-    let answers = granum_io::read_columns(here.join("answers.csv"), &["predicted_stress_ratio"]).unwrap();
-    assert_eq!(answers.columns()[0].values, [stick, slip]);
+    let predictions =
+        granum_io::read_columns(here.join("predictions.csv"), &["predicted_stress_ratio"]).unwrap();
+    assert_eq!(predictions.columns()[0].values, [stick, slip]);
     let other =
         ["train", "slip", "stick", "--unseen", "new", "-o", "none", "--input", "deviator_strain", "--output"];
     let message = refused(here, 1, &[&other[..], &["contact.tangential"]].concat());

@@ -96,18 +96,18 @@ fn a_study_is_trained_judged_and_asked() {
     let ask =
         ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.12", "-s"];
     let ask = [&ask[..], &["force=1.125"]].concat();
-    let answer = done_json(here, &ask);
-    let number = |key: &str| answer[key].as_f64().unwrap();
+    let predicted = done_json(here, &ask);
+    let number = |key: &str| predicted[key].as_f64().unwrap();
     // With 20 states of a single run, the standard deviation can only be required to be positive.
-    assert!(number("standard_deviation") > 0.0, "{answer}");
-    assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
-    assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
+    assert!(number("standard_deviation") > 0.0, "{predicted}");
+    assert!(number("lower") < number("value") && number("value") < number("upper"), "{predicted}");
+    assert!(predicted["runs_of_interval"].is_null() && predicted["constant"] == false, "{predicted}");
     let text = done(here, &ask);
     assert!(text.contains("90 % interval") && text.contains("does not include the scatter"), "{text}");
     done(here, &["train", "run-1", "run-2", "--out", "two"]);
     let ask = [&["predict", "two"], &ask[2..]].concat();
-    let answer = done_json(here, &ask);
-    assert!(answer["standard_deviation"].as_f64().unwrap() < 0.5, "{answer}");
+    let predicted = done_json(here, &ask);
+    assert!(predicted["standard_deviation"].as_f64().unwrap() < 0.5, "{predicted}");
     let text = done(here, &ask);
     assert!(text.contains("the scatter between samples, estimated from 2 training runs"), "{text}");
 
@@ -134,10 +134,10 @@ fn one_row(here: &Path) {
     };
     let words = |all: &[String]| -> Vec<String> { all.to_vec() };
     let inside = words(&ask("0.12"));
-    let answer = done_json(here, &inside.iter().map(String::as_str).collect::<Vec<_>>());
-    assert_eq!((&answer["sub_model"], &answer["output"]), (&2.into(), &"stress_ratio".into()));
-    assert!(answer["standard_deviation"].is_null() && answer["lower"].is_null(), "{answer}");
-    let ratio = answer["value"].as_f64().unwrap();
+    let predicted = done_json(here, &inside.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!((&predicted["sub_model"], &predicted["output"]), (&2.into(), &"stress_ratio".into()));
+    assert!(predicted["standard_deviation"].is_null() && predicted["lower"].is_null(), "{predicted}");
+    let ratio = predicted["value"].as_f64().unwrap();
     assert!((0.2..1.2).contains(&ratio), "{ratio}");
 
     let far = ask("0.4");
@@ -178,11 +178,11 @@ fn many_rows(here: &Path) {
         names.join(",")
     );
     std::fs::write(here.join("rows.csv"), &rows).unwrap();
-    let ask = ["predict", "study", "--mapping", "F1", "--input", "rows.csv", "-o", "answers.csv"];
+    let ask = ["predict", "study", "--mapping", "F1", "--input", "rows.csv", "-o", "predictions.csv"];
     let told = done_json(here, &ask);
     assert_eq!((&told["rows"], &told["rows_outside"]), (&3.into(), &1.into()));
     assert!(told["warnings"][0].as_str().unwrap().contains("1 of 3 rows lie outside"), "{told}");
-    let table = granum_io::read_table(here.join("answers.csv")).unwrap();
+    let table = granum_io::read_table(here.join("predictions.csv")).unwrap();
     assert_eq!(table.column("outside").unwrap(), [0.0, 0.0, 1.0]);
     assert_eq!(table.column("sub_model").unwrap(), [2.0, 1.0, 3.0]);
     let ask_one: Vec<String> = state("0.05");
@@ -194,7 +194,7 @@ fn many_rows(here: &Path) {
     let two = done_json(here, &["predict", "two", "-m", "F1", "--input", "rows.csv"]);
     assert!(two["lower"][0].as_f64().unwrap() < two["upper"][0].as_f64().unwrap(), "{two}");
 
-    assert!(refused(here, 1, &ask).contains("answers.csv exists already"));
+    assert!(refused(here, 1, &ask).contains("predictions.csv exists already"));
     std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05", "2,many", 1)).unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("rows.csv:3:"), "{message}");
@@ -271,10 +271,10 @@ fn a_saved_surrogate_is_asked() {
     assert!(text.contains("OUTSIDE the trained range: x = 1.5 (trained from 0 to 1)"), "{text}");
 
     std::fs::write(here.join("rows.csv"), "x,other\n0.5,1\n2.5,1\n").unwrap();
-    done(here, &["predict", "s.json", "--input", "rows.csv", "--output", "answers.csv"]);
-    let answers = granum_io::read_table(here.join("answers.csv")).unwrap();
-    assert_eq!(answers.column("predicted_y").unwrap()[0], known.mean);
-    assert_eq!(answers.column("outside").unwrap(), [0.0, 1.0]);
+    done(here, &["predict", "s.json", "--input", "rows.csv", "--output", "predictions.csv"]);
+    let predictions = granum_io::read_table(here.join("predictions.csv")).unwrap();
+    assert_eq!(predictions.column("predicted_y").unwrap()[0], known.mean);
+    assert_eq!(predictions.column("outside").unwrap(), [0.0, 1.0]);
 
     let message = refused(here, 1, &["predict", "s.json", "--mapping", "F1", "--set", "x=1"]);
     assert!(message.contains("is the file of one surrogate"), "{message}");

@@ -173,10 +173,10 @@ impl Kernel for Steps<'_> {
         let (normal, along) = directions();
         let mut memory = Memory::<f64>::new();
         let mut before = PathRow::default();
-        let mut answers = Vec::with_capacity(self.path.len());
+        let mut rows = Vec::with_capacity(self.path.len());
         for row in self.path {
             let start = before;
-            let mut answer = PairRow::default();
+            let mut found = PairRow::default();
             for step in 1..=self.steps {
                 let end = start.towards(row, step, self.steps);
                 let distance = self.constants.radius_sum - end.normal_approach;
@@ -196,16 +196,16 @@ impl Kernel for Steps<'_> {
                 self.contact.wet(&self.constants, end.normal_approach, &mut memory);
                 // Each step takes one second: the path has no rate.
                 let out = interact(&self.laws, &self.constants, &kinematics, 1.0, &mut memory);
-                answer = PairRow {
+                found = PairRow {
                     normal_force: out.normal_force,
                     tangential_force: dot(out.elastic, along),
                     contact_radius: out.radius,
                 };
                 before = end;
             }
-            answers.push(answer);
+            rows.push(found);
         }
-        answers
+        rows
     }
 }
 

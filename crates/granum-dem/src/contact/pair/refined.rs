@@ -108,20 +108,20 @@ mod tests {
         for amplitude in [0.1, 0.3, 0.6, 0.9] {
             let at = |share: f64| row(approach, share * amplitude * slides);
             let path = [row(approach, 0.0), at(1.0), at(0.0), at(-1.0), at(0.0), at(1.0)];
-            let answer = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
+            let refined = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
             // The curves of unloading and reloading, from the turning points, are the loading curve at twice the size.
             let top = loading(amplitude);
             let half = top - 2.0 * loading(0.5 * amplitude);
             let wanted = [0.0, top, half, -top, -half, top];
-            for (k, (found, wanted)) in answer.rows.iter().zip(wanted).enumerate() {
+            for (k, (found, wanted)) in refined.rows.iter().zip(wanted).enumerate() {
                 let miss = (found.tangential_force / limit - wanted).abs();
                 assert!(
                     miss < 2e-5,
                     "amplitude {amplitude}, row {k}: misses by {miss} with {} steps",
-                    answer.steps
+                    refined.steps
                 );
             }
-            assert!(answer.change <= TOLERANCE && answer.steps > 2);
+            assert!(refined.change <= TOLERANCE && refined.steps > 2);
         }
     }
 
@@ -180,11 +180,11 @@ mod tests {
             [TangentialKind::NO_SLIP, TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING]
         {
             let contact = ContactModel::new(NormalKind::JKR, tangential, 0.1);
-            let answer = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
-            assert!(answer.steps <= 64, "{tangential:?}: {} steps", answer.steps);
-            let largest = answer.rows.iter().fold(0.0f64, |most, row| most.max(row.normal_force));
+            let refined = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
+            assert!(refined.steps <= 64, "{tangential:?}: {} steps", refined.steps);
+            let largest = refined.rows.iter().fold(0.0f64, |most, row| most.max(row.normal_force));
             assert!(largest > 10.0 * force);
-            for (k, row) in answer.rows.iter().enumerate() {
+            for (k, row) in refined.rows.iter().enumerate() {
                 assert!(row.tangential_force.abs() < 1e-12 * largest, "{tangential:?} {k}: {row:?}");
             }
         }

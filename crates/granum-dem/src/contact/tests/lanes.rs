@@ -14,7 +14,7 @@ const STEPS: usize = 400;
 /// Columns of motion: branch, velocity, rolling, mean spin, relative spin.
 const MOTION: usize = 15;
 /// Number of columns of a result.
-const ANSWER: usize = 24;
+const VALUES: usize = 24;
 
 /// The laws of a set that is compiled into a loop of its own, with resistance to rolling and twisting and with bridges.
 type Set<N, T> = Compiled<N, T, ElasticPlasticTwisting, CapillaryBridge>;
@@ -23,7 +23,7 @@ type Set<N, T> = Compiled<N, T, ElasticPlasticTwisting, CapillaryBridge>;
 const BRIDGE: f64 = 1e-12;
 
 type Motion = [f64; MOTION];
-type Answer = [u64; ANSWER];
+type StepBits = [u64; VALUES];
 
 /// A generator without dependencies.
 struct Sequence(u64);
@@ -85,7 +85,7 @@ fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> PairMotion<R> {
     }
 }
 
-fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
+fn columns<R: Real>(out: &Interaction<R>) -> [R; VALUES] {
     let one = R::splat(1.0);
     [
         out.force[0],
@@ -123,7 +123,7 @@ fn alone(
     constants: &PairConstants<f64>,
     motions: &[Motion],
     restart: bool,
-) -> Vec<Answer> {
+) -> Vec<StepBits> {
     let slots = Slots::new(contact, isa);
     let laws = Open::<One>::new(&slots);
     let mut memory = Memory::<f64>::new();
@@ -156,7 +156,7 @@ fn through_bytes(memory: &Memory<f64>) -> Memory<f64> {
 fn alone_compiled<N: NormalLaw, T: TangentialLaw>(
     constants: &PairConstants<f64>,
     motions: &[Motion],
-) -> Vec<Answer> {
+) -> Vec<StepBits> {
     let mut memory = Memory::<f64>::new();
     let step = |motion: &Motion| {
         let out = interact(&Set::<N, T>::new(), constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
@@ -167,10 +167,10 @@ fn alone_compiled<N: NormalLaw, T: TangentialLaw>(
 
 struct InLanes<'a, N, T>(&'a PairConstants<f64>, &'a [Vec<Motion>], PhantomData<(N, T)>);
 impl<N: NormalLaw, T: TangentialLaw> Kernel for InLanes<'_, N, T> {
-    type Output = Vec<Vec<Answer>>;
+    type Output = Vec<Vec<StepBits>>;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
-        let mut answers = vec![vec![[0; ANSWER]; STEPS]; LANES];
+    fn run<L: Lanes>(self) -> Vec<Vec<StepBits>> {
+        let mut results = vec![vec![[0; VALUES]; STEPS]; LANES];
         let mut memory = Memory::<L>::new();
         for step in 0..STEPS {
             let motion = kinematics(|c| L::load(&std::array::from_fn(|l| self.1[l][step][c])));
@@ -178,23 +178,23 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for InLanes<'_, N, T> {
             for (c, column) in columns(&out).into_iter().enumerate() {
                 let mut values = [0.0; LANES];
                 column.store(&mut values);
-                (0..LANES).for_each(|l| answers[l][step][c] = values[l].to_bits());
+                (0..LANES).for_each(|l| results[l][step][c] = values[l].to_bits());
             }
         }
-        answers
+        results
     }
 }
 
 /// Two batches side by side, on processors on which the engine evaluates them so.
 struct SideBySide<'a, N, T>(&'a PairConstants<f64>, &'a [Vec<Motion>], PhantomData<(N, T)>);
 impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
-    type Output = Option<Vec<Vec<Answer>>>;
+    type Output = Option<Vec<Vec<StepBits>>>;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Vec<Vec<Answer>>> {
+    fn run<L: Lanes>(self) -> Option<Vec<Vec<StepBits>>> {
         if !L::PAIRED {
             return None;
         }
-        let mut answers = vec![vec![[0; ANSWER]; STEPS]; 2 * LANES];
+        let mut results = vec![vec![[0; VALUES]; STEPS]; 2 * LANES];
         let mut memory = Memory::<Twice<L>>::new();
         for step in 0..STEPS {
             let load = |c: usize, first: usize| L::load(&std::array::from_fn(|l| self.1[first + l][step][c]));
@@ -205,22 +205,22 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
                 for (half, first) in [(column.0, 0), (column.1, LANES)] {
                     let mut values = [0.0; LANES];
                     half.store(&mut values);
-                    (0..LANES).for_each(|l| answers[first + l][step][c] = values[l].to_bits());
+                    (0..LANES).for_each(|l| results[first + l][step][c] = values[l].to_bits());
                 }
             }
         }
-        Some(answers)
+        Some(results)
     }
 }
 
 /// The same laws called through their slots.
 struct ThroughSlots<'a>(&'a Slots, &'a PairConstants<f64>, &'a [Vec<Motion>]);
 impl Kernel for ThroughSlots<'_> {
-    type Output = Vec<Vec<Answer>>;
+    type Output = Vec<Vec<StepBits>>;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
+    fn run<L: Lanes>(self) -> Vec<Vec<StepBits>> {
         let ThroughSlots(slots, constants, motions) = self;
-        let mut answers = vec![vec![[0; ANSWER]; STEPS]; LANES];
+        let mut results = vec![vec![[0; VALUES]; STEPS]; LANES];
         let mut memory = Memory::<L>::new();
         for step in 0..STEPS {
             let motion = kinematics(|c| L::load(&std::array::from_fn(|l| motions[l][step][c])));
@@ -229,10 +229,10 @@ impl Kernel for ThroughSlots<'_> {
             for (c, column) in columns(&out).into_iter().enumerate() {
                 let mut values = [0.0; LANES];
                 column.store(&mut values);
-                (0..LANES).for_each(|l| answers[l][step][c] = values[l].to_bits());
+                (0..LANES).for_each(|l| results[l][step][c] = values[l].to_bits());
             }
         }
-        answers
+        results
     }
 }
 
@@ -245,11 +245,11 @@ fn constants_of(contact: &ContactModel, interface_energy: f64) -> PairConstants<
     constants
 }
 
-/// Through the slots, in every width, on every instruction set and after restarts: the answers of single contacts.
-fn same_bits_through_slots(contact: &ContactModel, constants: &PairConstants<f64>) -> Vec<Vec<Answer>> {
+/// Through the slots, in every width, on every instruction set and after restarts: the results of single contacts.
+fn same_bits_through_slots(contact: &ContactModel, constants: &PairConstants<f64>) -> Vec<Vec<StepBits>> {
     let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
     let by_itself = |motions: &Vec<Motion>| alone(contact, Isa::Portable, constants, motions, false);
-    let reference: Vec<Vec<Answer>> = motions.iter().map(by_itself).collect();
+    let reference: Vec<Vec<StepBits>> = motions.iter().map(by_itself).collect();
     for (motion, expected) in motions.iter().zip(&reference) {
         assert_eq!(&alone(contact, Isa::Portable, constants, motion, true), expected, "restart");
     }
@@ -262,10 +262,10 @@ fn same_bits_through_slots(contact: &ContactModel, constants: &PairConstants<f64
     reference
 }
 
-/// Laws that are compiled into the lanes, as in the engine's loops of their own, give the same answers.
+/// Laws that are compiled into the lanes, as in the engine's loops of their own, give the same results.
 fn same_bits_compiled<N: NormalLaw, T: TangentialLaw>(
     constants: &PairConstants<f64>,
-    reference: &[Vec<Answer>],
+    reference: &[Vec<StepBits>],
 ) {
     let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
     for (motion, expected) in motions.iter().zip(reference) {
@@ -283,7 +283,7 @@ fn same_bits_compiled<N: NormalLaw, T: TangentialLaw>(
 }
 
 /// Runs [`same_bits_compiled`] for the pairs of laws that the engine compiles into loops of their own.
-fn check_compiled(laws: LawPair, constants: &PairConstants<f64>, reference: &[Vec<Answer>]) {
+fn check_compiled(laws: LawPair, constants: &PairConstants<f64>, reference: &[Vec<StepBits>]) {
     match (laws.0.name(), laws.1.name()) {
         ("hertz", "mindlin-deresiewicz") => {
             same_bits_compiled::<Hertz, MindlinDeresiewicz>(constants, reference)
@@ -303,13 +303,13 @@ fn every_law_has_the_same_bits_everywhere() {
             let (rolling, adhesion) = (RollingKind::ELASTIC_PLASTIC_TWISTING, AdhesionKind::CAPILLARY_BRIDGE);
             let contact = ContactModel { rolling, adhesion, ..ContactModel::new(normal, tangential, 0.1) };
             let constants = constants_of(&contact, energy);
-            let answers = same_bits_through_slots(&contact, &constants);
-            check_compiled((normal, tangential), &constants, &answers);
-            let values = || answers.iter().flatten().map(|answer| answer.map(f64::from_bits));
+            let results = same_bits_through_slots(&contact, &constants);
+            check_compiled((normal, tangential), &constants, &results);
+            let values = || results.iter().flatten().map(|result| result.map(f64::from_bits));
             assert!(values().flatten().all(f64::is_finite));
-            let count = |column: usize| values().filter(|answer| answer[column] == 1.0).count();
+            let count = |column: usize| values().filter(|result| result[column] == 1.0).count();
             let [touching, sliding, bridged] = [13, 14, 22].map(count);
-            let ruptured = values().filter(|answer| answer[23] > 0.0).count();
+            let ruptured = values().filter(|result| result[23] > 0.0).count();
             let all = 2 * LANES * STEPS;
             // The motions include contact and separation, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");
@@ -329,8 +329,8 @@ fn spring_dashpot_slider_has_the_same_bits_everywhere() {
         let rolling = RollingKind::SPRING_DASHPOT_SLIDER;
         let mut contact = ContactModel { rolling, ..ContactModel::new(normal, TangentialKind::NO_SLIP, 0.1) };
         contact.adhesion = AdhesionKind::CAPILLARY_BRIDGE;
-        let answers = same_bits_through_slots(&contact, &constants_of(&contact, 0.6));
-        let rolls = answers.iter().flatten().filter(|answer| f64::from_bits(answer[18]) != 0.0).count();
+        let results = same_bits_through_slots(&contact, &constants_of(&contact, 0.6));
+        let rolls = results.iter().flatten().filter(|result| f64::from_bits(result[18]) != 0.0).count();
         assert!(rolls > LANES * STEPS / 2, "{normal:?}: {rolls}");
     }
 }

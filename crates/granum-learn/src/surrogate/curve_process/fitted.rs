@@ -205,7 +205,7 @@ impl Surrogate for FittedCurves {
         &self.columns
     }
 
-    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         Ok(self.predictions(inputs, &|calibration| calibration.interval(level)))
     }
 

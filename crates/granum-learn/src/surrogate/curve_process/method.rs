@@ -41,8 +41,8 @@ const SAMPLE: &str = "sample.";
 /// let dataset = Dataset::new((0..20).map(run).collect::<granum_learn::Result<_>>()?)?;
 /// let spec = FitSpec::new(["x", "height"], ["y"]).with_coordinate("x");
 /// let fitted = GaussianProcessOfCurves::default().fit(&dataset, &spec, &mut NoObserver)?;
-/// let answer = &fitted.predict_rows(&[1.0, 0.62], 0.9)?[0].values[0];
-/// assert!((answer.mean - 0.62 * 0.62 * (1.0 - (-5.0f64).exp())).abs() < 2e-3, "{answer:?}");
+/// let predicted = &fitted.predict_rows(&[1.0, 0.62], 0.9)?[0].values[0];
+/// assert!((predicted.mean - 0.62 * 0.62 * (1.0 - (-5.0f64).exp())).abs() < 2e-3, "{predicted:?}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

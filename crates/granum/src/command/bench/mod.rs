@@ -79,7 +79,7 @@ impl Bench {
         }
         let wanted = |part: &str| self.only.as_deref().is_none_or(|only| only == part);
         let isa = self.isa.as_deref().map(instruction_set).transpose()?;
-        let mut answer = json!({
+        let mut measured = json!({
             "granum": env!("CARGO_PKG_VERSION"),
             "processors": processors(),
             "isa": isa.unwrap_or_else(Isa::detect).name(),
@@ -94,14 +94,14 @@ impl Bench {
                     granum_io::formats::packing_csv::read_from(PACKING.as_bytes(), "the shipped packing")?
                 }
             };
-            answer["dem"] =
+            measured["dem"] =
                 json!(dem::measure(context, &packing, &self.measurement(isa, packing.grains.len())?)?);
         }
         if wanted("nets") {
             let threads = self.threads.iter().copied().max().unwrap_or_else(processors);
-            answer["nets"] = json!(nets::measure(context, isa, self.seconds, threads)?);
+            measured["nets"] = json!(nets::measure(context, isa, self.seconds, threads)?);
         }
-        if context.json { output::say(context, &answer, String::new) } else { Ok(()) }
+        if context.json { output::say(context, &measured, String::new) } else { Ok(()) }
     }
 
     /// Settings for the measurements of the engine.
