@@ -45,8 +45,8 @@ pub enum LearnError {
     /// A row of a table cannot be predicted.
     #[error("{0}")]
     Rows(String),
-    /// There is no mapping or network of the given name.
-    #[error("there is no {kind} `{name}`; there are: {known}")]
+    /// There is no mapping, surrogate or method of the given name; the nearest one is suggested, or all are listed.
+    #[error("there is no {kind} `{name}`; {}", granum_core::names::suggestion(name, known.split(", ")))]
     Unknown {
         /// The kind of object.
         kind: &'static str,

@@ -22,7 +22,7 @@ use granum_io::shell::ShowPath;
 /// let methods = SurrogateMethods::standard();
 /// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "gaussian-process", "recurrent", "sub-models"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
-/// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
+/// assert_eq!(error, "there is no surrogate method `rigde`; did you mean ridge?");
 /// ```
 #[derive(Clone)]
 pub struct SurrogateMethods {

@@ -100,7 +100,8 @@ impl Engine for Lammps {
             note(&mut record, remark);
         }
         let text = "carried out by LAMMPS: the results are not the same bits on another computer, with another number of processors, or \
-                    after a restart";
+                    after a restart; the sample begins without tangential forces, since data files of LAMMPS have none, and comes to \
+                    rest again before the test";
         note(&mut record, text.into());
         Ok(EngineRun::new(record, move |sink, observer| run::run(test, sample, sink, observer)))
     }
