@@ -129,7 +129,7 @@ impl OutputFolder {
                 return Err(Error::Locked { path: path.to_path_buf(), holder: holder(&mut file) });
             }
             // Some network file systems have no locks. Who works there is known by other means where several may
-            // (`granum-campaign/src/claim.rs`), and a single user is not kept from working.
+            // (`granum-campaign/src/claim/mod.rs`), and a single user is not kept from working.
             Err(TryLockError::Error(source)) if has_no_locks(&source) => {}
             Err(TryLockError::Error(source)) => return Err(Error::file("lock", &name)(source)),
         }

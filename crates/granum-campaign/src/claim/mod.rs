@@ -14,6 +14,8 @@
 //! beat and stops. For the moment that this takes two processes may be at work; they compute the same bytes, and files are renamed to
 //! their places as a whole.
 
+mod owner;
+
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -24,6 +26,8 @@ use std::time::{Duration, Instant};
 
 use granum_io::{Error, Result};
 use serde::{Deserialize, Serialize};
+
+use self::owner::Owner;
 
 /// Folder of the claims of a campaign.
 pub const CLAIMS: &str = "claims";
@@ -46,68 +50,6 @@ impl Default for ClaimTimes {
     fn default() -> ClaimTimes {
         ClaimTimes { beat: Duration::from_secs(10), stale: Duration::from_secs(90) }
     }
-}
-
-/// The process that holds a claim.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Owner {
-    /// Name of its machine.
-    host: String,
-    /// Its number there.
-    process: u32,
-    /// When it began, as the system tells it: a later process may get the same number.
-    #[serde(default)]
-    began: String,
-    /// What tells whether another process sees the same processes: the start of the machine and the name space of its processes.
-    #[serde(default)]
-    machine: String,
-    /// Distinguishes the claims of one process.
-    #[serde(default)]
-    number: u64,
-}
-
-impl Owner {
-    fn here() -> Owner {
-        static NUMBER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-        let line =
-            |path: &str| fs::read_to_string(path).map_or_else(|_| String::new(), |text| text.trim().into());
-        let space = fs::read_link("/proc/self/ns/pid")
-            .map_or_else(|_| String::new(), |name| name.display().to_string());
-        let start = line("/proc/sys/kernel/random/boot_id");
-        let is_known = !space.is_empty() && !start.is_empty();
-        let process = std::process::id();
-        Owner {
-            host: line("/proc/sys/kernel/hostname"),
-            process,
-            began: begin_of(process).unwrap_or_default(),
-            machine: if is_known { format!("{start} {space}") } else { String::new() },
-            number: NUMBER.fetch_add(1, Ordering::Relaxed),
-        }
-    }
-
-    /// True if it is a process of this machine, which therefore sees whether it goes on.
-    fn is_here(&self) -> bool {
-        !self.machine.is_empty() && self.machine == Owner::here().machine
-    }
-
-    /// True if its process has ended for certain, which is known on its machine only.
-    fn has_ended(&self) -> bool {
-        self.is_here() && begin_of(self.process).is_none_or(|began| began != self.began)
-    }
-
-    /// True if its process goes on for certain.
-    fn is_seen_alive(&self) -> bool {
-        self.is_here() && !self.has_ended()
-    }
-}
-
-/// When a process of this machine began, in ticks since the start of the machine; `None` if there is none.
-fn begin_of(process: u32) -> Option<String> {
-    let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program stands in parentheses and may contain anything. A process that has ended and is not yet waited for is none.
-    let mut rest = text[text.rfind(')')? + 1..].split_whitespace();
-    let state = rest.next()?;
-    if matches!(state, "Z" | "X") { None } else { rest.nth(18).map(str::to_string) }
 }
 
 /// The content of the file of a claim.
