@@ -4,17 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use granum_core::names::suggestion;
 use granum_io::Case;
+use granum_run::Engines;
+use granum_run::engine::CHECKS;
 
 use super::definition::{DesignKind, Plan, Row, SampleSeeds, Spanned, Variable, VariableKind};
 use super::design::MOST_AXES;
 use super::reader::Reader;
 
 impl Reader {
-    /// Checks that names are unique and that expressions and constraints use names that exist, and not each other in a circle.
-    pub(super) fn check_names(&mut self, plan: &Plan, reference: &Case) {
-        let names: Vec<&str> = plan.variables.iter().map(|variable| variable.name.as_str()).collect();
+    /// Checks that names are unique and that expressions and constraints use names that exist, and not each other in a circle. The names are
+    /// those of all variables, also of one in which there is another mistake.
+    pub(super) fn check_names(&mut self, plan: &Plan, reference: &Case, names: &[String]) {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
         for (k, variable) in plan.variables.iter().enumerate() {
-            if names[..k].contains(&variable.name.as_str()) {
+            if plan.variables[..k].iter().any(|earlier| earlier.name == variable.name) {
                 let message = format!("two variables have the name {}", variable.name);
                 self.error(variable.span.clone(), message, "give one of them another name");
             }
@@ -60,6 +63,13 @@ impl Reader {
             if condition.value.names().count() == 0 {
                 let help = "write e.g. accept = [\"largest_overlap < 0.05\"]";
                 self.error(condition.span.clone(), "accept names no check", help);
+            }
+            // Another engine may make other checks.
+            let is_standard = plan.engine.is_empty() || Engines::standard().named(&plan.engine).is_ok();
+            let unknown = condition.value.names().find(|name| is_standard && !CHECKS.contains(name));
+            if let Some(name) = unknown {
+                let help = suggestion(name, CHECKS.into_iter());
+                self.error(condition.span.clone(), format!("accept: {name} is not a quality check"), &help);
             }
         }
     }

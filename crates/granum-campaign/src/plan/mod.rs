@@ -40,13 +40,15 @@ mod reader;
 mod runs;
 mod schema;
 mod units;
+mod values;
 
 pub use definition::{
     Choice, DesignKind, DesignTable, FixedKey, Keep, Plan, PlanSource, Row, RowPlace, SampleSeeds, Spanned,
     Variable, VariableKind,
 };
 pub use expression::{Condition, Expression};
-pub use runs::{PlannedRun, PlannedRuns, RunValue, apply_settings};
+pub use runs::{PlannedRun, PlannedRuns, apply_settings};
+pub use values::RunValue;
 
 #[cfg(test)]
 mod tests;

@@ -79,6 +79,7 @@ impl Reader {
         let case = Case::read_as(&case_file, self.reading.clone())?;
         let fixed = table.get("set").map_or_else(Vec::new, |node| self.fixed(node));
         let drafts = self.drafts(table.get("variable"));
+        let names: Vec<String> = drafts.iter().map(|draft| draft.name.clone()).collect();
         let Some(reference) = self.reference(&case, &fixed, &drafts) else { return Ok(None) };
         let variables: Vec<Variable> =
             drafts.into_iter().filter_map(|draft| self.variable(draft, &reference)).collect();
@@ -98,7 +99,7 @@ impl Reader {
         let source = self.source.clone();
         let plan =
             Plan { source, case_file, case, fixed, variables, design, constraints, accept, keep, engine };
-        self.check_names(&plan, &reference);
+        self.check_names(&plan, &reference, &names);
         self.check_design(&plan);
         Ok(Some(plan))
     }

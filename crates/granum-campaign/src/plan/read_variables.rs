@@ -20,7 +20,7 @@ pub(super) const VARIABLE_KEYS: [&str; 10] =
 
 /// A variable whose values have not been read yet: their reading needs the unit of its keys.
 pub(super) struct Draft<'a> {
-    name: String,
+    pub(super) name: String,
     keys: Vec<Spanned<String>>,
     table: &'a DeTable<'a>,
     span: Range<usize>,

@@ -3,15 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use granum_core::quantity::format_number;
 use granum_io::case::{SEED, SetKey};
 use granum_io::{Case, Error, InputError, Result};
-use granum_simd::power;
-use serde::{Deserialize, Serialize};
 
-use super::definition::{Choice, DesignKind, PATH, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
-use super::design::{Axis, Coordinate, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
+use super::definition::{DesignKind, PATH, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
+use super::design::{Axis, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
 use super::units;
+use super::values::{Chosen, RunValue, axis, chosen, given, levels, rounded};
 
 /// Number of digits of the case digest in the name of a run.
 const DIGITS: usize = 12;
@@ -21,35 +19,6 @@ const MOST_TOLD: usize = 5;
 const MOST_RUNS: usize = 1_000_000;
 /// The first stage, whose parameters belong to the named path.
 const FIRST_STAGE: &str = "stage.1.";
-
-/// The value of a variable in a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum RunValue {
-    /// A number in SI units.
-    Number(f64),
-    /// A word.
-    Word(String),
-}
-
-impl RunValue {
-    /// The number, if it is one.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            RunValue::Number(number) => Some(*number),
-            RunValue::Word(_) => None,
-        }
-    }
-}
-
-impl std::fmt::Display for RunValue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            RunValue::Number(number) => f.write_str(&format_number(*number)),
-            RunValue::Word(word) => f.write_str(word),
-        }
-    }
-}
 
 /// A run of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,14 +136,16 @@ impl Plan {
     /// The seeds of the runs of point k with its settings, counted from the seed of its case; `None` for that seed itself.
     fn seeds(&self, k: usize, settings: &[(String, String)]) -> Vec<Option<u64>> {
         let replicates = self.design.replicates;
-        // Settings that no case accepts are told when the run is made.
-        let first = apply_settings(&self.case, settings).as_ref().unwrap_or(&self.case).preparation.seed;
+        let counted_from = |start: usize| {
+            // Settings that no case accepts are told when the run is made.
+            let case = apply_settings(&self.case, settings);
+            let first = case.as_ref().unwrap_or(&self.case).preparation.seed;
+            (start..start + replicates).map(|number| Some(first.wrapping_add(number as u64))).collect()
+        };
         match self.design.sample_seeds {
             SampleSeeds::Same if replicates == 1 => vec![None],
-            SampleSeeds::Same => (0..replicates).map(|r| Some(first.wrapping_add(r as u64))).collect(),
-            SampleSeeds::Different => {
-                (0..replicates).map(|r| Some(first.wrapping_add((k * replicates + r) as u64))).collect()
-            }
+            SampleSeeds::Same => counted_from(0),
+            SampleSeeds::Different => counted_from(k * replicates),
         }
     }
 
@@ -402,98 +373,6 @@ impl Plan {
         let variable = named.and_then(|key| self.variables.iter().find(|variable| sets(variable, key)));
         let span = variable.map_or(&self.design.span, |variable| &variable.span);
         Mistake { error: self.source.error(span, error.to_string()), values }
-    }
-}
-
-/// The value of a variable at a point.
-#[derive(Clone)]
-struct Chosen {
-    value: RunValue,
-    /// The text that its keys get.
-    text: String,
-    /// Further keys that it sets.
-    set: Vec<(String, String)>,
-}
-
-impl Chosen {
-    fn number(number: f64) -> Chosen {
-        Chosen { value: RunValue::Number(number), text: format_number(number), set: Vec::new() }
-    }
-
-    fn of_choice(choice: &Choice) -> Chosen {
-        let value = choice.number.map_or_else(|| RunValue::Word(choice.name.clone()), RunValue::Number);
-        Chosen { value, text: choice.name.clone(), set: choice.set.clone() }
-    }
-}
-
-fn axis(variable: &Variable) -> Axis {
-    match &variable.kind {
-        VariableKind::Choice(choices) => Axis::Levels(choices.len()),
-        _ => Axis::Continuous,
-    }
-}
-
-/// Number of values in a full factorial design.
-fn levels(variable: &Variable) -> usize {
-    match &variable.kind {
-        VariableKind::Choice(choices) => choices.len(),
-        VariableKind::Range { levels, .. } => levels.unwrap_or(1),
-        VariableKind::Expression(_) | VariableKind::Given => 1,
-    }
-}
-
-/// The value of a variable at a place on its axis.
-fn chosen(variable: &Variable, at: Coordinate) -> Chosen {
-    match (&variable.kind, at) {
-        (VariableKind::Choice(choices), Coordinate::Level(level)) => {
-            choices.get(level).map_or_else(|| Chosen::number(f64::NAN), Chosen::of_choice)
-        }
-        (VariableKind::Range { between, logarithmic, levels, .. }, at) => {
-            let share = match at {
-                Coordinate::Share(share) => share,
-                Coordinate::Level(level) => level as f64 / (levels.unwrap_or(2) - 1) as f64,
-            };
-            Chosen::number(rounded(between_bounds(*between, *logarithmic, share), variable.step))
-        }
-        _ => Chosen::number(f64::NAN),
-    }
-}
-
-/// The number at a share of a range. The bounds themselves are met exactly.
-fn between_bounds([from, to]: [f64; 2], logarithmic: bool, share: f64) -> f64 {
-    match share {
-        0.0 => from,
-        1.0 => to,
-        _ if logarithmic => from * power(to / from, share),
-        _ => from + (to - from) * share,
-    }
-}
-
-/// A number with six digits, or the nearest multiple of a step: values that can be read in a table and written by hand.
-fn rounded(number: f64, step: Option<f64>) -> f64 {
-    let text = match step {
-        Some(step) => format!("{:.11e}", (number / step).round() * step),
-        None => format!("{number:.5e}"),
-    };
-    text.parse().unwrap_or(number)
-}
-
-/// The value that a row gives to a variable.
-fn given(variable: &Variable, text: &str) -> std::result::Result<Chosen, String> {
-    if let VariableKind::Choice(choices) = &variable.kind {
-        let found = choices.iter().find(|choice| choice.name == text);
-        return found.map(Chosen::of_choice).ok_or_else(|| {
-            let names: Vec<&str> = choices.iter().map(|choice| choice.name.as_str()).collect();
-            format!("is none of its values: {}", names.join(", "))
-        });
-    }
-    if text.is_empty() {
-        return Err("is empty".into());
-    }
-    match units::quantity(text, &variable.unit) {
-        Ok(number) => Ok(Chosen { text: text.to_string(), ..Chosen::number(number) }),
-        Err(why) if !variable.unit.is_empty() || variable.keys.is_empty() => Err(why),
-        Err(_) => Ok(Chosen { value: RunValue::Word(text.into()), text: text.into(), set: Vec::new() }),
     }
 }
 

@@ -175,6 +175,11 @@ fn mistakes_are_told_with_line_and_values() {
         &format!("{SOBOL}{}", variable.replace("from", "fom")),
         "plan.toml:7:1: \"fom\" is no key of a variable; did you mean from?",
     );
+    // One mistake, and not another one wherever the variable is used.
+    let misspelt =
+        format!("constraints = ['friction < 0.5']\n{SOBOL}{}", variable.replace("material", "materal"));
+    told(&misspelt.replace("key", "name = 'friction'\nkey"), "grains.materal.friction is not a key");
+    assert!(!error(&misspelt.replace("key", "name = 'friction'\nkey")).contains("neither a variable"));
     told(&SOBOL.replace("sobol", "sobel"), "kind = \"sobel\" is no kind of design; did you mean sobol?");
     told(&SOBOL.replace("sand", "sands"), "plan.toml:1:8: case = \"sands.toml\": there is no file");
     told(&SOBOL.replace("sand", "../sand"), "leads out of the folder");
@@ -200,6 +205,10 @@ fn mistakes_are_told_with_line_and_values() {
     told("case = 'sand.toml'\n", "the plan has no design");
     told("[design]\nkind = 'sobol'\n", "the plan names no base case");
     told("case = \n", "this is not TOML");
+    told(
+        &format!("accept = ['largest_overlpa < 0.05']\n{SOBOL}{variable}"),
+        "plan.toml:1:11: accept: largest_overlpa is not a quality check; did you mean largest_overlap?",
+    );
     // A corner that no case accepts is refused with its values, before anything runs.
     let corner = format!("{SOBOL}{}", variable.replace("0.8", "30"));
     told(&corner, "plan.toml:5:1: grains.material.friction = ");

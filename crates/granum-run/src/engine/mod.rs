@@ -1,7 +1,8 @@
-//! An [`Engine`] computes samples and tests. The engine of granum is [`Native`](native::Native); [`Lammps`] starts another program; a new one needs a file in
-//! this folder and a line in [`Engines::standard`], and a program can add its own engine with
+//! An [`Engine`] computes samples and tests. The engine of granum is [`Native`](native::Native); [`Lammps`] starts another program; a new one needs a
+//! file in this folder and a line in [`Engines::standard`], and a program can add its own engine with
 //! [`RunRegistry::with_engine`](crate::RunRegistry::with_engine).
 
+mod checks;
 pub(crate) mod engine_error;
 pub(crate) mod engine_run;
 pub(crate) mod engine_trait;
@@ -12,6 +13,7 @@ pub(crate) mod resources;
 pub(crate) mod sink;
 pub(crate) mod task;
 
+pub use checks::CHECKS;
 pub use engine_error::EngineError;
 pub use engine_run::EngineRun;
 pub use engine_trait::Engine;
