@@ -113,6 +113,12 @@ impl PlanDifference {
     }
 }
 
+/// True if a folder holds a finished run or sample.
+pub(crate) fn holds_finished(folder: &Path) -> bool {
+    let record = Run::at(folder).and_then(|run| run.record());
+    record.is_ok_and(|record| record.status == RunStatus::Finished)
+}
+
 impl Campaign {
     /// The campaign of a plan in a folder. Nothing is written.
     pub fn new(folder: &Path, plan: &Plan, planned: &PlannedRuns, version: &str) -> Campaign {
@@ -360,7 +366,8 @@ impl Campaign {
         let path = self.folder.join(JOURNAL);
         let mut journal = LineWriter::open(&path)?;
         let mut added = 0;
-        for run in self.runs().iter().filter(|run| !known.get(&run.name).is_some_and(Event::is_final)) {
+        let is_open = |run: &&CampaignRun| !matches!(known.get(&run.name), Some(Event::Finished { .. }));
+        for run in self.runs().iter().filter(is_open) {
             let folder = self.folder_of(&run.name);
             if let Some(head) = rows.head(&run.name).filter(|_| self.has_rows(&rows, run)) {
                 journal.note(&run.name, head.event.clone()).map_err(Error::file("write", &path))?;

@@ -97,11 +97,6 @@ impl Event {
             _ => None,
         }
     }
-
-    /// True if nothing is left to do for the run.
-    pub fn is_final(&self) -> bool {
-        matches!(self, Event::Finished { .. } | Event::Failed { lasting: true, .. })
-    }
 }
 
 /// Where the lines of a journal go, and the clock: what a test replaces to see what happens if they fail.

@@ -80,32 +80,34 @@ impl CampaignStatus {
                 seconds,
             };
             let folder = campaign.folder_of(name);
-            match events.get(name) {
-                Some(Event::Finished { flags, seconds }) => return Ok(finished(flags.clone(), *seconds)),
-                Some(Event::Failed { reason, .. }) if !OutputFolder::is_in_use(&folder) => {
-                    return Ok(RunState::Failed { reason: reason.clone() });
-                }
-                _ => {}
-            }
-            if let Some(Event::Finished { flags, seconds }) =
-                rows.head(name).filter(|_| campaign.has_rows(&rows, run)).map(|head| &head.event)
-            {
+            let known = events.get(name);
+            let in_rows =
+                || rows.head(name).filter(|_| campaign.has_rows(&rows, run)).map(|head| &head.event);
+            let ended = known.filter(|event| matches!(event, Event::Finished { .. })).or_else(in_rows);
+            if let Some(Event::Finished { flags, seconds }) = ended {
                 return Ok(finished(flags.clone(), *seconds));
             }
             if OutputFolder::is_in_use(&folder) || is_claimed(campaign.folder(), name) {
                 return Ok(RunState::Running);
             }
-            if !folder.join("run.json").is_file() {
-                let begun = events.contains_key(name);
-                return Ok(if begun { RunState::Unfinished } else { RunState::NotBegun });
-            }
-            let record = Run::at(&folder)?.record()?;
-            Ok(match (record.status, Event::finished(&record)) {
-                (RunStatus::Finished, Event::Finished { flags, seconds }) => finished(flags, seconds),
-                (RunStatus::Failed, _) => RunState::Failed {
+            // What failed here may have been finished by another process since.
+            let read = || Run::at(&folder).and_then(|run| run.record());
+            let record = match known {
+                Some(Event::Failed { .. }) => read().ok(),
+                _ if folder.join("run.json").is_file() => Some(read()?),
+                _ => None,
+            };
+            Ok(match (record, known) {
+                (Some(record), _) if record.status == RunStatus::Finished => match Event::finished(&record) {
+                    Event::Finished { flags, seconds } => finished(flags, seconds),
+                    _ => RunState::Unfinished,
+                },
+                (_, Some(Event::Failed { reason, .. })) => RunState::Failed { reason: reason.clone() },
+                (Some(record), _) if record.status == RunStatus::Failed => RunState::Failed {
                     reason: record.notes.last().cloned().unwrap_or_else(|| "it failed".into()),
                 },
-                _ => RunState::Unfinished,
+                (Some(_), _) | (None, Some(_)) => RunState::Unfinished,
+                (None, None) => RunState::NotBegun,
             })
         };
         let states = campaign.runs().iter().map(state).collect::<Result<_>>()?;

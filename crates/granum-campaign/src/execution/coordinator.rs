@@ -6,12 +6,14 @@ use std::time::Duration;
 use granum_dem::observer::Flow;
 use granum_io::OutputFolder;
 use granum_run::Laboratory;
-use granum_run::queue::{Executor, Outcome, Queue, QueueError, QueuedRun};
+use granum_run::queue::{Executor, Outcome, Queue, QueueError, QueuedRun, RunKind};
 
-use super::recorder::{CAMPAIGN_CLAIM, CampaignObserver, CampaignProgress, Recorder, steady_clock};
+use super::recorder::{
+    CAMPAIGN_CLAIM, CampaignObserver, CampaignProgress, Recorder, forget_request, steady_clock,
+};
 use super::taking_in::TakingIn;
 use crate::acceptance::is_accepted;
-use crate::campaign::{Campaign, RUNS, SAMPLES};
+use crate::campaign::{Campaign, RUNS, SAMPLES, holds_finished};
 use crate::claim::{CLAIMS, Claimant};
 use crate::journal::{Event, last_events};
 use crate::plan::Keep;
@@ -99,12 +101,14 @@ impl Coordinator<'_> {
             let (path, holder) = (folder.path().to_path_buf(), claimant.holder());
             return Err(granum_io::Error::Locked { path, holder }.into());
         };
+        forget_request(folder.path());
         forget_leftovers(folder.path())?;
         let known = last_events(folder.path());
         let rows = self.campaign.rows_kept()?;
         let (taken, all) = self.divided(&rows, replace_others)?;
         let kept = |run: &&QueuedRun| match known.get(&run.name) {
-            Some(Event::Failed { reason, lasting: true }) if !self.again => {
+            // Another process, perhaps on another machine, may have made an end of it since.
+            Some(Event::Failed { reason, lasting: true }) if !self.again && !holds_finished(&run.folder) => {
                 Some((run.name.clone(), reason.clone()))
             }
             _ => None,
@@ -161,7 +165,7 @@ fn without(all: Vec<QueuedRun>, names: &BTreeSet<&str>, fails: impl Fn(&str) -> 
         .for_each(|name| *waited_for.entry(name).or_default() += 1);
     let needed: Vec<bool> = left
         .iter()
-        .map(|run| !run.name.starts_with("sample ") || waited_for.contains_key(run.name.as_str()))
+        .map(|run| run.kind == RunKind::Test || waited_for.contains_key(run.name.as_str()))
         .collect();
     left.into_iter().zip(needed).filter_map(|(run, needed)| needed.then_some(run)).collect()
 }

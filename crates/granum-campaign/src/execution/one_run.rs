@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use granum_dem::observer::{Flow, Progress};
 use granum_dem::preparation::Phase;
-use granum_io::{OutputFolder, Reading, Result, Run, RunStatus};
+use granum_io::{OutputFolder, Reading, Result};
 use granum_run::Laboratory;
 use granum_run::LaboratoryError;
 use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, RunKind, Shares};
 
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, holds_finished};
 use crate::claim::Claimant;
 use crate::message::{End, Message};
 
@@ -59,14 +59,10 @@ pub fn execute_run(
 
 /// The preparation of the sample that a run shares with others, unless it is finished or the run needs it no more.
 fn sample_of(campaign: &Campaign, run: &QueuedRun) -> Result<Option<QueuedRun>> {
-    let is_finished = |folder: &Path| {
-        let record = Run::at(folder).and_then(|run| run.record());
-        record.is_ok_and(|record| record.status == RunStatus::Finished)
-    };
     match &run.after {
-        Some(name) if !is_finished(&run.folder) => {
+        Some(name) if !holds_finished(&run.folder) => {
             let sample = campaign.queued(name)?;
-            Ok(Some(sample).filter(|sample| !is_finished(&sample.folder)))
+            Ok(Some(sample).filter(|sample| !holds_finished(&sample.folder)))
         }
         _ => Ok(None),
     }

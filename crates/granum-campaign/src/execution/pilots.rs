@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use granum_dem::observer::Flow;
 use granum_io::{OutputFolder, RunStatus};
 use granum_run::Laboratory;
-use granum_run::queue::{Outcome, Queue, QueueError, QueueObserver, QueuedRun, TEST_BEGINS_AT};
+use granum_run::queue::{Outcome, Queue, QueueError, QueueObserver, QueuedRun, RunKind, TEST_BEGINS_AT};
 
 use super::child_processes::ChildProcesses;
 use crate::campaign::Campaign;
@@ -120,7 +120,7 @@ pub fn pilots(
 
 /// The names of the pilots, at equal steps of the order by expected work.
 fn chosen(campaign: &Campaign, all: &[QueuedRun], count: usize) -> Vec<String> {
-    let mut tests: Vec<&QueuedRun> = all.iter().filter(|run| !run.name.starts_with("sample ")).collect();
+    let mut tests: Vec<&QueuedRun> = all.iter().filter(|run| run.kind == RunKind::Test).collect();
     tests.sort_by(|a, b| a.expected_work().total_cmp(&b.expected_work()));
     let last = campaign.runs().len().min(tests.len()).saturating_sub(1);
     let count = count.min(last + 1);

@@ -127,6 +127,12 @@ impl Request {
     }
 }
 
+/// Forgets a request that an earlier coordinator was not there to follow any more. What comes later concerns the one that now has the claim,
+/// even while it still reads what its runs are.
+pub(super) fn forget_request(folder: &Path) {
+    let _ = std::fs::remove_file(folder.join(STOP_REQUEST));
+}
+
 /// The time since the coordinator began, by a clock that does not jump; a test has its own.
 pub(super) type Elapsed = Box<dyn Fn() -> Duration + Send + Sync>;
 
@@ -175,10 +181,7 @@ impl<'a> Recorder<'a> {
             pace: VecDeque::new(),
             warned: false,
         };
-        let file = folder.join(STOP_REQUEST);
-        // A request that none was there to follow any more.
-        let _ = std::fs::remove_file(&file);
-        let request = Mutex::new(Request { file, looked: now, was_made: false });
+        let request = Mutex::new(Request { file: folder.join(STOP_REQUEST), looked: now, was_made: false });
         let held = Mutex::new(held);
         Ok(Recorder { queue, observer, accept, known, taking_in, elapsed, stop_after, request, held })
     }
@@ -237,8 +240,8 @@ impl<'a> Recorder<'a> {
             && !held.warned
         {
             held.warned = true;
-            let text = format!("cannot write {file}: {error}; it is made again from the folders of the runs");
-            self.observer.warn(&text);
+            self.observer
+                .warn(&format!("cannot write {file}: {error}; the runs themselves are not concerned"));
         }
     }
 
@@ -360,6 +363,25 @@ mod tests {
 
     use super::*;
 
+    /// A clock that a test sets, in seconds.
+    fn clock() -> (Arc<AtomicU64>, Elapsed) {
+        let seconds = Arc::new(AtomicU64::new(0));
+        let clock = seconds.clone();
+        (seconds, Box::new(move || Duration::from_secs(clock.load(Ordering::Relaxed))))
+    }
+
+    fn recorder<'a>(
+        queue: &'a Queue,
+        folder: &Path,
+        counts: CampaignProgress,
+        stop_after: Option<Duration>,
+        elapsed: Elapsed,
+    ) -> Recorder<'a> {
+        let (accept, known) = (Vec::new(), BTreeMap::new());
+        Recorder::new(queue, folder, accept, known, counts, stop_after, elapsed, None, &NoCampaignObserver)
+            .unwrap()
+    }
+
     /// Three hours of a campaign of two runs, by a clock of the test that stands still, runs and leaps: a line at the beginning, one for
     /// each minute in which something was heard, and one at the end.
     #[test]
@@ -368,23 +390,9 @@ mod tests {
         let runs = ["a", "b"]
             .map(|name| QueuedRun::test(name, Case::default(), Source::Case, folder.path().join(name)));
         let queue = Queue::new(runs.into()).unwrap();
-        let seconds = Arc::new(AtomicU64::new(0));
-        let clock = seconds.clone();
-        let elapsed: Elapsed = Box::new(move || Duration::from_secs(clock.load(Ordering::Relaxed)));
+        let (seconds, elapsed) = clock();
         let counts = CampaignProgress { runs: 2, ..CampaignProgress::default() };
-        let stop_after = Some(Duration::from_secs(10_000));
-        let recorder = Recorder::new(
-            &queue,
-            folder.path(),
-            Vec::new(),
-            BTreeMap::new(),
-            counts,
-            stop_after,
-            elapsed,
-            None,
-            &NoCampaignObserver,
-        )
-        .unwrap();
+        let recorder = recorder(&queue, folder.path(), counts, Some(Duration::from_secs(10_000)), elapsed);
         let text = || std::fs::read_to_string(folder.path().join(PROGRESS_FILE)).unwrap();
         recorder.begins(0);
         recorder.begins(1);
@@ -419,23 +427,10 @@ mod tests {
         let request = folder.path().join(STOP_REQUEST);
         // One that is older than the coordinator does not concern it.
         std::fs::write(&request, "").unwrap();
+        forget_request(folder.path());
         let queue = Queue::new(Vec::new()).unwrap();
-        let seconds = Arc::new(AtomicU64::new(0));
-        let clock = seconds.clone();
-        let elapsed: Elapsed = Box::new(move || Duration::from_secs(clock.load(Ordering::Relaxed)));
-        let counts = CampaignProgress::default();
-        let recorder = Recorder::new(
-            &queue,
-            folder.path(),
-            Vec::new(),
-            BTreeMap::new(),
-            counts,
-            None,
-            elapsed,
-            None,
-            &NoCampaignObserver,
-        )
-        .unwrap();
+        let (seconds, elapsed) = clock();
+        let recorder = recorder(&queue, folder.path(), CampaignProgress::default(), None, elapsed);
         seconds.store(5, Ordering::Relaxed);
         assert_eq!(recorder.flow(), Flow::Continue);
         std::fs::write(&request, "").unwrap();

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use granum_io::Result;
 use granum_run::queue::Queue;
 
-use crate::rows::{RowWriter, remove_folder, take_in};
+use crate::rows::{RowWriter, read_run, remove_folder};
 
 /// Takes in the runs of a queue.
 pub(super) struct TakingIn {
@@ -38,10 +38,11 @@ impl TakingIn {
     /// If the rows cannot be written or a folder cannot be removed; both are then tried again when the runs are collected.
     pub(super) fn take(&self, queue: &Queue, number: usize) -> Result<()> {
         let run = &queue.runs()[number];
+        let stored = read_run(&run.folder)?;
         let is_last = {
-            // One run at a time, so that its rows are on the disk before its folder goes.
             let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-            take_in(&run.name, &run.folder, &mut held.writer)?;
+            // Its rows are on the disk before its folder goes.
+            held.writer.append(&[(run.name.clone(), stored)])?;
             let waiting = run.after.as_ref().and_then(|sample| held.waiting.get_mut(sample));
             waiting.is_some_and(|count| {
                 *count = count.saturating_sub(1);

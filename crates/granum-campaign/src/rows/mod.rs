@@ -4,15 +4,15 @@
 //! ever appends to it, so that no locks are needed, and what a killed process left unfinished at the end of its file does no harm to
 //! others. A run counts as taken in once its bytes are on the disk.
 
+mod folders;
 mod row_files;
 mod row_writer;
 mod stored_run;
-mod take_in;
 
+pub use folders::{forget_leftovers, read_run, remove_folder};
 pub use row_files::{RowFiles, StoredHead};
 pub use row_writer::RowWriter;
 pub use stored_run::StoredRun;
-pub use take_in::{forget_leftovers, read_run, remove_folder, take_in};
 
 #[cfg(test)]
 pub(crate) use stored_run::tests::some_run;

@@ -86,7 +86,8 @@ impl RowFiles {
                 found.files.push(path);
             }
         }
-        found.files.sort();
+        // 10000.rows comes after 9999.rows.
+        found.files.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
         for number in 0..found.files.len() {
             let places = heads(&found.files[number]).map_err(Error::file("read", &found.files[number]))?;
             for (head, start, length) in places {

@@ -54,8 +54,11 @@ impl RowWriter {
     /// A file with the next free number. A process that creates one at the same time gets another number.
     fn create(&self) -> Result<(PathBuf, File)> {
         let folder = inner_folder(&self.campaign, ROWS)?;
-        let taken = fs::read_dir(&folder).map_err(Error::file("read", &folder))?.flatten().count();
-        for number in taken + 1.. {
+        // After all that are there, since of several rows of a run those of the last file count.
+        let entries = fs::read_dir(&folder).map_err(Error::file("read", &folder))?.flatten();
+        let number = |entry: fs::DirEntry| entry.path().file_stem()?.to_str()?.parse::<u32>().ok();
+        let last = entries.filter_map(number).max().unwrap_or(0);
+        for number in u64::from(last) + 1.. {
             let path = folder.join(format!("{number:04}.{ENDING}"));
             match OpenOptions::new().append(true).create_new(true).open(&path) {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

@@ -1,4 +1,4 @@
-//! From the folder of a run into the files of rows.
+//! The folders of runs: what is kept of them, and how they go.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,6 @@ use granum_io::{Error, Result, Run, RunFolder};
 use granum_run::digest;
 use granum_run::record::read_record;
 
-use super::row_writer::RowWriter;
 use super::stored_run::StoredRun;
 
 /// Folder into which the folders of runs are moved before they are removed.
@@ -20,14 +19,6 @@ const REMOVED: &str = ".granum-removed";
 pub fn read_run(folder: &Path) -> Result<StoredRun> {
     let run = Run::at(folder)?;
     Ok(StoredRun { record: run.record()?, digest: digest::of_run(&run)?, measured: read_record(&run)? })
-}
-
-/// Takes in a finished run of the campaign in a folder; when this returns its rows are on the disk.
-///
-/// # Errors
-/// If the run cannot be read or its rows cannot be written.
-pub fn take_in(name: &str, folder: &Path, writer: &mut RowWriter) -> Result<()> {
-    writer.append(&[(name.to_string(), read_run(folder)?)])
 }
 
 /// Removes the folder of a run or sample of a campaign: wherever the process is killed, the folder is whole or gone.
