@@ -23,6 +23,11 @@ pub fn density_name(histogram: &str) -> String {
     if histogram == FORCES { DENSITY.into() } else { format!("{histogram}_{DENSITY}") }
 }
 
+/// The histogram of which a density has this name.
+pub fn histogram_of_density(name: &str) -> &str {
+    name.strip_suffix(DENSITY).and_then(|own| own.strip_suffix('_')).unwrap_or(FORCES)
+}
+
 /// The parameters of a case, numbers and words; the numbers of lists one by one (`KEY.1`, `KEY.2`). A long list is one word.
 pub fn single_parameters(case: &Case) -> Vec<CaseParameter> {
     case.parameters().into_iter().flat_map(taken_apart).collect()

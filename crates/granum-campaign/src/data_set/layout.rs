@@ -20,9 +20,9 @@ pub(super) const SUMS: &str = "SHA256SUMS";
 pub(super) const SECONDS_FILE: &str = "seconds.parquet";
 
 /// The column of the name of the run, in every table.
-pub(super) const RUN: &str = "run";
+pub const RUN: &str = "run";
 /// Beginning of the columns of the variables of the plan.
-pub(super) const VARIABLE: &str = "variable.";
+pub const VARIABLE: &str = "variable.";
 /// Beginning of the columns of the measures of the sample and the test.
 pub(super) const MEASURE: &str = "measure.";
 /// Beginning of the columns of the checks, with the value that was found.
@@ -30,9 +30,13 @@ pub(super) const CHECK: &str = "check.";
 /// End of the columns of the limits of checks.
 pub(super) const LIMIT: &str = ".limit";
 /// End of the columns of the width of the bins of a histogram.
-pub(super) const BIN_WIDTH: &str = ".bin_width";
+pub const BIN_WIDTH: &str = ".bin_width";
 /// End of the columns of the number of the first bin of a histogram.
-pub(super) const FIRST_BIN: &str = ".first_bin";
+pub const FIRST_BIN: &str = ".first_bin";
+/// End of the columns of the number of bins of a histogram.
+pub const BINS: &str = ".bins";
+/// End of the columns of what a histogram counts.
+pub const QUANTITY: &str = ".quantity";
 /// End of the columns with the number of values that a histogram has counted.
 pub(super) const COUNTED: &str = "_counted";
 /// Column of the keys that a run sets over the base case.

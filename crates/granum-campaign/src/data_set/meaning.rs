@@ -1,9 +1,10 @@
 //! The meanings of the columns of a data set.
 
 use granum_io::Case;
+use granum_run::derived_columns::histogram_of_density;
 use granum_sensors::Sensors;
 
-use super::layout::{BIN_WIDTH, CHECK, COUNTED, FIRST_BIN, LIMIT, MEASURE, VARIABLE};
+use super::layout::{BIN_WIDTH, BINS, CHECK, COUNTED, FIRST_BIN, LIMIT, MEASURE, QUANTITY, VARIABLE};
 
 /// Columns with a meaning of their own.
 const KNOWN: [(&str, &str); 26] = [
@@ -83,10 +84,10 @@ pub(super) fn of_column(name: &str, base: &Case, sensors: &Sensors) -> String {
             "number b of the first bin of the histogram {histogram}; bin k, from 0, has the centre (b + k + 1/2) w"
         );
     }
-    if let Some(histogram) = name.strip_suffix(".bins") {
+    if let Some(histogram) = name.strip_suffix(BINS) {
         return format!("number of bins of the histogram {histogram}");
     }
-    if let Some(histogram) = name.strip_suffix(".quantity") {
+    if let Some(histogram) = name.strip_suffix(QUANTITY) {
         return format!("what the histogram {histogram} counts");
     }
     if let Some(end) =
@@ -102,7 +103,7 @@ pub(super) fn of_column(name: &str, base: &Case, sensors: &Sensors) -> String {
 
 /// The meaning of a column of densities.
 pub(super) fn of_list(name: &str) -> String {
-    let histogram = name.strip_suffix("_probability_density").unwrap_or("forces");
+    let histogram = histogram_of_density(name);
     format!(
         "probability density in each bin of the histogram {histogram}; its bins: {histogram}{BIN_WIDTH}, {histogram}{FIRST_BIN} of the run"
     )

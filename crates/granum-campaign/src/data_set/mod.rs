@@ -30,6 +30,6 @@ mod written;
 pub use collect::{Collected, DataSetSummary, collect};
 pub use contents::LeftOut;
 pub use grainlearning::{GrainLearning, grainlearning};
-pub use layout::DATA_SET;
+pub use layout::{BIN_WIDTH, BINS, DATA_SET, FIRST_BIN, QUANTITY, RUN, VARIABLE};
 pub use read::{DataSet, DataSetRun};
 pub use run_rows::{read_finished, states_of};

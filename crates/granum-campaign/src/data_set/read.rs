@@ -15,8 +15,8 @@ use granum_run::derived_columns::density_name;
 use granum_sensors::{Histogram, Histograms, Record};
 
 use super::layout::{
-    BIN_WIDTH, CASE_FILE, CHECK, COUNTED, DATA_SET, FIRST_BIN, LIMIT, MEASURE, RUN, RUNS_FILE, SETTINGS,
-    STATES_FILE, SUMS,
+    BIN_WIDTH, CASE_FILE, CHECK, COUNTED, DATA_SET, FIRST_BIN, LIMIT, MEASURE, QUANTITY, RUN, RUNS_FILE,
+    SETTINGS, STATES_FILE, SUMS,
 };
 use crate::plan::apply_settings;
 
@@ -152,7 +152,8 @@ impl DataSet {
             status: RunStatus::Finished,
             engine: word("engine").into(),
             engine_version: word("engine_version").into(),
-            seed: number("seed").map(|seed| seed as u64),
+            // All of its digits are in the case; samples from a packing have none.
+            seed: number("seed").map(|_| case.preparation.seed),
             case_digest: word("case_digest").into(),
             preparation_digest: word("preparation_digest").into(),
             grains: number("grains").unwrap_or_default() as usize,
@@ -212,7 +213,7 @@ impl DataSet {
         }
         let of_state = |end: &str| self.states.table.values(&format!("{name}{end}"));
         let (totals, below, above) = (of_state(COUNTED)?, of_state("_below")?, of_state("_above")?);
-        let quantity = self.runs.get(&format!("{name}.quantity"))?.word(row)?.to_string();
+        let quantity = self.runs.get(&format!("{name}{QUANTITY}"))?.word(row)?.to_string();
         let unit = self.runs.get(&format!("{name}{BIN_WIDTH}"))?.unit.clone();
         let list = self.states.lists.iter().position(|list| list.name == density_name(name))?;
         let states = rows.map(|state| {

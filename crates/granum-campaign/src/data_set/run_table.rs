@@ -9,7 +9,7 @@ use granum_run::derived_columns::{sample_measures, single_parameters};
 use granum_run::runs_table::unit_of_measure;
 use granum_sensors::Sensors;
 
-use super::layout::{BIN_WIDTH, CHECK, FIRST_BIN, LIMIT, MEASURE, RUN, SETTINGS, VARIABLE};
+use super::layout::{BIN_WIDTH, BINS, CHECK, FIRST_BIN, LIMIT, MEASURE, QUANTITY, RUN, SETTINGS, VARIABLE};
 use crate::campaign::{Campaign, CampaignRun};
 use crate::plan::RunValue;
 use crate::rows::StoredRun;
@@ -127,8 +127,8 @@ impl RowTable {
             if let Some(first) = histograms.states.first() {
                 self.number(&format!("{}{BIN_WIDTH}", histograms.name), &histograms.unit, first.bin_width);
                 self.count(&format!("{}{FIRST_BIN}", histograms.name), first.first_bin as f64);
-                self.count(&format!("{}.bins", histograms.name), first.bins() as f64);
-                self.word(&format!("{}.quantity", histograms.name), &histograms.quantity);
+                self.count(&format!("{}{BINS}", histograms.name), first.bins() as f64);
+                self.word(&format!("{}{QUANTITY}", histograms.name), &histograms.quantity);
             }
         }
         self.word("case_digest", &record.case_digest);

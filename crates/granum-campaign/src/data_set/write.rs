@@ -34,11 +34,13 @@ const MADE_OF: &str = "# made of ";
 /// Beginning of the line with the digest of the content.
 const CONTENT: &str = "# content ";
 
-/// The SHA-256 over the content of the data set that a folder has, if it is made of the same.
+/// The SHA-256 over the content of the data set that a folder has, if it is made of the same and none of its files is missing.
 pub(super) fn known_digest(folder: &Path, made_of: &str) -> Option<String> {
     let text = granum_core::input::read_text(&folder.join(SUMS), 1 << 20).ok()?;
     let line = |beginning: &str| text.lines().find_map(|line| line.strip_prefix(beginning));
-    (line(MADE_OF) == Some(made_of)).then(|| line(CONTENT).map(str::to_string))?
+    let names = text.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once("  "));
+    let is_whole = names.map(|(_, name)| name).chain([SECONDS_FILE]).all(|name| folder.join(name).is_file());
+    (is_whole && line(MADE_OF) == Some(made_of)).then(|| line(CONTENT).map(str::to_string))?
 }
 
 /// Removes the data set of a campaign, of which no run is left.

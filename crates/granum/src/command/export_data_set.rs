@@ -1,14 +1,18 @@
 //! `granum export` of a campaign or its data set: runs or states as one table, or the layout of another program.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use granum_campaign::data_set::{DataSet, grainlearning, states_of};
+use granum_campaign::data_set::{
+    BIN_WIDTH, BINS, DataSet, FIRST_BIN, QUANTITY, RUN, VARIABLE, grainlearning, states_of,
+};
 use granum_core::{Column, Table};
 use granum_io::formats::hdf5;
 use granum_io::formats::parquet::{ListColumn, TableWithLists, write_with_lists};
 use granum_io::shell::ShowPath;
 use granum_io::{Run, check_output_file, write_table};
 use granum_learn::dataset::ColumnGroup;
+use granum_run::derived_columns::{density_name, histogram_of_density};
 use granum_run::record::read_record;
 
 use crate::context::Context;
@@ -20,8 +24,6 @@ pub const STATES: &str = "states";
 const RUNS: &str = "runs";
 /// The name of the layout.
 pub const GRAINLEARNING: &str = "grainlearning";
-/// Beginning of the columns of the variables of a plan.
-const VARIABLE: &str = "variable.";
 
 /// Writes a table of a data set; returns what was written, in words.
 pub fn write(
@@ -56,7 +58,7 @@ pub fn write_run(context: &Context, run: &Run, output: &Path) -> Result<String, 
     let groups = record.histograms.iter().map(|histograms| {
         let first = histograms.states.first()?;
         let centres = (0..first.bins()).map(|bin| first.centre(bin)).collect();
-        let name = granum_run::derived_columns::density_name(&histograms.name);
+        let name = density_name(&histograms.name);
         Some(ColumnGroup { name, binned: histograms.quantity.clone(), bin_width: first.bin_width, centres })
     });
     write_states(context, output, whole, &groups.collect::<Vec<_>>())?;
@@ -66,10 +68,10 @@ pub fn write_run(context: &Context, run: &Run, output: &Path) -> Result<String, 
 /// The states with the variables of their runs beside the name of the run.
 fn with_variables(data_set: &DataSet) -> Result<TableWithLists, Failure> {
     let states = &data_set.states;
-    let names = data_set.runs.get("run").ok_or_else(|| Failure::new("the data set has no column run"))?;
-    let places: std::collections::BTreeMap<&str, usize> =
+    let names = data_set.runs.get(RUN).ok_or_else(|| Failure::new("the data set has no column run"))?;
+    let places: BTreeMap<&str, usize> =
         (0..data_set.runs.rows()).filter_map(|row| Some((names.word(row)?, row))).collect();
-    let own = states.table.get("run").ok_or_else(|| Failure::new("the states have no column run"))?;
+    let own = states.table.get(RUN).ok_or_else(|| Failure::new("the states have no column run"))?;
     let rows: Vec<usize> = (0..states.table.rows())
         .map(|row| own.word(row).and_then(|name| places.get(name)).copied())
         .collect::<Option<_>>()
@@ -117,15 +119,15 @@ fn flattened(list: &ListColumn, group: &ColumnGroup) -> Option<Vec<Column>> {
 
 /// The bins of a histogram; `None` if they differ between runs.
 fn group(runs: &Table, name: &str) -> Option<ColumnGroup> {
-    let histogram = name.strip_suffix("_probability_density").unwrap_or("forces");
+    let histogram = histogram_of_density(name);
     let same = |end: &str| {
         let values = runs.values(&format!("{histogram}{end}"))?;
         values.first().copied().filter(|first| values.iter().all(|value| value == first))
     };
-    let (bin_width, first) = (same(".bin_width")?, same(".first_bin")?);
-    let bins = same(".bins")?;
+    let (bin_width, first) = (same(BIN_WIDTH)?, same(FIRST_BIN)?);
+    let bins = same(BINS)?;
     let centres = (0..bins as usize).map(|bin| (first + bin as f64 + 0.5) * bin_width).collect();
-    let binned = runs.get(&format!("{histogram}.quantity"))?.word(0)?.to_string();
+    let binned = runs.get(&format!("{histogram}{QUANTITY}"))?.word(0)?.to_string();
     Some(ColumnGroup { name: name.to_string(), binned, bin_width, centres })
 }
 
