@@ -13,6 +13,6 @@ mod slurm;
 
 pub use job_record::{JOBS, JobRecord, element_journal};
 pub use jobs::{JobState, Jobs, Place};
-pub use registry::{ALL, DEFAULT, NAMES, by_name, poll};
+pub use registry::{ALL, DEFAULT, by_name, names, poll};
 pub use scheduler_error::SchedulerError;
 pub use scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submission, Submitted};

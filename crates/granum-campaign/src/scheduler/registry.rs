@@ -11,20 +11,14 @@ use crate::campaign::Campaign;
 pub const ALL: [&SchedulerKind; 2] = [&local::KIND, &slurm::KIND];
 
 /// The names that [`by_name`] accepts, starting with the default.
-pub const NAMES: [&str; ALL.len()] = {
-    let mut names = [""; ALL.len()];
-    let mut k = 0;
-    while k < names.len() {
-        names[k] = ALL[k].name;
-        k += 1;
-    }
-    names
-};
+pub fn names() -> [&'static str; ALL.len()] {
+    ALL.map(|kind| kind.name)
+}
 
 /// The name of the scheduler that is taken if none is named.
 pub const DEFAULT: &str = local::KIND.name;
 
-/// The scheduler of the given name, see [`NAMES`].
+/// The scheduler of the given name, see [`names`].
 ///
 /// ```
 /// use granum_campaign::scheduler::{self, SchedulerOptions};
@@ -38,7 +32,7 @@ pub const DEFAULT: &str = local::KIND.name;
 /// [`SchedulerError::Unknown`].
 pub fn by_name(name: &str, options: SchedulerOptions) -> Result<Box<dyn Scheduler>, SchedulerError> {
     let kind = ALL.iter().find(|kind| kind.name == name);
-    let unknown = || SchedulerError::Unknown { name: name.to_string(), known: NAMES.join(", ") };
+    let unknown = || SchedulerError::Unknown { name: name.to_string(), known: names().join(", ") };
     kind.map(|kind| (kind.make)(options)).ok_or_else(unknown)
 }
 

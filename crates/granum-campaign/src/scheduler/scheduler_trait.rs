@@ -16,6 +16,14 @@ use crate::execution::{CampaignObserver, Summary};
 /// Executes the runs of a campaign: here, or somewhere that sees the folder of the campaign. What it does is told by the folders of the
 /// runs, so that a program may end and another one ask later.
 pub trait Scheduler: Send + Sync {
+    /// Refuses a machine from which it cannot be asked, before anything is prepared for it.
+    ///
+    /// # Errors
+    /// [`SchedulerError`] that says what is missing.
+    fn check(&self) -> Result<(), SchedulerError> {
+        Ok(())
+    }
+
     /// Gives it all runs that are neither finished nor already given to it. A scheduler that executes runs itself returns when they have
     /// ended; one that queues them returns at once.
     ///
@@ -61,6 +69,8 @@ pub struct Order<'a> {
     pub replace_others: bool,
     /// True if runs that failed for a reason that lies in their case are tried again.
     pub again: bool,
+    /// Seconds for each unit of expected work, by which runs are packed, if it is known.
+    pub pace: Option<f64>,
 }
 
 /// What became of runs that were given to a scheduler.
@@ -111,8 +121,6 @@ pub struct SchedulerOptions {
     pub time: Option<Duration>,
     /// Number of runs in an element of a job; otherwise as many as the time of a job holds.
     pub per_task: Option<usize>,
-    /// Seconds for each unit of expected work, by which runs are packed.
-    pub pace: Option<f64>,
     /// The part of a cluster.
     pub partition: Option<String>,
     /// The account that is charged.

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use granum_core::input::read_text;
-use granum_io::{Error, Run, RunStatus};
+use granum_io::Error;
 use granum_run::Flow;
 use granum_run::queue::{Queue, QueuedRun};
 
@@ -22,7 +22,7 @@ use super::jobs::{JobState, Jobs, Place};
 use super::packing::{Filling, pack};
 use super::scheduler_error::SchedulerError;
 use super::scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submission, Submitted};
-use crate::campaign::{Campaign, RUNS, SAMPLES};
+use crate::campaign::{Campaign, RUNS, SAMPLES, holds_finished};
 use crate::claim::{CLAIMS, Claimant};
 use crate::data_set::{self, Collected};
 use crate::execution::{CAMPAIGN_CLAIM, CampaignObserver};
@@ -48,6 +48,10 @@ const MOST_SAID: usize = 3;
 struct Slurm(SchedulerOptions);
 
 impl Scheduler for Slurm {
+    fn check(&self) -> Result<(), SchedulerError> {
+        cluster::queued().map(drop)
+    }
+
     fn submit(
         &self,
         order: &Order<'_>,
@@ -69,7 +73,7 @@ impl Scheduler for Slurm {
         let given: BTreeSet<String> =
             open.iter().flat_map(|(record, elements)| names_in(record, elements)).collect();
         let left = left(campaign, order.again, &given)?;
-        let packing = pack(&left.tests, &left.samples, self.filling()?);
+        let packing = pack(&left.tests, &left.samples, self.filling(order.pace)?);
         let mut room = Room {
             limits: limits.jobs,
             free: limits.jobs.map(|(most, _)| most.saturating_sub(queued.len())),
@@ -233,9 +237,9 @@ impl Slurm {
         Ok(TakenUp { queued, open, added: finished_in(&journal).saturating_sub(before) })
     }
 
-    fn filling(&self) -> Result<Filling, SchedulerError> {
+    fn filling(&self, pace: Option<f64>) -> Result<Filling, SchedulerError> {
         let time = self.0.time.unwrap_or(USUAL_TIME);
-        match (self.0.per_task, self.0.pace) {
+        match (self.0.per_task, pace) {
             (Some(count), _) => Ok(Filling::Runs(count.max(1))),
             (None, Some(pace)) => {
                 Ok(Filling::Seconds { of_element: FILLED * time.as_secs_f64(), of_work: pace })
@@ -339,8 +343,7 @@ fn left(campaign: &Campaign, again: bool, given: &BTreeSet<String>) -> Result<Le
             && !samples.contains_key(name)
         {
             let sample = campaign.queued(name)?;
-            let record = Run::at(&sample.folder).and_then(|run| run.record());
-            if !record.is_ok_and(|record| record.status == RunStatus::Finished) {
+            if !holds_finished(&sample.folder) {
                 samples.insert(name.clone(), sample);
             }
         }

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_campaign::Campaign;
 use granum_campaign::scheduler::{self, SchedulerOptions};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::json;
 
+use super::campaign_in;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -24,11 +24,10 @@ pub struct Cancel {
 impl Cancel {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let name = self.folder.shown();
-        let campaign = Campaign::read(&self.folder)?
-            .ok_or_else(|| Failure::new(format!("{name}: there is no campaign in this folder")))?;
+        let campaign = campaign_in(&self.folder)?;
         let mut count = 0;
-        for kind in scheduler::NAMES {
-            count += scheduler::by_name(kind, SchedulerOptions::default())?.cancel(&campaign)?;
+        for kind in scheduler::ALL {
+            count += (kind.make)(SchedulerOptions::default()).cancel(&campaign)?;
         }
         let result = json!({ "folder": output::path(&self.folder), "cancelled": count });
         output::say(context, &result, || match count {

@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use granum_campaign::Campaign;
 use granum_campaign::execution::{CampaignObserver, execute_element};
 use granum_campaign::journal::LineWriter;
 use granum_campaign::scheduler::{JobRecord, element_journal};
-use granum_io::shell::ShowPath;
 use granum_run::Flow;
 
 use super::flags::CarryOutFlags;
-use super::{arguments, scheduling};
+use super::{arguments, campaign_in, scheduling};
 use crate::command::checkpoints::CheckpointFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -23,8 +21,7 @@ pub fn run(
     element: usize,
     checkpoints: &CheckpointFlags,
 ) -> Result<(), Failure> {
-    let campaign = Campaign::read(folder)?
-        .ok_or_else(|| Failure::new(format!("{}: there is no campaign in this folder", folder.shown())))?;
+    let campaign = campaign_in(folder)?;
     let record = JobRecord::read(folder, job)?;
     let names = record.elements.get(element).ok_or_else(|| {
         Failure::new(format!(

@@ -6,7 +6,9 @@ use granum::contents::{FolderKind, check_free};
 use granum_campaign::data_set::{Collected, DataSetSummary};
 use granum_campaign::execution::{Coordinator, Summary};
 use granum_campaign::plan::{Keep, Plan, PlannedRuns};
-use granum_campaign::scheduler::{self, JobRecord, Order, SchedulerOptions, Submission, Submitted};
+use granum_campaign::scheduler::{
+    self, JobRecord, Order, Scheduler, SchedulerError, SchedulerOptions, Submission, Submitted,
+};
 use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
 use granum_io::OutputFolder;
 use granum_io::shell::{ShowPath, quoted_path};
@@ -29,6 +31,9 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
     flags.scheduler.check(&flags.carry_out)?;
     let plan = Plan::read(file, context.reading())?;
+    if !plan.engine.is_empty() {
+        context.run_registry().engines.named(&plan.engine).map_err(LaboratoryError::from)?;
+    }
     let planned = plan.runs()?;
     if flags.dry_run {
         let estimate = estimate::run_pilots(context, flags, &plan, &planned)?;
@@ -41,6 +46,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     }
     let out =
         flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
+    let scheduler = flags.scheduler.scheduler(context, &flags.carry_out)?;
     let (campaign, folder) = prepared(context, &flags.carry_out, &plan, &planned, &out)?;
     if flags.list_jobs {
         return list_jobs(context, &campaign);
@@ -56,10 +62,10 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     }
     if flags.scheduler.is_local() {
         scheduling::check_none_queued(context, &campaign)?;
-        return carry_out(context, &flags.scheduler, &flags.carry_out, None, &campaign, &folder);
+        return carry_out(context, &*scheduler, &flags.carry_out, None, &campaign, &folder);
     }
     let pace = pace(context, flags, &plan, &planned, &campaign)?;
-    let submitted = carry_out(context, &flags.scheduler, &flags.carry_out, pace, &campaign, &folder);
+    let submitted = carry_out(context, &*scheduler, &flags.carry_out, pace, &campaign, &folder);
     // So that the state is that of a campaign on which none is at work here.
     drop(folder);
     submitted?;
@@ -88,7 +94,22 @@ fn pace(
 fn collect(context: &Context, campaign: &Campaign) -> Result<Collected, Failure> {
     let submitted = JobRecord::open_in(campaign.folder())?.into_iter().map(|record| record.scheduler).next();
     let name = submitted.unwrap_or_else(|| scheduler::DEFAULT.into());
-    Ok(scheduler::by_name(&name, SchedulerOptions::default())?.collect(campaign, &|| context.flow())?)
+    collect_by(context, &*scheduler::by_name(&name, SchedulerOptions::default())?, campaign)
+}
+
+/// Takes up what ended, unless the user stops it.
+fn collect_by(
+    context: &Context,
+    scheduler: &dyn Scheduler,
+    campaign: &Campaign,
+) -> Result<Collected, Failure> {
+    scheduler.collect(campaign, &|| context.flow()).map_err(|error: SchedulerError| match context.stopped() {
+        true => {
+            let left = "the data set was not written to its end; the same command goes on with it";
+            Interrupted { left: left.into() }.into()
+        }
+        false => error.into(),
+    })
 }
 
 /// A command for each run that is not finished.
@@ -143,7 +164,8 @@ pub fn resume(context: &Context, campaign: &Campaign, flags: &CarryOutFlags) -> 
     check(context, flags, campaign)?;
     scheduling::check_none_queued(context, campaign)?;
     let folder = OutputFolder::open(campaign.folder())?;
-    carry_out(context, &SchedulerFlags::local(), flags, None, campaign, &folder)
+    let scheduler = SchedulerFlags::local().scheduler(context, flags)?;
+    carry_out(context, &*scheduler, flags, None, campaign, &folder)
 }
 
 /// Refuses a campaign of which a run cannot be executed, before any begins.
@@ -172,20 +194,20 @@ fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Resul
 /// Gives the runs to the scheduler, and tells what became of them.
 fn carry_out(
     context: &Context,
-    scheduler: &SchedulerFlags,
+    scheduler: &dyn Scheduler,
     flags: &CarryOutFlags,
     pace: Option<f64>,
     campaign: &Campaign,
     folder: &OutputFolder,
 ) -> Result<(), Failure> {
     let laboratory = campaign.laboratory(&flags.laboratory(context)?);
-    let scheduler = scheduler.scheduler(context, flags, pace)?;
     let order = Order {
         campaign,
         folder,
         laboratory: &laboratory,
         replace_others: context.force,
         again: flags.again || context.force,
+        pace,
     };
     let submitted = {
         let show = ShowCampaign::new(context);
@@ -194,8 +216,7 @@ fn carry_out(
     match submitted {
         Submitted::Ended(summary) => {
             // What is missing is added by the command that goes on.
-            let flow = || context.flow();
-            let collected = (!summary.stopped).then(|| scheduler.collect(campaign, &flow));
+            let collected = (!summary.stopped).then(|| collect_by(context, scheduler, campaign));
             let collected = collected.transpose();
             report(context, campaign, &summary, collected.as_ref().ok().and_then(Option::as_ref))?;
             collected?;
@@ -204,7 +225,7 @@ fn carry_out(
             tell_submission(context, &submission);
             let is_done = CampaignStatus::read(campaign)?.is_done();
             if is_done || campaign.keep() == Keep::Dataset {
-                let collected = scheduler.collect(campaign, &|| context.flow())?;
+                let collected = collect_by(context, scheduler, campaign)?;
                 collected.remarks.iter().for_each(|remark| context.warn(remark));
                 context.note(&data_set_line(&collected));
             }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use granum_campaign::clock::duration;
 use granum_campaign::scheduler;
 
@@ -43,7 +44,7 @@ pub struct PlanFlags {
 #[derive(Args, Clone, Debug)]
 pub struct SchedulerFlags {
     /// Who executes the runs: this machine, or a cluster; the same command later submits what is left.
-    #[arg(long, value_name = "NAME", default_value = scheduler::DEFAULT, value_parser = scheduler::NAMES)]
+    #[arg(long, value_name = "NAME", default_value = scheduler::DEFAULT, value_parser = PossibleValuesParser::new(scheduler::names()))]
     pub scheduler: String,
     /// Cluster: the time of a job, e.g. 4 h. So many runs are packed into each element of a job that they take about so long.
     #[arg(long, value_name = "TIME", value_parser = duration)]

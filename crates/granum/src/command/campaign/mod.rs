@@ -12,7 +12,10 @@ mod scheduling;
 mod show;
 mod status;
 
+use std::path::Path;
+
 use clap::{Args, Subcommand};
+use granum_io::shell::ShowPath;
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -52,6 +55,12 @@ enum Action {
     /// Execute runs of a campaign here, by their names.
     #[command(hide = true)]
     Run(one_run::OneRun),
+}
+
+/// The campaign in a folder.
+fn campaign_in(folder: &Path) -> Result<granum_campaign::Campaign, Failure> {
+    let missing = || Failure::new(format!("{}: there is no campaign in this folder", folder.shown()));
+    granum_campaign::Campaign::read(folder)?.ok_or_else(missing)
 }
 
 impl Campaign {

@@ -64,12 +64,11 @@ impl SchedulerFlags {
         }
     }
 
-    /// The scheduler. How long runs take is known from `pace`, or given by the flags.
+    /// The scheduler, which can be asked from this machine.
     pub fn scheduler(
         &self,
         context: &Context,
         carry_out: &CarryOutFlags,
-        pace: Option<f64>,
     ) -> Result<Box<dyn Scheduler>, Failure> {
         let header = self.header.as_ref().map(|file| {
             granum_core::input::read_text(file, LONGEST_HEADER).map_err(Error::file("read", file))
@@ -77,7 +76,6 @@ impl SchedulerFlags {
         let options = SchedulerOptions {
             time: self.time,
             per_task: self.per_task.map(|count| count as usize),
-            pace,
             partition: self.partition.clone(),
             account: self.account.clone(),
             header: header
@@ -85,7 +83,9 @@ impl SchedulerFlags {
                 .map(|text| if text.is_empty() || text.ends_with('\n') { text } else { text + "\n" }),
             ..carry_out.options(context)?
         };
-        Ok(scheduler::by_name(&self.scheduler, options)?)
+        let scheduler = scheduler::by_name(&self.scheduler, options)?;
+        scheduler.check()?;
+        Ok(scheduler)
     }
 }
 

@@ -8,7 +8,7 @@ use granum_campaign::{Campaign, CampaignRun, CampaignStatus, RunState};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::{Map, Value, json};
 
-use super::scheduling;
+use super::{campaign_in, scheduling};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -38,11 +38,7 @@ pub struct Status {
 
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let Some(campaign) = Campaign::read(&self.folder)? else {
-            let message = format!("{}: there is no campaign in this folder", self.folder.shown());
-            return Err(Failure::new(message));
-        };
-        print(context, &campaign)
+        print(context, &campaign_in(&self.folder)?)
     }
 }
 
