@@ -1,7 +1,7 @@
 //! Helpers that run the program in a folder.
 #![allow(dead_code, reason = "not every test file takes every helper")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Runs granum in a folder and waits for its end.
@@ -31,4 +31,16 @@ pub fn change_sealed(file: &Path, change: impl FnOnce(&mut serde_json::Value)) {
 /// Parses a text as JSON.
 pub fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// A Python with some packages: `GRANUM_PYTHON`, that of `scripts/python-readers`, or `python3`.
+pub fn python_with(packages: &[&str]) -> Option<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/python-readers/bin/python");
+    let given = std::env::var_os("GRANUM_PYTHON").map(PathBuf::from);
+    let find = format!(
+        "import importlib.util, sys; sys.exit(any(importlib.util.find_spec(p) is None for p in {packages:?}))"
+    );
+    given.into_iter().chain([own, PathBuf::from("python3")]).find(|python| {
+        Command::new(python).args(["-c", &find]).output().is_ok_and(|output| output.status.success())
+    })
 }

@@ -69,6 +69,10 @@ fn a_plan_is_checked_as_a_whole_before_anything_runs() {
     assert!(told.contains("plan.toml:4:") && told.contains("friction = \"40\""), "{told}");
     assert!(told.contains("in the run with friction = 40, strain = 0.01"), "{told}");
     change(here, "40]", "0.4]");
+    change(here, "case =", "engine = 'lamps'\ncase =");
+    let told = refused(here, 1, &["campaign", "plan.toml", "--dry-run"]);
+    assert!(told.contains("there is no engine \"lamps\"; did you mean lammps?"), "{told}");
+    change(here, "engine = 'lamps'\ncase =", "case =");
     change(here, "material.friction", "material.frictoin");
     let told = refused(here, 1, &["campaign", "plan.toml"]);
     assert!(
@@ -258,6 +262,13 @@ fn the_runs_are_listed_as_commands_and_collected() {
             scope.spawn(move || done(here, job));
         }
     });
+    // What an earlier call noted of a run, of which another machine has made an end.
+    let name = jobs[3].last().unwrap();
+    let failed = format!(
+        "{{\"time\":\"2026-11-24T09:30:00Z\",\"run\":\"{name}\",\"event\":\"failed\",\"reason\":\"x\",\"lasting\":true}}\n"
+    );
+    std::fs::write(here.join("study/journal.jsonl"), failed).unwrap();
+    assert_eq!(done_json(here, &["campaign", "status", "study"])["counts"]["failed"], 0);
     let left = done(here, &["campaign", "plan.toml", "--out", "study", "--list-jobs"]);
     assert_eq!(left.lines().collect::<Vec<_>>(), listed.lines().take(2).collect::<Vec<_>>());
     let output = run(here, &["campaign", "plan.toml", "--out", "study", "--collect"]);

@@ -46,6 +46,8 @@ assert list(first["states/probability_density"]) == list(states["probability_den
 with h5py.File("study.hdf5") as file:
     assert list(file.attrs["contact_params"]) == ["grains.material.friction"]
     assert list(file.attrs["outputs"])[0] == "void_ratio"
+    assert list(file.attrs["inputs_drained"]) == ["axial_strain", "lateral_strain_2", "lateral_strain_3"]
+    assert list(file.attrs["unused_keys_sequence"]) == []
     data = file["100000"]["drained"]
     assert data["inputs"].shape == (4, 5, 3) and data["contact_params"].shape == (4, 1)
     assert data["outputs"].shape == (4, 5, len(file.attrs["outputs"]))

@@ -1,10 +1,13 @@
 //! The data set of a campaign: the same bytes however it came about, and read by granum and by other programs.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::common::{run, stderr};
+use granum_core::digest::sha256;
+use granum_run::engine::CHECKS;
+
+use crate::common::{python_with, run, stderr};
 use crate::{done, done_json, refused};
 
 /// A drained triaxial test that takes a tenth of a second.
@@ -53,10 +56,17 @@ fn a_data_set_has_the_same_bytes_however_it_came_about() {
     assert_eq!(wanted.len(), 5, "{:?}", wanted.keys());
     let sums = std::fs::read_to_string(here.join("study/dataset/SHA256SUMS")).unwrap();
     for (name, bytes) in &wanted {
-        assert!(sums.contains(&format!("{}  {name}\n", granum_core_sha256(bytes))), "{name}: {sums}");
+        assert!(sums.contains(&format!("{}  {name}\n", sha256(bytes))), "{name}: {sums}");
         let text = String::from_utf8_lossy(bytes);
         assert!(!text.contains(here.to_str().unwrap()), "{name} names the folder");
     }
+
+    let runs =
+        granum_io::formats::parquet::read_with_words(&here.join("study/dataset/runs.parquet"), None).unwrap();
+    let checks =
+        runs.names().filter_map(|name| name.strip_prefix("check.")).filter(|name| !name.ends_with(".limit"));
+    let unknown: Vec<&str> = checks.filter(|name| !CHECKS.contains(name)).collect();
+    assert!(unknown.is_empty(), "a plan could not accept {unknown:?}");
 
     // With other workers, elsewhere, without the folders of runs.
     std::fs::create_dir(here.join("deep")).unwrap();
@@ -208,6 +218,11 @@ fn what_is_left_out_is_named_and_damage_is_noticed() {
     std::fs::write(&runs, bytes).unwrap();
     let told = refused(here, 1, &["export", "study", "-o", "x.csv"]);
     assert!(told.contains("runs.parquet: was changed or damaged"), "{told}");
+    // A file that is missing is written again.
+    std::fs::remove_file(&runs).unwrap();
+    done(here, &["campaign", "keep.toml", "--out", "study"]);
+    done(here, &["export", "study", "-o", "x.csv"]);
+    std::fs::remove_file(here.join("x.csv")).unwrap();
     std::fs::remove_dir_all(here.join("study/dataset")).unwrap();
     let told = refused(here, 1, &["export", "study", "-o", "x.csv"]);
     assert!(told.contains("study: the campaign has no data set yet") && told.contains("--collect"), "{told}");
@@ -337,20 +352,4 @@ fn other_programs_read_a_data_set() {
         "{told}{}",
         String::from_utf8_lossy(&output.stderr)
     );
-}
-
-/// A Python in which packages can be imported: `GRANUM_PYTHON`, that of `scripts/python-readers`, or `python3`.
-fn python_with(packages: &[&str]) -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/python-readers/bin/python");
-    let given = std::env::var_os("GRANUM_PYTHON").map(PathBuf::from);
-    let find = format!(
-        "import importlib.util, sys; sys.exit(any(importlib.util.find_spec(p) is None for p in {packages:?}))"
-    );
-    given.into_iter().chain([own, PathBuf::from("python3")]).find(|python| {
-        Command::new(python).args(["-c", &find]).output().is_ok_and(|output| output.status.success())
-    })
-}
-
-fn granum_core_sha256(bytes: &[u8]) -> String {
-    granum_core::digest::sha256(bytes)
 }

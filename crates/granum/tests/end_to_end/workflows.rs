@@ -2,11 +2,11 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crate::campaigns::folder_with_plan;
-use crate::common::{stderr, stdout};
+use crate::common::{python_with, stderr, stdout};
 use crate::{digest, done, done_json};
 
 /// The page, from which the commands are taken.
@@ -53,13 +53,6 @@ fn is_there(program: &Path, arguments: &[&str]) -> bool {
     Command::new(program).args(arguments).output().is_ok_and(|output| output.status.success())
 }
 
-/// A Python with a package: `GRANUM_PYTHON`, or `python3`.
-fn python_with(package: &str) -> Option<PathBuf> {
-    let given = std::env::var_os("GRANUM_PYTHON").map(PathBuf::from);
-    let import = format!("import {package}");
-    given.into_iter().chain([PathBuf::from("python3")]).find(|python| is_there(python, &["-c", &import]))
-}
-
 #[test]
 fn gnu_parallel_executes_the_runs() {
     // Another program of this name does not know --joblog.
@@ -72,7 +65,7 @@ fn gnu_parallel_executes_the_runs() {
 
 #[test]
 fn dask_executes_the_runs() {
-    let Some(python) = python_with("dask.distributed") else {
+    let Some(python) = python_with(&["dask", "distributed"]) else {
         eprintln!(
             "dask_executes_the_runs: skipped, since there is no Python with dask.distributed here (GRANUM_PYTHON)"
         );
@@ -86,7 +79,7 @@ fn dask_executes_the_runs() {
 
 #[test]
 fn snakemake_executes_the_runs() {
-    let Some(python) = python_with("snakemake") else {
+    let Some(python) = python_with(&["snakemake"]) else {
         eprintln!(
             "snakemake_executes_the_runs: skipped, since there is no Python with snakemake here (GRANUM_PYTHON)"
         );

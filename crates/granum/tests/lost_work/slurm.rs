@@ -120,6 +120,11 @@ fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
+/// The command that submits what is left.
+fn submission<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&["campaign", "plan.toml", "--out", "study", "--scheduler", "slurm"], more].concat()
+}
+
 fn count(status: &Value, word: &str) -> u64 {
     status["counts"][word].as_u64().unwrap()
 }
@@ -164,13 +169,7 @@ fn a_campaign_on_slurm_loses_nothing_and_has_the_bytes_of_a_local_one() {
 
 /// A job whose time is over writes a checkpoint; the same command goes on from there.
 fn out_of_time(slurm: &Slurm, here: &Path) {
-    let command = [
-        "campaign",
-        "plan.toml",
-        "--out",
-        "study",
-        "--scheduler",
-        "slurm",
+    let command = submission(&[
         "--per-task",
         "2",
         "--time",
@@ -179,7 +178,7 @@ fn out_of_time(slurm: &Slurm, here: &Path) {
         "0.05",
         "--header",
         "header",
-    ];
+    ]);
     slurm.granum(here, &command);
     let script = fs::read_to_string(here.join("study/jobs/0001.sh")).unwrap();
     assert!(script.starts_with("#!/bin/sh\n#SBATCH --nice=5\ncd "), "{script}");
@@ -218,18 +217,7 @@ fn out_of_time(slurm: &Slurm, here: &Path) {
 
 /// A job is cancelled, the node is lost, and the limits of the cluster are kept.
 fn cancelled_lost_and_throttled(slurm: &Slurm, here: &Path) {
-    let command = [
-        "campaign",
-        "plan.toml",
-        "--out",
-        "study",
-        "--scheduler",
-        "slurm",
-        "--per-task",
-        "6",
-        "--time",
-        "5 min",
-    ];
+    let command = submission(&["--per-task", "6", "--time", "5 min"]);
     let told = stderr(&slurm.granum(here, &command));
     assert!(told.contains("there is no room at present (MaxSubmitJobs = 12)"), "{told}");
     let status = slurm.status(here, "study");
