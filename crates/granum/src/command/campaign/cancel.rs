@@ -7,7 +7,7 @@ use granum_campaign::scheduler::{self, SchedulerOptions};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::json;
 
-use super::campaign_in;
+use super::folder::campaign_in;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;

@@ -8,7 +8,8 @@ use granum_campaign::scheduler::{JobRecord, element_journal};
 use granum_run::Flow;
 
 use super::flags::CarryOutFlags;
-use super::{arguments, campaign_in, scheduling};
+use super::folder::campaign_in;
+use super::{arguments, scheduling};
 use crate::command::checkpoints::CheckpointFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};

@@ -6,16 +6,14 @@ mod element;
 mod estimate;
 mod execute;
 mod flags;
+mod folder;
 mod one_run;
 mod plan_text;
 mod scheduling;
 mod show;
 mod status;
 
-use std::path::Path;
-
 use clap::{Args, Subcommand};
-use granum_io::shell::ShowPath;
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -55,12 +53,6 @@ enum Action {
     /// Execute runs of a campaign here, by their names.
     #[command(hide = true)]
     Run(one_run::OneRun),
-}
-
-/// The campaign in a folder.
-fn campaign_in(folder: &Path) -> Result<granum_campaign::Campaign, Failure> {
-    let missing = || Failure::new(format!("{}: there is no campaign in this folder", folder.shown()));
-    granum_campaign::Campaign::read(folder)?.ok_or_else(missing)
 }
 
 impl Campaign {

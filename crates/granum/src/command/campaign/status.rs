@@ -8,7 +8,8 @@ use granum_campaign::{Campaign, CampaignRun, CampaignStatus, RunState};
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::{Map, Value, json};
 
-use super::{campaign_in, scheduling};
+use super::folder::campaign_in;
+use super::scheduling;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
