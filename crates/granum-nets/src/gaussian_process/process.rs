@@ -81,23 +81,49 @@ impl GaussianProcess {
         targets: &[f64],
         options: &FitOptions,
     ) -> Result<GaussianProcess, GaussianProcessError> {
+        let prior = prior(rows.columns());
+        let mut random = ChaCha8Rng::seed_from_u64(options.seed);
+        let mut start = |k: usize| {
+            let drawn = |[mean, deviation]: &[f64; 2]| match k {
+                0 => *mean,
+                _ => mean + 1.5 * deviation * uniform(&mut random),
+            };
+            prior.iter().map(drawn).collect()
+        };
+        let starts: Vec<Vec<f64>> = (0..options.starts.max(1)).map(&mut start).collect();
+        GaussianProcess::best_of(rows, targets, &starts, options)
+    }
+
+    /// Fits a process by a single search from given parameters, such as those of nearly the same rows.
+    ///
+    /// # Errors
+    /// As [`GaussianProcess::fit`] and [`GaussianProcess::with_parameters`].
+    pub fn fit_from(
+        rows: Arc<Rows>,
+        targets: &[f64],
+        parameters: &[f64],
+        options: &FitOptions,
+    ) -> Result<GaussianProcess, GaussianProcessError> {
+        check_parameters(&rows, parameters)?;
+        GaussianProcess::best_of(rows, targets, &[parameters.to_vec()], options)
+    }
+
+    fn best_of(
+        rows: Arc<Rows>,
+        targets: &[f64],
+        starts: &[Vec<f64>],
+        options: &FitOptions,
+    ) -> Result<GaussianProcess, GaussianProcessError> {
         check_targets(&rows, targets)?;
         let used = rows.thinned(options.most_rows);
         let some = rows.at(&used);
         let chosen: Vec<f64> = used.iter().map(|&k| targets[k]).collect();
         let [mean, deviation] = mean_and_deviation(&chosen);
         let chosen: Vec<f64> = chosen.iter().map(|y| (y - mean) / deviation).collect();
-        let prior = prior(rows.columns());
-        let mut random = ChaCha8Rng::seed_from_u64(options.seed);
         let mut best: Option<(f64, Vec<f64>)> = None;
-        for start in 0..options.starts.max(1) {
-            let drawn = |[mean, deviation]: &[f64; 2], random: &mut ChaCha8Rng| match start {
-                0 => *mean,
-                _ => mean + 1.5 * deviation * uniform(random),
-            };
-            let from: Vec<f64> = prior.iter().map(|prior| drawn(prior, &mut random)).collect();
+        for start in starts {
             let mut value = |logarithms: &[f64]| posterior(&some, &chosen, logarithms);
-            let found = minimise(&from, options.iterations, TOLERANCE, &mut value);
+            let found = minimise(start, options.iterations, TOLERANCE, &mut value);
             if let Some(found) = found
                 && best.as_ref().is_none_or(|(least, _)| found.value < *least)
             {
@@ -118,10 +144,8 @@ impl GaussianProcess {
         logarithms: Vec<f64>,
     ) -> Result<GaussianProcess, GaussianProcessError> {
         check_targets(&rows, targets)?;
-        let (inputs, needed) = (rows.columns(), parameter_count(rows.columns()));
-        if logarithms.len() != needed || logarithms.iter().any(|l| !l.is_finite()) {
-            return Err(GaussianProcessError::Parameters { found: logarithms.len(), inputs, needed });
-        }
+        check_parameters(&rows, &logarithms)?;
+        let inputs = rows.columns();
         let scale = mean_and_deviation(targets);
         let covariance = Covariance::new(inputs, &logarithms);
         let factorised = Factorised::new(&covariance, &rows).ok_or(GaussianProcessError::NotPositive)?;
@@ -163,6 +187,14 @@ impl GaussianProcess {
         };
         targets.iter().enumerate().map(of_row).collect()
     }
+}
+
+fn check_parameters(rows: &Rows, logarithms: &[f64]) -> Result<(), GaussianProcessError> {
+    let (inputs, needed) = (rows.columns(), parameter_count(rows.columns()));
+    if logarithms.len() != needed || logarithms.iter().any(|l| !l.is_finite()) {
+        return Err(GaussianProcessError::Parameters { found: logarithms.len(), inputs, needed });
+    }
+    Ok(())
 }
 
 fn check_targets(rows: &Rows, targets: &[f64]) -> Result<(), GaussianProcessError> {

@@ -90,7 +90,14 @@ fn the_same_rows_and_parameters_give_the_same_bits() {
     let again =
         GaussianProcess::with_parameters(rows.clone(), &targets, fitted.parameters().to_vec()).unwrap();
     assert_eq!(fitted.predict(&[0.3, -0.2]), again.predict(&[0.3, -0.2]));
-    assert_eq!(GaussianProcess::fit(rows, &targets, &options).unwrap().parameters(), fitted.parameters());
+    assert_eq!(
+        GaussianProcess::fit(rows.clone(), &targets, &options).unwrap().parameters(),
+        fitted.parameters()
+    );
+    // A search from the most probable parameters stays there.
+    let from = GaussianProcess::fit_from(rows, &targets, fitted.parameters(), &options).unwrap();
+    let moved = from.parameters().iter().zip(fitted.parameters()).map(|(a, b)| (a - b).abs());
+    assert!(moved.fold(0.0, f64::max) < 0.1, "{:?} {:?}", from.parameters(), fitted.parameters());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Conformal calibration by whole runs: by which factor standard deviations must be multiplied so that intervals hold.
 //!
-//! Each training run is predicted from all others. Its errors over their standard deviations, along the whole curve, are as those of a
+//! Each training run is predicted by what was fitted to others. Its errors over their standard deviations, along the whole curve, are as those of a
 //! new run would be, if runs can be exchanged. The factor of intervals is the smallest with which the share of states that hold, averaged
 //! over the runs and with a further run of which no state holds, is the level; that of bands is the one with which so many whole curves
 //! hold (Vovk, Gammerman and Shafer 2005; Lei and others 2018).
@@ -56,15 +56,14 @@ impl Calibration {
     /// The factor of bands that hold a share `level` of whole curves.
     pub fn band(&self, level: f64) -> f64 {
         let rank = (level * (self.runs + 1) as f64).ceil() as usize;
-        self.curves[rank.clamp(1, self.runs) - 1]
+        self.curves.get(rank.clamp(1, self.runs.max(1)) - 1).copied().unwrap_or(0.0)
     }
 
     /// True if the numbers are those of a calibration.
     pub fn is_sound(&self) -> bool {
         let rises = |values: &[f64]| values.windows(2).all(|pair| pair[0] <= pair[1]);
         let positive = |values: &[f64]| values.iter().all(|value| *value >= 0.0 && value.is_finite());
-        self.runs > 0
-            && (self.states.len(), self.curves.len()) == (STEPS + 1, self.runs)
+        (self.states.len(), self.curves.len()) == (STEPS + 1, self.runs)
             && [&self.states, &self.curves].iter().all(|values| rises(values) && positive(values))
     }
 }

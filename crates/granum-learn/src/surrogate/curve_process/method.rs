@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
-use granum_nets::gaussian_process::{FitOptions, GaussianProcess, LeftOut, Rows};
+use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
 use super::calibration::Calibration;
 use super::components::Components;
 use super::failure::{NAME, failed};
 use super::fitted::{FittedCurves, Kept, KeptOutput};
 use super::groups::groups_of;
+use super::left_out::{Curves, PARTS};
 use super::run_curves::{RunCurve, common_points, shares};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
@@ -130,13 +131,18 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             Some(rows) => self.processes(rows, &prepared, &fits, spec, observer)?,
             None => Vec::new(),
         };
-        let mut outputs = Vec::with_capacity(prepared.len());
-        let mut rest = processes.into_iter();
-        for prepared in prepared {
-            let own: Vec<GaussianProcess> =
-                rest.by_ref().take(prepared.components.components.len()).collect();
-            outputs.push(kept(&shared, prepared, &own));
-        }
+        let mut rest = processes.iter().map(|process| process.parameters().to_vec());
+        let parameters: Vec<Vec<Vec<f64>>> = prepared
+            .iter()
+            .map(|prepared| rest.by_ref().take(prepared.components.components.len()).collect())
+            .collect();
+        let calibrations = self.calibrations(&shared, &prepared, &parameters, spec, observer)?;
+        let outputs = prepared.into_iter().zip(parameters).zip(calibrations);
+        let outputs = outputs.map(|((prepared, parameters), calibration)| {
+            let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
+            KeptOutput { start, mean, components, rest, parameters, weights, calibration }
+        });
+        let outputs = outputs.collect();
         let (runs, points) = (shared.runs.len(), shared.points);
         let kept = Kept { coordinate: place, runs, points, groups, ranges, rows: values, outputs };
         Ok(Box::new(FittedCurves::new(columns, kept)?))
@@ -164,7 +170,7 @@ impl GaussianProcessOfCurves {
     fn prepared(&self, shared: &Shared, columns: &Columns, names: &[String], output: usize) -> Prepared {
         let sample = format!("{SAMPLE}{}", columns.outputs[output].name);
         let start = names.iter().position(|name| *name == sample);
-        let curve = |run: &RunCurve| run.at(&shared.points, output, start.is_some());
+        let curve = |run: &RunCurve| run.at(&shared.points, output, start);
         let curves: Vec<Vec<f64>> = shared.runs.iter().map(curve).collect();
         let most = if shared.rows.is_some() { self.components } else { 0 };
         let components = Components::new(&curves, &shared.shares, most);
@@ -200,6 +206,46 @@ impl GaussianProcessOfCurves {
     }
 }
 
+impl GaussianProcessOfCurves {
+    /// The calibration of each output, by runs that are predicted from others.
+    fn calibrations(
+        &self,
+        shared: &Shared,
+        prepared: &[Prepared],
+        parameters: &[Vec<Vec<f64>>],
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Calibration>> {
+        let follower = SharedObserver::new(observer);
+        let total = prepared.len() * PARTS;
+        let found = parallel::map(total, spec.threads, |k| {
+            if follower.stopped() {
+                return Err(LearnError::Stopped { done: k, total });
+            }
+            let (output, part) = (k / PARTS, k % PARTS);
+            let mut options = FitOptions::default();
+            options.most_rows = self.most_runs;
+            let curves = Curves {
+                curves: &prepared[output].curves,
+                shares: &shared.shares,
+                rows: shared.rows.as_deref(),
+                parameters: &parameters[output],
+                options,
+            };
+            curves.errors(part)
+        })?;
+        let of_output = |(parts, prepared): (&[Vec<(usize, Vec<f64>)>], &Prepared)| {
+            let mut errors: Vec<&(usize, Vec<f64>)> = parts.iter().flatten().collect();
+            errors.sort_by_key(|(run, _)| *run);
+            // Where all curves start at the value on their sample, nothing is predicted.
+            let from = usize::from(prepared.curves.iter().all(|curve| curve[0] == 0.0));
+            let errors: Vec<Vec<f64>> = errors.iter().map(|(_, errors)| errors[from..].to_vec()).collect();
+            Calibration::new(&errors, &shared.shares[from..])
+        };
+        Ok(found.chunks(PARTS).zip(prepared).map(of_output).collect())
+    }
+}
+
 fn place_of_coordinate(spec: &FitSpec, columns: &Columns) -> Result<usize> {
     let place = spec.place_of_coordinate(columns);
     place.ok_or_else(|| failed("it predicts curves and needs the coordinate that they are over"))
@@ -218,37 +264,4 @@ fn ranges(runs: &[&[f64]]) -> Vec<[f64; 2]> {
         }
     }
     ranges
-}
-
-/// An output with its calibration: each run is predicted from the others.
-fn kept(shared: &Shared, prepared: Prepared, processes: &[GaussianProcess]) -> KeptOutput {
-    let Prepared { start, curves, components: Components { mean, components, weights, rest } } = prepared;
-    let left: Vec<Vec<LeftOut>> =
-        processes.iter().zip(&weights).map(|(process, targets)| process.left_out(targets)).collect();
-    // A run left out changes the mean of n curves as well; where nothing depends on inputs that is all.
-    let count = curves.len() as f64;
-    let share = if processes.is_empty() && count > 1.0 { count / (count - 1.0) } else { 1.0 };
-    let error = |run: usize, point: usize| {
-        let (mut value, mut variance) = (mean[point], rest[point]);
-        for (component, left) in components.iter().zip(&left) {
-            value += component[point] * left[run].mean;
-            variance += component[point] * component[point] * left[run].variance;
-        }
-        // A point at which all curves are equal has no error and no variance.
-        let error = share * (curves[run][point] - value);
-        if error == 0.0 { 0.0 } else { error / variance.sqrt().max(1e-300) }
-    };
-    // Where curves start at the value on their sample, nothing is predicted.
-    let from = usize::from(start.is_some());
-    let errors: Vec<Vec<f64>> =
-        (0..curves.len()).map(|run| (from..mean.len()).map(|point| error(run, point)).collect()).collect();
-    KeptOutput {
-        start,
-        mean,
-        components,
-        rest,
-        parameters: processes.iter().map(|process| process.parameters().to_vec()).collect(),
-        weights,
-        calibration: Calibration::new(&errors, &shared.shares[from..]),
-    }
 }

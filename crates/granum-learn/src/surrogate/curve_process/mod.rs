@@ -12,13 +12,14 @@
 //! The variance of a new run about the mean has two parts: that of the processes, which more runs would reduce (`parameters`), and
 //! that of a single run, which they would not (`noise`): the noise of the processes, and the part of the training curves that the
 //! components do not contain. Intervals are these standard deviations times a factor, which is chosen on whole training runs, each
-//! predicted from all others (conformal calibration): for intervals of single states, and for bands that contain a whole curve.
+//! predicted by what was fitted to others (conformal calibration): for intervals of single states, and for bands that contain a whole curve.
 
 mod calibration;
 mod components;
 mod failure;
 mod fitted;
 mod groups;
+mod left_out;
 mod method;
 mod run_curves;
 #[cfg(test)]

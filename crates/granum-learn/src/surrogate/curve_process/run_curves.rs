@@ -96,10 +96,10 @@ impl RunCurve {
         dataset.runs().iter().map(|run| RunCurve::new(run, coordinate, inputs, outputs)).collect()
     }
 
-    /// An output at the points, less its first value if `from_start`.
-    pub fn at(&self, points: &[f64], output: usize, from_start: bool) -> Vec<f64> {
+    /// An output at the points, less the value of an input if `start` names one.
+    pub fn at(&self, points: &[f64], output: usize, start: Option<usize>) -> Vec<f64> {
         let values = &self.outputs[output];
-        let first = if from_start { interpolated(points[0], &self.xs, values) } else { 0.0 };
+        let first = start.map_or(0.0, |input| self.inputs[input]);
         points.iter().map(|x| interpolated(*x, &self.xs, values) - first).collect()
     }
 }
