@@ -14,6 +14,9 @@ pub(super) const PARTS: usize = 8;
 /// Most steps of a search for parameters, which begins at those of all runs.
 const ITERATIONS: usize = 20;
 
+/// The number of a run with its errors over their standard deviations, at each point.
+pub(super) type RunErrors = (usize, Vec<f64>);
+
 /// The curves of an output with what the processes see of the inputs.
 pub(super) struct Curves<'a> {
     pub curves: &'a [Vec<f64>],
@@ -26,8 +29,8 @@ pub(super) struct Curves<'a> {
 }
 
 impl Curves<'_> {
-    /// The errors of the runs of a part over their standard deviations, at each point, with the number of the run.
-    pub fn errors(&self, part: usize) -> Result<Vec<(usize, Vec<f64>)>> {
+    /// The errors of the runs of a part.
+    pub fn errors(&self, part: usize) -> Result<Vec<RunErrors>> {
         let (own, others): (Vec<usize>, Vec<usize>) =
             (0..self.curves.len()).partition(|run| run % PARTS == part);
         if own.is_empty() || others.is_empty() {

@@ -12,7 +12,7 @@ use super::components::Components;
 use super::failure::{NAME, failed};
 use super::fitted::{FittedCurves, Kept, KeptOutput};
 use super::groups::groups_of;
-use super::left_out::{Curves, PARTS};
+use super::left_out::{Curves, PARTS, RunErrors};
 use super::run_curves::{RunCurve, common_points, shares};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
@@ -234,8 +234,8 @@ impl GaussianProcessOfCurves {
             };
             curves.errors(part)
         })?;
-        let of_output = |(parts, prepared): (&[Vec<(usize, Vec<f64>)>], &Prepared)| {
-            let mut errors: Vec<&(usize, Vec<f64>)> = parts.iter().flatten().collect();
+        let of_output = |(parts, prepared): (&[Vec<RunErrors>], &Prepared)| {
+            let mut errors: Vec<&RunErrors> = parts.iter().flatten().collect();
             errors.sort_by_key(|(run, _)| *run);
             // Where all curves start at the value on their sample, nothing is predicted.
             let from = usize::from(prepared.curves.iter().all(|curve| curve[0] == 0.0));
