@@ -40,6 +40,22 @@ impl Cholesky {
         &self.lower
     }
 
+    /// The logarithm of the determinant of `A`.
+    pub fn log_determinant(&self) -> f64 {
+        2.0 * (0..self.size).map(|i| libm::log(self.lower[i * self.size + i])).sum::<f64>()
+    }
+
+    /// Solves `L y = b`: `y . y = b^T A^-1 b`.
+    pub fn solve_lower(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.size;
+        let mut y = b.to_vec();
+        for i in 0..n {
+            let known: f64 = self.lower[i * n..i * n + i].iter().zip(&y).map(|(l, y)| l * y).sum();
+            y[i] = (y[i] - known) / self.lower[i * n + i];
+        }
+        y
+    }
+
     /// Solves `A x = b`.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let n = self.size;
@@ -72,6 +88,9 @@ mod tests {
         assert_eq!(factor.lower, [2.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 2.0, 1.0]);
         let x = factor.solve(&[2.0, 37.0, 26.0]);
         assert!(x.iter().zip([1.0, 2.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{x:?}");
+        // The determinant is 2^2 3^2 1^2.
+        assert!((factor.log_determinant() - 36f64.ln()).abs() < 1e-12);
+        assert_eq!(factor.solve_lower(&[2.0, 7.0, 6.0]), [1.0, 2.0, 3.0]);
         assert!(Cholesky::new(2, &[1.0, 2.0, 2.0, 1.0]).is_none());
         assert!(Cholesky::new(1, &[f64::NAN]).is_none());
     }

@@ -2,4 +2,5 @@
 
 pub mod cholesky;
 pub mod deviations;
+pub mod eigenvectors;
 pub mod spline;

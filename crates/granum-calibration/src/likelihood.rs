@@ -1,0 +1,309 @@
+//! The likelihood of laboratory curves, with three errors that are stated apart.
+//!
+//! The difference of a measured and a predicted curve is normal with the sum of three covariances: that of the measurement, that of the
+//! prediction (a surrogate's interval with its correlation along the curve), and that of the inadequacy of the model, since spheres are no
+//! grains of sand: a smooth function of strain, `(a s)^2 exp(-(difference of strains / l)^2 / 2)` with the root mean square s of the measured
+//! curve. Its relative size a is free, one for each quantity, and has a half-normal prior.
+//!
+//! Source of the discrepancy: Kennedy, O'Hagan, Bayesian calibration of computer models, Journal of the Royal Statistical Society B 63
+//! (2001), 425 to 464.
+
+use granum_learn::regression::cholesky::Cholesky;
+use serde::{Deserialize, Serialize};
+
+use crate::chains::LogDensity;
+use crate::curve::{ForwardModel, MeasuredCurve, MeasurementError, PredictedCurve};
+use crate::error::{CalibrationError, Result};
+use crate::prior::Prior;
+
+/// A free parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FreeParameter {
+    /// Its name.
+    pub name: String,
+    /// Its prior.
+    pub prior: Prior,
+}
+
+/// Inadequacy of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Discrepancy {
+    /// Scale of the half-normal prior of its relative size: with 0.1 the model may well be off by a tenth of a curve's root mean square.
+    pub scale: f64,
+    /// Difference of axial strains over which it is alike.
+    pub correlation_strain: f64,
+}
+
+impl Default for Discrepancy {
+    fn default() -> Self {
+        Discrepancy { scale: 0.05, correlation_strain: 0.05 }
+    }
+}
+
+/// The posterior of free parameters: their priors, the curves, and what predicts them.
+pub struct Posterior<'a> {
+    parameters: &'a [FreeParameter],
+    curves: &'a [MeasuredCurve],
+    model: &'a dyn ForwardModel,
+    /// Names of all coordinates: the parameters, then one discrepancy for each quantity.
+    names: Vec<String>,
+    /// Priors of the relative sizes of the discrepancies.
+    sizes: Option<Prior>,
+    correlation_strain: f64,
+    /// For each curve, the place of the discrepancy of its quantity.
+    quantity: Vec<usize>,
+    /// For each curve, the covariance of the measurement and the root mean square.
+    measurement: Vec<(Vec<f64>, f64)>,
+}
+
+impl<'a> Posterior<'a> {
+    /// The posterior; without a discrepancy the model is taken to be right.
+    ///
+    /// # Errors
+    /// If a prior has no sense, a curve has no readings, its strains do not rise, or an error, weight or number is not finite, or an error is
+    /// zero.
+    pub fn new(
+        parameters: &'a [FreeParameter],
+        curves: &'a [MeasuredCurve],
+        model: &'a dyn ForwardModel,
+        discrepancy: Option<Discrepancy>,
+    ) -> Result<Posterior<'a>> {
+        parameters.iter().try_for_each(|free| free.prior.check(&free.name))?;
+        curves.iter().try_for_each(check_curve)?;
+        if parameters.is_empty() || curves.is_empty() {
+            return Err(CalibrationError::Input(
+                "a calibration needs a free parameter and a measured curve".into(),
+            ));
+        }
+        let mut quantities: Vec<&str> = Vec::new();
+        let quantity = curves.iter().map(|curve| {
+            let known = quantities.iter().position(|name| *name == curve.quantity);
+            known.unwrap_or_else(|| {
+                quantities.push(&curve.quantity);
+                quantities.len() - 1
+            })
+        });
+        let quantity = quantity.collect();
+        let mut names: Vec<String> = parameters.iter().map(|free| free.name.clone()).collect();
+        let mut sizes = None;
+        if let Some(Discrepancy { scale, correlation_strain }) = discrepancy {
+            let prior = Prior::Normal { mean: 0.0, deviation: scale, from: 0.0, to: f64::INFINITY };
+            prior.check("the discrepancy")?;
+            if !(correlation_strain > 0.0 && correlation_strain.is_finite()) {
+                let message =
+                    format!("the discrepancy: correlation_strain = {correlation_strain} must be positive");
+                return Err(CalibrationError::Input(message));
+            }
+            names.extend(quantities.iter().map(|name| format!("{name}_discrepancy")));
+            sizes = Some(prior);
+        }
+        Ok(Posterior {
+            parameters,
+            curves,
+            model,
+            names,
+            sizes,
+            correlation_strain: discrepancy.map_or(1.0, |discrepancy| discrepancy.correlation_strain),
+            quantity,
+            measurement: curves
+                .iter()
+                .map(|curve| (measurement(curve), root_mean_square(&curve.measured)))
+                .collect(),
+        })
+    }
+
+    /// The values of the coordinates at shares of their priors: the parameters, then the relative sizes of discrepancies.
+    pub fn values(&self, shares: &[f64]) -> Vec<f64> {
+        let priors = self.parameters.iter().map(|free| Some(free.prior)).chain(std::iter::repeat(self.sizes));
+        shares
+            .iter()
+            .zip(priors)
+            .map(|(share, prior)| prior.map_or(*share, |prior| prior.value(*share)))
+            .collect()
+    }
+
+    /// The covariance of the difference between a measured curve and its prediction, row-major, with the given relative sizes of
+    /// discrepancies.
+    pub fn covariance(&self, curve: usize, predicted: &PredictedCurve, sizes: &[f64]) -> Vec<f64> {
+        let (measurement, scale) = &self.measurement[curve];
+        let mut sum = measurement.clone();
+        for (sum, part) in sum.iter_mut().zip(&predicted.covariance) {
+            *sum += part;
+        }
+        if let Some(size) = sizes.get(self.quantity[curve]) {
+            let variance = (size * scale).powi(2);
+            let strain = &self.curves[curve].strain;
+            for (i, a) in strain.iter().enumerate() {
+                for (j, b) in strain[..=i].iter().enumerate() {
+                    let apart = (a - b) / self.correlation_strain;
+                    sum[i * strain.len() + j] += variance * libm::exp(-0.5 * apart * apart);
+                }
+            }
+        }
+        sum
+    }
+
+    /// The logarithm of the likelihood of values, up to a constant.
+    fn log_likelihood(&self, values: &[f64]) -> f64 {
+        let (parameters, sizes) = values.split_at(self.parameters.len());
+        let Some(predicted) = self.model.predict(parameters) else { return f64::NEG_INFINITY };
+        let mut sum = 0.0;
+        for (k, (curve, predicted)) in self.curves.iter().zip(&predicted).enumerate() {
+            let apart: Vec<f64> = curve.measured.iter().zip(&predicted.mean).map(|(a, b)| a - b).collect();
+            let Some(density) = normal_log_density(&apart, &self.covariance(k, predicted, sizes)) else {
+                return f64::NEG_INFINITY;
+            };
+            sum += curve.weight * density;
+        }
+        sum
+    }
+}
+
+impl LogDensity for Posterior<'_> {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn log_density(&self, shares: &[f64]) -> f64 {
+        self.log_likelihood(&self.values(shares))
+    }
+}
+
+/// The logarithm of the density of a normal distribution with mean zero at a vector, of whose covariance the lower triangle is read;
+/// `None` if that is not positive definite.
+pub fn normal_log_density(vector: &[f64], covariance: &[f64]) -> Option<f64> {
+    let factor = Cholesky::new(vector.len(), covariance)?;
+    let square: f64 = factor.solve_lower(vector).iter().map(|y| y * y).sum();
+    let constant = vector.len() as f64 * libm::log(2.0 * std::f64::consts::PI);
+    Some(-0.5 * (square + factor.log_determinant() + constant))
+}
+
+fn measurement(curve: &MeasuredCurve) -> Vec<f64> {
+    let count = curve.strain.len();
+    let mut covariance = vec![0.0; count * count];
+    for i in 0..count {
+        for j in 0..=i {
+            let apart = (curve.strain[i] - curve.strain[j]).abs();
+            let alike =
+                if i == j { 1.0 } else { libm::exp(-apart / curve.error.correlation_strain.max(1e-300)) };
+            covariance[i * count + j] =
+                alike * curve.error.deviation(curve.measured[i]) * curve.error.deviation(curve.measured[j]);
+        }
+    }
+    covariance
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+fn check_curve(curve: &MeasuredCurve) -> Result<()> {
+    let refuse = |what: &str| {
+        Err(CalibrationError::Input(format!("{} of the test {}: {what}", curve.quantity, curve.test)))
+    };
+    let MeasurementError { absolute, relative, correlation_strain } = curve.error;
+    let rising = curve.strain.windows(2).all(|pair| pair[1] > pair[0]);
+    if curve.measured.is_empty() || curve.measured.len() != curve.strain.len() {
+        return refuse("it needs readings, each with its strain");
+    }
+    if !(rising && curve.strain.iter().chain(&curve.measured).all(|x| x.is_finite())) {
+        return refuse("readings must be finite and their strains must rise");
+    }
+    if [absolute, relative, correlation_strain].iter().any(|x| !(*x >= 0.0 && x.is_finite())) {
+        return refuse("errors and their correlation must be finite and not negative");
+    }
+    if curve.measured.iter().any(|reading| curve.error.deviation(*reading) == 0.0) {
+        return refuse("a reading of zero has no error; give an absolute part of the error of measurement");
+    }
+    if !(curve.weight > 0.0 && curve.weight.is_finite()) {
+        return refuse("the weight must be positive");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use granum_core::observer::NoObserver;
+
+    use super::*;
+    use crate::chains::{ChainOptions, draw};
+
+    fn line_test(error: MeasurementError) -> MeasuredCurve {
+        let strain: Vec<f64> = (1..=10).map(|k| f64::from(k) / 100.0).collect();
+        let measured = strain.iter().map(|s| 2.0 * s).collect();
+        MeasuredCurve { test: "T".into(), quantity: "y".into(), strain, measured, error, weight: 1.0 }
+    }
+
+    fn slope(from: f64, to: f64) -> Vec<FreeParameter> {
+        vec![FreeParameter { name: "slope".into(), prior: Prior::Uniform { from, to } }]
+    }
+
+    fn line(values: &[f64]) -> Option<Vec<PredictedCurve>> {
+        let mean = (1..=10).map(|k| values[0] * f64::from(k) / 100.0).collect();
+        Some(vec![PredictedCurve { mean, covariance: Vec::new() }])
+    }
+
+    #[test]
+    fn a_density_by_hand() {
+        // Two independent values with variances 4 and 9 at 2 and 3: both one deviation off.
+        let density = normal_log_density(&[2.0, 3.0], &[4.0, 0.0, 0.0, 9.0]).unwrap();
+        assert!((density - (-1.0 - (2.0 * std::f64::consts::PI * 6.0).ln())).abs() < 1e-12);
+        assert!(normal_log_density(&[0.0, 0.0], &[1.0, 0.0, 2.0, 1.0]).is_none());
+    }
+
+    /// Golden: the slope of a line through the origin with independent errors s has the deviation s / sqrt(sum of x^2); without errors
+    /// of their own, readings tell no more than the largest of them.
+    #[test]
+    fn the_posterior_of_a_slope_is_that_of_least_squares() {
+        let free = slope(0.0, 4.0);
+        let own = [line_test(MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 })];
+        let posterior = Posterior::new(&free, &own, &line, None).unwrap();
+        let options = ChainOptions { least_effective: 1500.0, ..ChainOptions::default() };
+        let draws = draw(&posterior, &options, &mut NoObserver).unwrap();
+        let values: Vec<f64> = draws.points().iter().map(|shares| posterior.values(shares)[0]).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let deviation = root_mean_square(&values.iter().map(|x| x - mean).collect::<Vec<_>>());
+        let expected = 0.01 / 0.0385f64.sqrt();
+        assert!((mean - 2.0).abs() < 0.1 * expected, "{mean}");
+        assert!((deviation / expected - 1.0).abs() < 0.08, "{deviation} {expected}");
+    }
+
+    /// A model that cannot follow the measured curve is sure of a wrong value without a discrepancy, and unsure with one.
+    #[test]
+    fn a_discrepancy_widens_the_posterior_of_a_wrong_model() {
+        let free = slope(0.0, 4.0);
+        let mut bent =
+            line_test(MeasurementError { absolute: 0.001, relative: 0.0, correlation_strain: 0.0 });
+        bent.measured = bent.strain.iter().map(|s| 2.0 * s - 12.0 * s * s).collect();
+        let bent = [bent];
+        let width = |discrepancy: Option<Discrepancy>| {
+            let posterior = Posterior::new(&free, &bent, &line, discrepancy).unwrap();
+            let draws = draw(&posterior, &ChainOptions::default(), &mut NoObserver).unwrap();
+            let values: Vec<f64> = draws.points().iter().map(|shares| posterior.values(shares)[0]).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            (posterior.names.len(), root_mean_square(&values.iter().map(|x| x - mean).collect::<Vec<_>>()))
+        };
+        let (one, sure) = width(None);
+        let (two, unsure) = width(Some(Discrepancy { scale: 0.5, correlation_strain: 0.05 }));
+        assert_eq!((one, two), (1, 2));
+        assert!(unsure > 5.0 * sure, "{sure} {unsure}");
+    }
+
+    #[test]
+    fn curves_without_sense_are_refused() {
+        let error = MeasurementError { absolute: 0.0, relative: 0.02, correlation_strain: 0.0 };
+        let refused = |change: fn(&mut MeasuredCurve)| {
+            let mut curve = line_test(error);
+            change(&mut curve);
+            Posterior::new(&slope(0.0, 1.0), &[curve], &line, None).err().map(|error| error.to_string())
+        };
+        assert_eq!(refused(|_| ()), None);
+        let zero = refused(|curve| curve.measured[0] = 0.0).unwrap();
+        assert!(zero.contains("y of the test T") && zero.contains("absolute part"), "{zero}");
+        assert!(refused(|curve| curve.strain[3] = 0.0).unwrap().contains("must rise"));
+        assert!(refused(|curve| curve.measured.clear()).unwrap().contains("needs readings"));
+        assert!(refused(|curve| curve.weight = 0.0).unwrap().contains("weight"));
+        assert!(refused(|curve| curve.error.relative = -1.0).unwrap().contains("not negative"));
+    }
+}
