@@ -9,10 +9,12 @@ pub mod chains;
 pub mod curve;
 pub mod diagnostics;
 mod error;
+pub mod identifiability;
 pub mod likelihood;
 pub mod normal;
 pub mod prior;
 mod random;
 pub mod sensitivity;
+pub mod sequential;
 
 pub use error::{CalibrationError, Result};
