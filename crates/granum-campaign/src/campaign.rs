@@ -8,6 +8,7 @@ use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, Run, RunStatus};
 use granum_run::Laboratory;
+use granum_run::engine::LammpsStart;
 use granum_run::laboratory::Source;
 use granum_run::queue::{QueuedRun, sample_name};
 use granum_sensors::Sensors;
@@ -56,6 +57,9 @@ struct CampaignFile {
     /// The engine that carries out the tests; empty for granum's own.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     engine: String,
+    /// How LAMMPS is started, if it is the engine.
+    #[serde(default, skip_serializing_if = "LammpsStart::is_usual")]
+    lammps: LammpsStart,
     runs: Vec<CampaignRun>,
     /// Names of the runs of earlier plans whose folders are still there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -151,6 +155,7 @@ impl Campaign {
             accept: plan.accept.iter().map(|condition| condition.value.text().to_string()).collect(),
             keep: plan.keep,
             engine: plan.engine.clone(),
+            lammps: plan.lammps.clone(),
             runs: runs.collect(),
             no_longer_planned: Vec::new(),
         };
@@ -206,12 +211,40 @@ impl Campaign {
         write_sealed(&self.folder.join(CAMPAIGN_FILE), &self.file)
     }
 
-    /// A laboratory with the engine that carries out the tests of this campaign.
+    /// A laboratory with the engine that carries out the tests of this campaign. It has a thread for each run that goes on at once:
+    /// fewer than there are processors, where a run needs several.
     pub fn laboratory(&self, laboratory: &Laboratory) -> Laboratory {
-        match self.file.engine.as_str() {
-            "" => laboratory.clone(),
-            engine => Laboratory { engine: engine.into(), ..laboratory.clone() },
+        let mut laboratory = laboratory.clone();
+        if !self.file.engine.is_empty() {
+            laboratory.engine.clone_from(&self.file.engine);
         }
+        if let Some(lammps) = self.file.lammps.engine() {
+            laboratory.registry.engines = laboratory.registry.engines.replaced_by(lammps);
+        }
+        let threads = &mut laboratory.resources.hardware.threads;
+        *threads = (*threads / self.processors_of_a_run()).max(1);
+        laboratory
+    }
+
+    /// The engine that carries out the tests; empty for granum's own.
+    pub fn engine(&self) -> &str {
+        &self.file.engine
+    }
+
+    /// Number of processors that a test needs.
+    pub fn processors_of_a_run(&self) -> usize {
+        self.file.lammps.processors()
+    }
+
+    /// How LAMMPS is started, if it is the engine.
+    pub fn lammps(&self) -> &LammpsStart {
+        &self.file.lammps
+    }
+
+    /// The same campaign, for which LAMMPS is started in another way.
+    pub fn with_lammps(mut self, start: LammpsStart) -> Campaign {
+        self.file.lammps = start;
+        self
     }
 
     /// The folder.

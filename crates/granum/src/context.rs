@@ -74,6 +74,11 @@ impl Context {
         self.registry.run_at(folder)
     }
 
+    /// The same options with permission to replace, as for a check after which nothing is written.
+    pub fn with_force(&self) -> Context {
+        Context { force: true, ..self.clone() }
+    }
+
     /// The same options without permission to replace anything.
     pub fn without_force(&self) -> Context {
         Context { force: false, ..self.clone() }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use granum_io::{Case, InputError};
+use granum_run::engine::LammpsStart;
 use serde::{Deserialize, Serialize};
 
 use super::expression::{Condition, Expression};
@@ -49,6 +50,8 @@ pub struct Plan {
     pub keep: Keep,
     /// The engine that carries out the tests; empty for granum's own.
     pub engine: String,
+    /// How LAMMPS is started, if it is the engine.
+    pub lammps: LammpsStart,
 }
 
 /// What stays of finished runs.

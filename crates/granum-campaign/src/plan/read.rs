@@ -7,6 +7,7 @@ use granum_core::input::read_text;
 use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, named_file};
+use granum_run::engine::{LAMMPS, LammpsStart};
 use toml::de::DeTable;
 
 use super::definition::{Keep, Plan, PlanSource, Spanned, Variable};
@@ -17,8 +18,10 @@ use super::reader::Reader;
 /// A plan is a page or two long, but for long lists of runs; a larger file is something else.
 const LARGEST_FILE: u64 = 1 << 24;
 /// The keys of a plan.
-pub(super) const PLAN_KEYS: [&str; 8] =
-    ["case", "set", "design", "variable", "constraints", "accept", "keep", "engine"];
+pub(super) const PLAN_KEYS: [&str; 10] =
+    ["case", "set", "design", "variable", "constraints", "accept", "keep", "engine", "ranks", "command"];
+/// Most processes of one run.
+pub(super) const MOST_RANKS: u64 = 1 << 20;
 
 impl Plan {
     /// Reads a plan and its base case.
@@ -87,6 +90,7 @@ impl Reader {
         let accept = self.conditions(table, "accept");
         let keep = self.keep(table);
         let engine = table.get("engine").and_then(|node| self.text(node, "engine")).unwrap_or_default();
+        let lammps = self.lammps(table, &engine);
         let design = match table.get("design") {
             Some(node) => self.design(node)?,
             None => {
@@ -97,11 +101,38 @@ impl Reader {
         };
         let Some(design) = design else { return Ok(None) };
         let source = self.source.clone();
-        let plan =
-            Plan { source, case_file, case, fixed, variables, design, constraints, accept, keep, engine };
+        let plan = Plan {
+            source,
+            case_file,
+            case,
+            fixed,
+            variables,
+            design,
+            constraints,
+            accept,
+            keep,
+            engine,
+            lammps,
+        };
         self.check_names(&plan, &reference, &names);
         self.check_design(&plan);
         Ok(Some(plan))
+    }
+
+    /// How LAMMPS is started.
+    fn lammps(&mut self, table: &DeTable, engine: &str) -> LammpsStart {
+        let ranks = self.count(table, "ranks", 1, MOST_RANKS).map(|count| count as usize);
+        let command = table.get("command").and_then(|node| self.text(node, "command"));
+        let start = LammpsStart { ranks, command };
+        let Some(key) = start.given() else { return start };
+        let span = table.get(key).map_or(0..0, |node| node.span());
+        if engine != LAMMPS {
+            let message = format!("{key} says how LAMMPS is started, and the engine of this plan is another");
+            self.error(span, message, "add engine = \"lammps\", or leave it out");
+        } else if let Some(why) = start.fault() {
+            self.error(span, why, "");
+        }
+        start
     }
 
     fn keep(&mut self, table: &DeTable) -> Keep {

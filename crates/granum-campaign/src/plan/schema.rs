@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::definition::Plan;
+use super::read::MOST_RANKS;
 
 /// A key with what it can hold.
 type Key = (&'static str, Value);
@@ -96,8 +97,22 @@ fn plan_keys() -> Vec<Key> {
         (
             "engine",
             described(
-                "The engine that carries out the tests: granum, or lammps, which must be installed as lmp.",
+                "The engine that carries out the tests: granum, or lammps, which must be installed.",
                 json!({ "type": "string" }),
+            ),
+        ),
+        (
+            "ranks",
+            count(
+                "With engine = \"lammps\": number of processes of each test, started as mpirun -np N lmp.",
+                1,
+                MOST_RANKS,
+            ),
+        ),
+        (
+            "command",
+            text(
+                "With engine = \"lammps\": the command that starts it, such as \"mpirun -np 4 lmp\"; words are separated by spaces.",
             ),
         ),
     ]

@@ -1,8 +1,9 @@
 //! The trait of engines.
 
 use granum_dem::observer::Observer;
-use granum_io::RunFolder;
+use granum_io::case::Vocabulary;
 use granum_io::run::RunRecord;
+use granum_io::{Case, RunFolder};
 
 use super::engine_error::EngineError;
 use super::engine_run::EngineRun;
@@ -72,6 +73,15 @@ pub trait Engine: Send + Sync {
     /// True if it prepares samples; for an engine that does not, granum's own prepares them.
     fn makes_samples(&self) -> bool {
         true
+    }
+
+    /// Refuses a case that this engine cannot test, whatever its sample. With it the runs of a campaign are checked before there are samples.
+    ///
+    /// # Errors
+    /// [`EngineError::Refused`] with the key of the case, or [`LaboratoryError`] with what else is wrong.
+    fn check(&self, case: &Case, vocabulary: &Vocabulary) -> Result<(), LaboratoryError> {
+        let _ = (case, vocabulary);
+        Ok(())
     }
 
     /// Reads and checks the inputs of a run, refuses what this engine cannot execute ([`EngineError::Refused`]), and warns the observer

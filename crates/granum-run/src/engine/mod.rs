@@ -18,7 +18,7 @@ pub use engine_error::EngineError;
 pub use engine_run::EngineRun;
 pub use engine_trait::Engine;
 pub use engines::Engines;
-pub use lammps::Lammps;
+pub use lammps::{LAMMPS, Lammps, LammpsStart};
 pub use resources::{CHECKPOINT_EVERY, GRAINS_PER_THREAD, Resources};
 pub use sink::Sink;
 pub use task::Task;

@@ -70,6 +70,11 @@ impl Laboratory {
         Ok(if kind == RunKind::Sample && !engine.makes_samples() { OWN_ENGINE } else { &self.engine })
     }
 
+    /// An engine by its name.
+    pub(crate) fn engine(&self, name: &str) -> Result<&dyn Engine, LaboratoryError> {
+        Ok(self.registry.engines.named(name)?)
+    }
+
     /// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written,
     /// so that a mistake leaves no folder behind. What is planned is executed in a folder or in memory.
     ///
@@ -83,7 +88,7 @@ impl Laboratory {
         source: &Source,
         observer: &mut dyn Observer,
     ) -> Result<PlannedRun, LaboratoryError> {
-        let engine = self.registry.engines.named(self.engine_for(kind)?)?;
+        let engine = self.engine(self.engine_for(kind)?)?;
         let mut run = engine.plan(self.task(engine, kind, case.clone(), source.clone()), observer)?;
         run.record.engine_version = engine.version()?;
         Ok(PlannedRun { case: case.clone(), run })
@@ -137,7 +142,7 @@ impl Laboratory {
     ) -> Result<RunRecord, LaboratoryError> {
         let run = folder.run().with_vocabulary(&self.registry.vocabulary);
         let mut record = run.record()?;
-        let engine = self.registry.engines.named(&record.engine)?;
+        let engine = self.engine(&record.engine)?;
         let case = run.case()?;
         if !record.is_of(&case) {
             let message = "the case was changed since the run began; run the changed case in another folder";

@@ -41,6 +41,11 @@ pub(super) enum Stiffening {
     Adhesive,
 }
 
+/// Time step of a deck that is followed over that of the sample. granum takes 0.2 of `sqrt(m / k_t)` of the stiffest contact in every step,
+/// and a grain with twelve such contacts is stable up to 0.205; a deck follows the mean stress alone, with which the stiffest contact
+/// came to 0.22.
+const FOLLOWED_TIME_STEP: f64 = 0.85;
+
 /// The columns of the curve: name, and variable or compute that is averaged over the steps of a row.
 pub(super) const COLUMNS: [(&str, &str); 21] = [
     ("time", "v_since"),
@@ -122,10 +127,11 @@ variable touching equal $(c_touching)
 /// The text.
 pub(super) fn head(of: &Head) -> String {
     let mut text = format!(
-        "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index 1.0\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
+        "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index {factor}\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
          newton off\ncomm_modify vel yes\n",
         sorting = if of.moments { SORTING } else { "" },
         curve = super::names::CURVE,
+        factor = number(if of.follow.is_some() { FOLLOWED_TIME_STEP } else { 1.0 }),
     );
     text += &match of.follow {
         None => format!("read_data {DATA}\n"),

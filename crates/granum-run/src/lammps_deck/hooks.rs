@@ -191,8 +191,7 @@ pub(super) fn observed() -> String {
 }
 
 /// The line of the beginning of a stage, before which the cell is not strained by it.
-pub(super) fn began(stage: &Stage) -> String {
-    let _ = stage;
+pub(super) fn began() -> String {
     let zero = "variable l11 equal 0\nvariable l22 equal 0\nvariable l33 equal 0\nvariable l12 equal 0\nvariable l23 equal 0\n\
                 variable target_p equal 0\n";
     format!("{zero}{}", instant("begin"))

@@ -73,7 +73,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     }
     text += &begin(stage, &motion, setting);
     if follow.is_some() {
-        text += &hooks::began(stage);
+        text += &hooks::began();
         // A run that goes on from a restart file has the numbers above from its own file.
         text += &format!("label set_{at}\n{}", drive::values(&motion));
     }

@@ -89,6 +89,7 @@ impl Queue {
     /// [`QueueError`] with the name of the run or the folder.
     pub fn check(&self, laboratory: &Laboratory, replace_others: bool) -> Result<(), QueueError> {
         let mut samples_seen = BTreeSet::new();
+        let mut engines_seen = BTreeSet::new();
         for (k, run) in self.runs.iter().enumerate() {
             let in_run =
                 |error: LaboratoryError| QueueError::Run { run: run.name.clone(), source: Box::new(error) };
@@ -99,6 +100,13 @@ impl Queue {
                 continue;
             }
             run.case.check().map_err(|error| in_run(error.into()))?;
+            let engine =
+                laboratory.engine_for(run.kind).and_then(|name| laboratory.engine(name)).map_err(in_run)?;
+            if engines_seen.insert(engine.name()) {
+                // A program that is not there fails every run.
+                engine.version().map_err(|error| in_run(error.into()))?;
+            }
+            engine.check(&run.case, &laboratory.registry.vocabulary).map_err(in_run)?;
             let sensors = laboratory.registry.vocabulary.sensors();
             sensors
                 .of_test(&run.case.recording, run.case.test_definition().columns)

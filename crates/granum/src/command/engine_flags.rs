@@ -2,12 +2,9 @@
 
 use clap::Args;
 use granum_run::Laboratory;
-use granum_run::engine::Lammps;
+use granum_run::engine::{LAMMPS, LammpsStart};
 
 use crate::failure::Failure;
-
-/// Name of the engine to which the flags of [`LammpsFlags`] belong.
-const LAMMPS: &str = "lammps";
 
 /// The engine.
 #[derive(Args, Clone, Debug, Default)]
@@ -37,33 +34,28 @@ impl EngineFlags {
             laboratory.registry.engines.named(name)?;
             laboratory.engine.clone_from(name);
         }
-        if let Some(flag) = self.lammps.given().filter(|_| laboratory.engine != LAMMPS) {
-            return Err(Failure::new(format!("{flag} says how LAMMPS is started: add --engine {LAMMPS}")));
+        if let Some(flag) = self.lammps.start()?.given().filter(|_| laboratory.engine != LAMMPS) {
+            return Err(Failure::new(format!("--{flag} says how LAMMPS is started: add --engine {LAMMPS}")));
         }
         self.lammps.set(laboratory)
     }
 }
 
 impl LammpsFlags {
-    /// The flag that is given, if one is.
-    fn given(&self) -> Option<&'static str> {
-        self.ranks.map(|_| "--ranks").or(self.command.as_ref().map(|_| "--command"))
+    /// How LAMMPS is to be started.
+    pub fn start(&self) -> Result<LammpsStart, Failure> {
+        let start = LammpsStart { ranks: self.ranks, command: self.command.clone() };
+        match start.fault() {
+            Some(why) => Err(Failure::new(format!("--{why}"))),
+            None => Ok(start),
+        }
     }
 
     /// The laboratory with LAMMPS started in this way.
     pub fn set(&self, mut laboratory: Laboratory) -> Result<Laboratory, Failure> {
-        let lammps = match (self.ranks, &self.command) {
-            (Some(0), _) => return Err(Failure::new("--ranks 0: at least one process is needed")),
-            (Some(ranks), _) => Lammps::on_ranks(ranks),
-            (_, Some(command)) if command.trim().is_empty() => {
-                return Err(Failure::new(
-                    "--command is empty: give the command that starts LAMMPS, e.g. --command \"mpirun -np 4 lmp\"",
-                ));
-            }
-            (_, Some(command)) => Lammps::with_command(command.split_whitespace()),
-            (None, None) => return Ok(laboratory),
-        };
-        laboratory.registry.engines = laboratory.registry.engines.replaced_by(lammps);
+        if let Some(lammps) = self.start()?.engine() {
+            laboratory.registry.engines = laboratory.registry.engines.replaced_by(lammps);
+        }
         Ok(laboratory)
     }
 }

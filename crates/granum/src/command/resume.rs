@@ -55,7 +55,7 @@ impl Resume {
                 several_runs::resume(context, &laboratory, &list, &self.folder)
             }
             Contents::Campaign(of) => {
-                campaign::resume(context, &of, &CarryOutFlags::resumed(&self.checkpoints))
+                campaign::resume(context, &of, &CarryOutFlags::resumed(&self.checkpoints), &self.lammps)
             }
             Contents::Training { .. } if Train::is_in(&self.folder) => self.training(context),
             _ => self.of_grains(context),

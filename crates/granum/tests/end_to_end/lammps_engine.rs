@@ -25,6 +25,25 @@ unbalanced_force = 2e-2
 observations_per_state = 2
 "#;
 
+/// A cycle between two deviator stresses at constant volume, as `cyclic` with a stress amplitude, but driven faster.
+const STRESS_CYCLE: &str = r#"
+[[stage]]
+name = "stress cycle"
+xx = "free"
+yy = "free"
+zz = "free"
+constraint = [
+    { stress = [1, -0.5, -0.5, 0, 0, 0], value = "current", rate = "600 MPa/s" },
+    { strain = [1, 1, 1, 0, 0, 0], rate = 0 },
+    { strain = [0, 1, -1, 0, 0, 0], rate = 0 },
+]
+servo_limit = 1
+inertial_number = 5e-3
+turns = { measure = "axial_deviator_stress", high = "2 kPa", low = "-2 kPa" }
+until = { reversals = 2 }
+record = { measure = "time", every = 2e-6 }
+"#;
+
 /// A short drained test.
 const TEST: [&str; 10] = [
     "--path",
@@ -92,6 +111,8 @@ fn what_lammps_cannot_do_is_refused_before_there_is_a_folder() {
     let with = |more: &[&'static str]| [&lammps[..], more].concat();
     let error = refused(&with(&["--set", "contact.tangential=mindlin-deresiewicz", "--path", "oedometer"]));
     assert!(error.contains("the engine lammps: contact.tangential = \"mindlin-deresiewicz\""), "{error}");
+    let error = refused(&with(&["--set", "contact.normal=jkr", "--path", "oedometer"]));
+    assert!(error.contains("contact.normal = \"jkr\"") && error.contains("hold across a gap"), "{error}");
     let error = refused(&with(&["--path", "probes"]));
     assert!(error.contains("it shears the cell without rotation"), "{error}");
     let error = refused(&with(&["--path", "oedometer", "--set", "recording.sensors=[\"sliding\"]"]));
@@ -109,7 +130,7 @@ fn what_lammps_cannot_do_is_refused_before_there_is_a_folder() {
     let error = refused(&["--path", "oedometer", "--engine", "lamps"]);
     assert!(error.contains("there is no engine \"lamps\"; did you mean lammps?"), "{error}");
     let error = refused(&with(&["--ranks", "0", "--path", "oedometer"]));
-    assert!(error.contains("--ranks 0"), "{error}");
+    assert!(error.contains("--ranks 0: at least one"), "{error}");
 }
 
 /// A run whose LAMMPS fails, that goes on on two processors, is stopped, goes on and is complete; then all commands read it.
@@ -217,8 +238,11 @@ fn check_results(here: &Path) {
     let end = runs[0].snapshot("end").unwrap();
     assert!(end.contacts.iter().any(|contact| contact.tangential_force.iter().any(|force| *force != 0.0)));
     assert!(runs[0].forces().unwrap().rows() > 0);
-    let compared = done(here, &["compare", "own", "run", "-o", "compare.svg"]);
-    assert!(compared.contains("run") && here.join("compare.svg").exists(), "{compared}");
+    // Half the time step moves such curves by 2.4 % (granum) and 3.0 % (LAMMPS); 3.4 % were found between the programs.
+    let compared = done_json(here, &["compare", "own", "run", "-o", "compare.svg"]);
+    let of = |key: &str| compared["comparisons"][0][key].as_f64().unwrap();
+    assert!(of("deviator_stress_error") < 0.06 && of("void_ratio_error") < 2e-5, "{compared}");
+    assert!(of("deviator_stress_error") > 0.0 && here.join("compare.svg").exists(), "{compared}");
     let measured = done(here, &["measure", "run"]);
     assert!(measured.contains("coordination_number"), "{measured}");
     done(here, &["export", "run", "-o", "run.csv"]);
@@ -244,14 +268,18 @@ fn stages_that_turn_round_and_ramps_are_those_of_granum() {
     }
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    let stages = "[[stage]]\nname = \"ramp\"\nxx = { strain_to = 0.0004 }\nyy = { stress_to = '21 kPa' }\nzz = { stress = '20 kPa' }\ninertial_number = 3e-3\n\
-                  record = { measure = \"arc_length\", every = 2e-4 }\nresets = true\n\
-                  [[stage]]\npath = 'cyclic'\nstrain_amplitude = 3e-4\ncycles = 1\ninterval = 2e-4\ninertial_number = 3e-3\n";
-    std::fs::write(here.join("case.toml"), format!("{CASE}{stages}")).unwrap();
+    let stages = "[[stage]]\nname = \"ramp\"\nxx = { strain_to = 0.0002 }\nyy = { stress_to = '21 kPa' }\nzz = { stress = '20 kPa' }\ninertial_number = 5e-3\n\
+                  record = { measure = \"arc_length\", every = 1e-4 }\nresets = true\n\
+                  [[stage]]\npath = 'cyclic'\nstrain_amplitude = 1.5e-4\ncycles = 1\ninterval = 4e-5\ninertial_number = 3e-3\n";
+    std::fs::write(here.join("case.toml"), format!("{CASE}{stages}{STRESS_CYCLE}")).unwrap();
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     done(here, &of_run(&[], "own"));
     done(here, &of_run(&["--engine", "lammps"], "run"));
     let runs = ["run", "own"].map(|name| Run::at(here.join(name)).unwrap());
+    // With the time step of granum, which a deck does not shorten with the stiffest contact, this was 0.22.
+    let flags = runs[0].record().unwrap().quality;
+    let time_step = flags.iter().find(|flag| flag.name == "time_step_fraction").unwrap();
+    assert!(time_step.passed, "{time_step:?}");
     let notes = runs.each_ref().map(|run| {
         let notes = run.record().unwrap().notes;
         let reason = |note: &String| {
@@ -260,7 +288,8 @@ fn stages_that_turn_round_and_ramps_are_those_of_granum() {
         };
         notes.iter().filter_map(reason).collect::<Vec<_>>()
     });
-    assert_eq!(notes[0], ["its ramp is over", "it was reversed 2 times"]);
+    let turned = "it was reversed 2 times";
+    assert_eq!(notes[0], ["its ramp is over", turned, turned]);
     assert_eq!(notes[0], notes[1]);
     let [theirs, ours] = runs.each_ref().map(|run| run.series().unwrap());
     let extremes = |table: &granum_io::Table, name: &str, number: f64| {
@@ -275,6 +304,8 @@ fn stages_that_turn_round_and_ramps_are_those_of_granum() {
         (2.0, "axial_strain", 1e-4),
         (2.0, "mean_stress", 3e3),
         (2.0, "stress_11", 4e3),
+        (3.0, "deviator_stress", 900.0),
+        (3.0, "mean_stress", 1200.0),
     ] {
         let [a, b] = [&theirs, &ours].map(|table| extremes(table, column, stage));
         println!("stage {stage}, {column}: LAMMPS {a:?}, granum {b:?}");
@@ -282,6 +313,19 @@ fn stages_that_turn_round_and_ramps_are_those_of_granum() {
             assert!((a[k] - b[k]).abs() < tolerance, "stage {stage}, {column}: LAMMPS {a:?}, granum {b:?}");
         }
     }
+    // In a cycle of strains, state by state: half the time step moves either program by half a per cent on such a path, and they were
+    // found to be 0.7 % apart (docs/src/theory/lammps.md).
+    let in_cycle = |table: &granum_io::Table| {
+        let (values, stages) = (table.column("mean_stress").unwrap(), table.column("stage").unwrap());
+        values.iter().zip(stages).filter(|(_, stage)| **stage == 2.0).map(|(p, _)| *p).collect::<Vec<f64>>()
+    };
+    let [a, b] = [in_cycle(&theirs), in_cycle(&ours)];
+    let states = a.len().min(b.len());
+    assert!(a.len().abs_diff(b.len()) < 2 && states >= 10, "LAMMPS {a:?}, granum {b:?}");
+    let squares: f64 = a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum();
+    let distance = (squares / states as f64).sqrt() / (b.iter().sum::<f64>() / b.len() as f64);
+    println!("rms distance of the mean stress in the cycle of strains: {distance}");
+    assert!(distance < 0.03, "{distance}: LAMMPS {a:?}, granum {b:?}");
     // The snapshot between the stages is there, and the ramp ended at its stress.
     assert!(runs[0].snapshots().unwrap().iter().any(|name| name == "stage-1"));
 }
@@ -303,14 +347,35 @@ fn a_campaign_uses_the_engine_of_its_plan() {
     plan("lamps");
     let error = refused(here, 1, &["campaign", "plan.toml"]);
     assert!(error.contains("there is no engine \"lamps\"; did you mean lammps?"), "{error}");
-    assert!(!here.join("plan").exists());
+    plan("granum");
+    let error = refused(here, 1, &["campaign", "plan.toml", "--ranks", "2"]);
+    assert!(error.contains("--ranks says how LAMMPS is started"), "{error}");
+    plan("lammps'\nranks = 2\ncommand = 'lmp");
+    let error = refused(here, 1, &["campaign", "plan.toml"]);
+    assert!(error.contains("ranks and command both say how LAMMPS is started"), "{error}");
+    plan("granum'\nranks = '2");
+    let error = refused(here, 1, &["campaign", "plan.toml"]);
+    assert!(error.contains("ranks says how LAMMPS is started") && error.contains("plan.toml:3"), "{error}");
+    // A program that is not there, and a law that no deck has: nothing begins, also not in a dry run.
+    plan("lammps'\ncommand = 'no-such-lmp");
+    for more in [&[][..], &["--dry-run"]] {
+        let error = refused(here, 1, &[&["campaign", "plan.toml"], more].concat());
+        assert!(error.contains("there is no program \"no-such-lmp\""), "{error}");
+    }
     if !has("lmp") {
         return;
     }
+    plan("lammps'\nset.contact.tangential = 'mindlin-deresiewicz");
+    for more in [&[][..], &["--dry-run"], &["--list-jobs"]] {
+        let error = refused(here, 1, &[&["campaign", "plan.toml"], more].concat());
+        assert!(error.contains("contact.tangential = \"mindlin-deresiewicz\""), "{error}");
+    }
+    assert!(!here.join("plan").exists());
     plan("lammps");
+    done(here, &["campaign", "plan.toml", "--command", "lmp"]);
+    let kept = std::fs::read_to_string(here.join("plan/campaign.json")).unwrap();
+    assert!(kept.contains("\"command\""), "{kept}");
     done(here, &["campaign", "plan.toml"]);
-    let again = done(here, &["campaign", "plan.toml"]);
-    println!("{again}");
     let mut engines = Vec::new();
     for entry in std::fs::read_dir(here.join("plan/tests")).unwrap() {
         let record = Run::at(entry.unwrap().path()).unwrap().record().unwrap();
@@ -318,4 +383,13 @@ fn a_campaign_uses_the_engine_of_its_plan() {
         engines.push(record.engine);
     }
     assert_eq!(engines, ["lammps", "lammps"]);
+    let of = [
+        "--input",
+        "grains.material.friction",
+        "--output",
+        "coordination_number",
+        "--coordinate",
+        "axial_strain",
+    ];
+    done(here, &[&["train", "plan", "--method", "ridge", "-o", "surrogate"][..], &of].concat());
 }

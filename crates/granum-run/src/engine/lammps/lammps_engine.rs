@@ -3,12 +3,17 @@
 use std::path::Path;
 use std::time::SystemTime;
 
+use granum_dem::config::NormalKind;
 use granum_dem::observer::Observer;
+use granum_io::Case;
+use granum_io::case::Vocabulary;
 use granum_io::run::{RunFolder, RunRecord, RunStatus};
 
+use super::frame;
 use super::place::Place;
 use super::program::{self, NAME};
 use super::run::{self, Test};
+use super::unknown::Unknown;
 use crate::engine::engine_error::EngineError;
 use crate::engine::engine_run::EngineRun;
 use crate::engine::engine_trait::Engine;
@@ -16,6 +21,12 @@ use crate::engine::native::{SampleMaker, note};
 use crate::engine::task::Task;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::LammpsDeck;
+
+/// Found with two spheres that were pulled apart: `compute pair/local` gives no force at overlaps below the distance across which the
+/// contact holds, nor beyond, where the sphere itself has the force of the law (LAMMPS 29 Sep 2021).
+const WITHOUT_FORCES: &str = "contact.normal = \"jkr\" cannot be recorded: LAMMPS does not tell the forces of contacts in tension whose overlap \
+                              is small, nor which of them hold across a gap. Choose hertz; or write the deck with `granum export --to lammps`, \
+                              of which LAMMPS itself makes the curve";
 
 /// LAMMPS, which runs the [deck](crate::lammps_deck) of a case, also on several processors or computers by MPI. Samples are prepared by
 /// granum's own engine.
@@ -91,8 +102,16 @@ impl Engine for Lammps {
         false
     }
 
+    fn check(&self, case: &Case, vocabulary: &Vocabulary) -> Result<(), LaboratoryError> {
+        LammpsDeck::check(case).map_err(|error| refused(error.to_string()))?;
+        if case.contact.normal == NormalKind::JKR {
+            return Err(refused(WITHOUT_FORCES.into()));
+        }
+        Unknown::new(case, vocabulary.sensors(), frame::parts()).map(drop)
+    }
+
     fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
-        LammpsDeck::check(&task.case).map_err(|error| refused(error.to_string()))?;
+        self.check(&task.case, &task.vocabulary)?;
         let test = Test::new(&task, self.command.clone(), true)?;
         program::about(&self.command)?;
         let (sample, mut record) = SampleMaker::plan(&task, observer)?;

@@ -19,6 +19,9 @@ mod quality;
 mod reading;
 mod reasons;
 mod run;
+mod start;
 mod unknown;
 
 pub use lammps_engine::Lammps;
+pub use program::NAME as LAMMPS;
+pub use start::LammpsStart;

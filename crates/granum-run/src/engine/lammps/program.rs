@@ -12,8 +12,8 @@ use crate::engine::engine_error::EngineError;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::SCRIPT;
 
-/// Name of the engine.
-pub(super) const NAME: &str = "lammps";
+/// Name of the engine that is LAMMPS.
+pub const NAME: &str = "lammps";
 /// The package of LAMMPS that a deck needs.
 const PACKAGE: &str = "GRANULAR";
 /// Number of lines of a log that are shown.

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant as Clock};
 
 use granum_core::observer::Event;
 use granum_dem::observer::{Flow, Observer, Work};
-use granum_dem::simulation::Simulation;
 use granum_io::run::{RunStatus, TEST};
 use granum_io::{Case, Error, Packing};
 use granum_sensors::Sensors;
@@ -110,10 +109,14 @@ pub(super) fn run(
     }
     let Some(sample) = sample.make(&test.case, sink, observer)? else { return Ok(()) };
     let started = Clock::now();
-    let mut reading = reading(&test, &sample, place)?;
+    let packing = Packing::from_assembly(&sample.assembly());
+    let deck = LammpsDeck::followed(&test.case, &packing, Confinement::Own).map_err(of_deck)?;
+    let grains = Grains::new(deck.assembly().clone(), deck.properties().clone());
+    let mut reading =
+        Reading::new(test.case.clone(), test.sensors.clone(), test.unknown.clone(), grains, place.clone());
     let restart = go_back(&mut reading, sink)?;
     if restart.is_none() && !reading.is_complete() {
-        begin(&test, &sample, place)?;
+        begin(&test, &deck, place)?;
     }
     sink.begin_states(&reading.states())?;
     let outcome = if reading.is_complete() {
@@ -157,25 +160,13 @@ fn lock(place: &Place, observer: &mut dyn Observer) -> Result<Option<File>, Labo
     }
 }
 
-fn reading(test: &Test, sample: &Simulation, place: &Place) -> Result<Reading, LaboratoryError> {
-    let case = test.case.clone();
-    let deck = LammpsDeck::followed(&case, &packing(sample), Confinement::Own).map_err(of_deck)?;
-    let grains = Grains::new(deck.assembly().clone(), deck.properties().clone());
-    Ok(Reading::new(case, test.sensors.clone(), test.unknown.clone(), grains, place.clone()))
-}
-
-fn packing(sample: &Simulation) -> Packing {
-    Packing::from_assembly(&sample.assembly())
-}
-
 fn of_deck(error: crate::lammps_deck::DeckError) -> LaboratoryError {
     EngineError::Refused { engine: NAME.into(), what: error.to_string() }.into()
 }
 
 /// Writes the deck, in place of whatever was there.
-fn begin(test: &Test, sample: &Simulation, place: &Place) -> Result<(), LaboratoryError> {
+fn begin(test: &Test, deck: &LammpsDeck, place: &Place) -> Result<(), LaboratoryError> {
     place.clear()?;
-    let deck = LammpsDeck::followed(&test.case, &packing(sample), Confinement::Own).map_err(of_deck)?;
     deck.write_into(place.path()).map_err(of_deck)?;
     Ok(place.write_command(&test.command)?)
 }
@@ -193,7 +184,7 @@ fn go_back(reading: &mut Reading, sink: &mut dyn Sink) -> Result<Option<u64>, La
     }
     let Some((mut step, mut progress)) = good else { return Ok(None) };
     reading.progress = progress.clone();
-    let mut lines = Lines::open(&place, progress.read)?;
+    let mut lines = Lines::new(&place, progress.read);
     for (line, length) in lines.next()? {
         let Ok(news) = reading.read(&line, length) else { break };
         for (name, assembly) in &news.snapshots {
@@ -231,7 +222,7 @@ impl Follower<'_, '_> {
         let place = self.reading.place.clone();
         place.request(Request::Go)?;
         let mut program = Program::start(&self.test.command, &place, restart, lock)?;
-        let mut lines = Lines::open(&place, self.reading.progress.read)?;
+        let mut lines = Lines::new(&place, self.reading.progress.read);
         let (mut asked, mut saved) = (Request::Go, Clock::now());
         let mut speed = Speed::new(self.reading);
         loop {
@@ -362,8 +353,8 @@ struct Lines {
 }
 
 impl Lines {
-    fn open(place: &Place, at: u64) -> Result<Lines, LaboratoryError> {
-        Ok(Lines { place: place.clone(), at })
+    fn new(place: &Place, at: u64) -> Lines {
+        Lines { place: place.clone(), at }
     }
 
     /// The lines that are whole by now, with their lengths in bytes.

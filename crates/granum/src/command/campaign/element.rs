@@ -33,9 +33,9 @@ pub fn run(
     let flags = CarryOutFlags::resumed(checkpoints);
     let executor = scheduling::executor(context, folder, &flags)?;
     let laboratory = arguments::laboratory(context, 1, checkpoints)?;
+    let at_once = (processors() / campaign.processors_of_a_run()).max(1);
     let journal = LineWriter::open(&element_journal(folder, job, element))?;
-    let ended =
-        execute_element(&campaign, names, journal, &executor, &laboratory, at_once(), &Watch(context))?;
+    let ended = execute_element(&campaign, names, journal, &executor, &laboratory, at_once, &Watch(context))?;
     let failed: Vec<String> =
         ended.iter().filter_map(|(name, why)| Some(format!("{name}: {}", why.as_ref()?))).collect();
     if !failed.is_empty() {
@@ -48,7 +48,7 @@ pub fn run(
 }
 
 /// The processors that Slurm gave to the element.
-fn at_once() -> usize {
+fn processors() -> usize {
     let count = std::env::var("SLURM_CPUS_PER_TASK").ok().and_then(|text| text.parse().ok());
     count.unwrap_or(1)
 }

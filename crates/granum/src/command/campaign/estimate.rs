@@ -52,7 +52,7 @@ pub fn run_pilots(
     }
     let folder = Temporary::new()?;
     let campaign = Campaign::new(folder.path(), plan, planned, env!("CARGO_PKG_VERSION"));
-    let laboratory = flags.carry_out.laboratory(context)?;
+    let laboratory = campaign.laboratory(&flags.carry_out.laboratory(context)?);
     let executor = scheduling::executor(context, folder.path(), &flags.carry_out)?;
     let workers = match flags.carry_out.workers()? {
         Some(count) => count,

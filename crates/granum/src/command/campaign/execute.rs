@@ -13,12 +13,14 @@ use granum_campaign::{Campaign, CampaignStatus, PlanDifference, RUNS, RunState};
 use granum_io::OutputFolder;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_run::LaboratoryError;
+use granum_run::engine::{LAMMPS, LammpsStart};
 use granum_run::queue::QueueError;
 use serde_json::json;
 
 use super::flags::{CarryOutFlags, PlanFlags, SchedulerFlags};
 use super::show::ShowCampaign;
 use super::{estimate, plan_text, scheduling, status};
+use crate::command::engine_flags::LammpsFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
@@ -30,12 +32,17 @@ const MOST_NAMED: usize = 10;
 pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
     flags.scheduler.check(&flags.carry_out)?;
-    let plan = Plan::read(file, context.reading())?;
+    let mut plan = Plan::read(file, context.reading())?;
     if !plan.engine.is_empty() {
         context.run_registry().engines.named(&plan.engine).map_err(LaboratoryError::from)?;
     }
+    plan.lammps = lammps_start(&flags.lammps, &plan.engine, &plan.lammps)?;
     let planned = plan.runs()?;
+    let out =
+        flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
     if flags.dry_run {
+        let campaign = Campaign::new(&out, &plan, &planned, env!("CARGO_PKG_VERSION"));
+        check(&context.with_force(), &flags.carry_out, &campaign)?;
         let estimate = estimate::run_pilots(context, flags, &plan, &planned)?;
         let mut result = plan_text::as_json(&planned);
         result["estimate"] = json!(estimate.as_ref().map(estimate::as_json));
@@ -44,8 +51,6 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
             estimate.map_or(text.clone(), |found| format!("{text}\n{}", estimate::text(&found)))
         });
     }
-    let out =
-        flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
     let scheduler = flags.scheduler.scheduler(context, &flags.carry_out)?;
     let (campaign, folder) = prepared(context, &flags.carry_out, &plan, &planned, &out)?;
     if flags.list_jobs {
@@ -70,6 +75,18 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     drop(folder);
     submitted?;
     status::print(context, &campaign)
+}
+
+/// How LAMMPS is started: by the flags, if they say so, else as before.
+fn lammps_start(flags: &LammpsFlags, engine: &str, before: &LammpsStart) -> Result<LammpsStart, Failure> {
+    let start = flags.start()?;
+    match start.given() {
+        None => Ok(before.clone()),
+        Some(_) if engine == LAMMPS => Ok(start),
+        Some(flag) => Err(Failure::new(format!(
+            "--{flag} says how LAMMPS is started: write engine = \"{LAMMPS}\" into the plan"
+        ))),
+    }
 }
 
 /// Seconds for each unit of the expected work of a run, which is needed unless the number of runs in an element is given: from runs that
@@ -160,10 +177,20 @@ fn prepared(
 }
 
 /// Continues the campaign of a folder without its plan.
-pub fn resume(context: &Context, campaign: &Campaign, flags: &CarryOutFlags) -> Result<(), Failure> {
+pub fn resume(
+    context: &Context,
+    campaign: &Campaign,
+    flags: &CarryOutFlags,
+    lammps: &LammpsFlags,
+) -> Result<(), Failure> {
+    let start = lammps_start(lammps, campaign.engine(), campaign.lammps())?;
+    let campaign = &campaign.clone().with_lammps(start);
     check(context, flags, campaign)?;
     scheduling::check_none_queued(context, campaign)?;
     let folder = OutputFolder::open(campaign.folder())?;
+    if !lammps.start()?.is_usual() {
+        campaign.write()?;
+    }
     let scheduler = SchedulerFlags::local().scheduler(context, flags)?;
     carry_out(context, &*scheduler, flags, None, campaign, &folder)
 }

@@ -9,6 +9,7 @@ use granum_campaign::clock::duration;
 use granum_campaign::scheduler;
 
 use crate::command::checkpoints::CheckpointFlags;
+use crate::command::engine_flags::LammpsFlags;
 
 /// What can be done with a plan.
 #[derive(Args)]
@@ -34,6 +35,8 @@ pub struct PlanFlags {
     /// Take up what such commands have done, and run nothing here.
     #[arg(long, conflicts_with = "dry_run")]
     pub collect: bool,
+    #[command(flatten)]
+    pub lammps: LammpsFlags,
     #[command(flatten)]
     pub carry_out: CarryOutFlags,
     #[command(flatten)]
