@@ -33,7 +33,7 @@ pub use formats::{
     Formats, read_columns, read_packing, read_table, read_table_with_words, write_packing, write_table,
 };
 pub use granum_core::{Column, ColumnKind, Table};
-pub use laboratory_curves::{Conventions, LaboratoryTest, read_laboratory};
+pub use laboratory_curves::{Conventions, DeviatorMeasure, LaboratoryDoubt, LaboratoryTest, read_laboratory};
 pub use named_file::named_file;
 pub use packing::Packing;
 pub use presence::is_there;

@@ -40,6 +40,7 @@ impl ComparedRun {
             deviator_stress: take(&of.axial_deviator()),
             mean_stress: take(of.mean_stress()),
             void_ratio: take(&of.void_ratio()),
+            doubts: Vec::new(),
         };
         ComparedRun { name: name.to_owned(), curves, measures: Measures::new() }
     }
@@ -161,8 +162,8 @@ mod tests {
             deviator_stress: strain.iter().map(|x| q * (x / 0.2)).collect(),
             volumetric_strain: strain.iter().map(|x| -0.1 * x).collect(),
             void_ratio: strain.iter().map(|x| 0.7 + x).collect(),
-            mean_stress: Vec::new(),
             axial_strain: strain,
+            ..LaboratoryTest::default()
         }
     }
 

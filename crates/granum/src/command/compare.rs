@@ -51,6 +51,10 @@ pub struct Compare {
     /// The column of a quantity, e.g. --map axial_strain='eps1 (%)'; can be repeated.
     #[arg(long, value_name = "QUANTITY=COLUMN")]
     map: Vec<String>,
+    /// What the file's numbers are, e.g. --as strain=logarithmic, --as stress=total, --as deviator_stress=half, --as bedding_strain='0.3 %';
+    /// can be repeated.
+    #[arg(long = "as", value_name = "KEY=VALUE")]
+    read_as: Vec<String>,
     /// Sign of compression in the file.
     #[arg(long, value_enum)]
     compression: Option<Sign>,
@@ -91,6 +95,7 @@ impl Compare {
             Some((lab, folders)) if !lab.is_dir() => {
                 let tests = read_laboratory(lab, &self.conventions()?)?;
                 let tests = self.chosen(&tests)?;
+                doubts(&tests).iter().for_each(|doubt| context.warn(doubt));
                 let runs: Vec<ComparedRun> =
                     folders.iter().map(|folder| curves(context, folder)).collect::<Result<_, _>>()?;
                 check_common(&runs, &tests)?;
@@ -124,10 +129,9 @@ impl Compare {
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
     fn labelled(&self, context: &Context) -> Result<(Vec<ComparedRun>, Vec<RunEntry>), Failure> {
-        let given = !(self.test.is_empty() && self.map.is_empty());
+        let given = !(self.test.is_empty() && self.map.is_empty() && self.read_as.is_empty());
         if given || self.compression.is_some() || self.strain.is_some() {
-            let message =
-                "--test, --map, --compression and --strain belong to a laboratory's file, which comes last";
+            let message = "--test, --map, --as, --compression and --strain belong to a laboratory's file, which comes last";
             return Err(Failure::new(message));
         }
         if let Some(file) = self.files.iter().find(|path| path.is_file()) {
@@ -169,6 +173,13 @@ impl Compare {
             };
             conventions.columns.push((quantity.trim().to_string(), column.trim().to_string()));
         }
+        for text in &self.read_as {
+            let stated = match text.split_once('=') {
+                Some((key, value)) => conventions.state(key.trim(), value.trim()),
+                None => Err("a convention and its value are needed, as strain=logarithmic".to_string()),
+            };
+            stated.map_err(|message| Failure::new(format!("--as {text:?}: {message}")))?;
+        }
         Ok(conventions)
     }
 
@@ -190,6 +201,28 @@ impl Compare {
         };
         self.test.iter().map(find).collect()
     }
+}
+
+/// What the readings of tests are probably not taken for; a doubt that several tests share is told once.
+fn doubts(tests: &[&LaboratoryTest]) -> Vec<String> {
+    let mut told: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+    for test in tests {
+        for doubt in &test.doubts {
+            match told.iter_mut().find(|(_, remedy, _)| *remedy == doubt.remedy) {
+                Some((_, _, names)) => names.push(&test.name),
+                None => told.push((&doubt.evidence, &doubt.remedy, vec![&test.name])),
+            }
+        }
+    }
+    let line = |(evidence, remedy, names): (&str, &str, Vec<&str>)| match names.as_slice() {
+        [""] => format!("{evidence}; {remedy}"),
+        [name] => format!("test {name}: {evidence}; {remedy}"),
+        [name, others @ ..] => {
+            format!("test {name} and {} more ({}): {evidence}; {remedy}", others.len(), others.join(", "))
+        }
+        [] => evidence.to_string(),
+    };
+    told.into_iter().map(line).collect()
 }
 
 /// The runs in folders.

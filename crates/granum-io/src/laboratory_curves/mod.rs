@@ -2,8 +2,12 @@
 //!
 //! The first line that is no comment names the columns, each with its unit, as in `axial_strain (%)` or `axial_stress_kPa`. Known
 //! are [`QUANTITIES`] and `test`, the name of the test of a row; other columns are ignored, and a column of another name can be
-//! mapped to a known one. Compression is positive and strains are engineering strains (changes over initial lengths and volume)
-//! unless a comment `# compression = negative` or `# strain = logarithmic`, or [`Conventions`], say otherwise.
+//! mapped to a known one. Compression is positive, strains are engineering strains (changes over initial lengths and volume) and
+//! stresses effective ones, unless a comment such as `# compression = negative` or `# strain = logarithmic`, or [`Conventions`], say
+//! otherwise. What readings show to be otherwise is a doubt, which is told and changes nothing.
+
+mod conventions;
+mod doubts;
 
 use std::path::Path;
 
@@ -14,32 +18,24 @@ use crate::case::doubt::{Known, NumberKind};
 use crate::error::{Error, InputError, Result};
 use crate::formats::lines::{self, Lines};
 
+pub use conventions::{Conventions, DeviatorMeasure};
+pub use doubts::LaboratoryDoubt;
+
 /// The quantities that a file can have, each with its dimension.
-pub const QUANTITIES: [(&str, Dimension); 8] = [
+pub const QUANTITIES: [(&str, Dimension); 9] = [
     ("axial_strain", Dimension::NUMBER),
     ("volumetric_strain", Dimension::NUMBER),
     ("axial_stress", Dimension::STRESS),
     ("lateral_stress", Dimension::STRESS),
     ("deviator_stress", Dimension::STRESS),
     ("mean_stress", Dimension::STRESS),
+    ("pore_pressure", Dimension::STRESS),
     ("void_ratio", Dimension::NUMBER),
     ("initial_void_ratio", Dimension::NUMBER),
 ];
 
 /// Column with the name of the test.
 const TEST: &str = "test";
-
-/// How numbers of a file are to be read; what is `None` is as the comments of the file say.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Conventions {
-    /// True if compression is negative in the file.
-    pub compression_negative: Option<bool>,
-    /// True if strains are logarithmic.
-    pub logarithmic: Option<bool>,
-    /// Known quantities with the columns that hold them: `("axial_strain", "eps_1 (%)")`, where the unit may be left out if the
-    /// header has it.
-    pub columns: Vec<(String, String)>,
-}
 
 /// One test, in SI units, compression positive, strains engineering ones.
 ///
@@ -58,6 +54,31 @@ pub struct LaboratoryTest {
     pub mean_stress: Vec<f64>,
     /// Void ratio e.
     pub void_ratio: Vec<f64>,
+    /// What its readings are probably not taken for what they are.
+    pub doubts: Vec<LaboratoryDoubt>,
+}
+
+/// The readings of a test as they stand in the file, in SI units.
+struct Readings<'a> {
+    rows: &'a [[f64; QUANTITIES.len()]],
+    /// -1 if compression is negative in the file.
+    sign: f64,
+}
+
+impl Readings<'_> {
+    /// The column of a quantity; empty if the file does not have it, or not in every row.
+    fn column(&self, wanted: &str) -> Vec<f64> {
+        let Some(at) = QUANTITIES.iter().position(|(name, _)| *name == wanted) else { return Vec::new() };
+        if self.rows.iter().any(|row| row[at].is_nan()) {
+            return Vec::new();
+        }
+        self.rows.iter().map(|row| row[at]).collect()
+    }
+
+    /// The column with compression positive.
+    fn signed(&self, wanted: &str) -> Vec<f64> {
+        self.column(wanted).into_iter().map(|x| self.sign * x).collect()
+    }
 }
 
 /// A column of the file that is used.
@@ -81,12 +102,12 @@ pub fn read_laboratory(path: impl AsRef<Path>, conventions: &Conventions) -> Res
 }
 
 fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
-    let mut stated = conventions.clone();
+    let mut stated = Conventions::default();
     let mut header: Option<Header> = None;
     let mut rows: Vec<(String, Vec<[f64; QUANTITIES.len()]>)> = Vec::new();
     while lines.advance()? {
         if lines.is_empty() {
-            comment(lines, conventions, &mut stated)?;
+            comment(lines, &mut stated)?;
             continue;
         }
         let Some((places, test)) = &header else {
@@ -128,6 +149,7 @@ fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) ->
     for column in header.iter().flat_map(|(places, _)| places).flatten() {
         check_bare(column, rows.iter().flat_map(|(_, rows)| rows).map(|row| row[column.quantity]))?;
     }
+    let stated = conventions.or(stated);
     rows.into_iter().map(|(name, rows)| test(file, name, &rows, &stated)).collect()
 }
 
@@ -150,28 +172,17 @@ fn check_bare(column: &SourceColumn, values: impl Iterator<Item = f64>) -> Resul
     Err(error.with_help(help).into())
 }
 
-/// A comment may state a convention, unless the caller did.
-fn comment<R: std::io::BufRead>(
-    lines: &Lines<R>,
-    given: &Conventions,
-    stated: &mut Conventions,
-) -> Result<()> {
+/// A comment may state a convention.
+fn comment<R: std::io::BufRead>(lines: &Lines<R>, stated: &mut Conventions) -> Result<()> {
     let text = lines.line().trim().trim_start_matches('#').trim();
     let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
         return Ok(());
     };
-    let (place, given, words) = match key {
-        "compression" => {
-            (&mut stated.compression_negative, given.compression_negative, ["positive", "negative"])
-        }
-        "strain" => (&mut stated.logarithmic, given.logarithmic, ["engineering", "logarithmic"]),
-        _ => return Ok(()),
-    };
-    let Some(which) = words.iter().position(|word| *word == value) else {
-        let message = format!("{key} = {value} is not known; it must be {} or {}", words[0], words[1]);
-        return Err(lines.error(0..lines.line().len(), message).into());
-    };
-    *place = Some(given.unwrap_or(which == 1));
+    if Conventions::is_key(key) {
+        stated
+            .state(key, value)
+            .map_err(|message| Error::from(lines.error(0..lines.line().len(), message)))?;
+    }
     Ok(())
 }
 
@@ -258,29 +269,33 @@ fn test(
 ) -> Result<LaboratoryTest> {
     let sign = if stated.compression_negative == Some(true) { -1.0 } else { 1.0 };
     let logarithmic = stated.logarithmic == Some(true);
-    let column = |wanted: &str| -> Vec<f64> {
-        let Some(at) = QUANTITIES.iter().position(|(name, _)| *name == wanted) else { return Vec::new() };
-        if rows.iter().any(|row| row[at].is_nan()) {
-            Vec::new()
-        } else {
-            rows.iter().map(|row| row[at]).collect()
-        }
-    };
+    let readings = Readings { rows, sign };
+    let column = |wanted: &str| readings.column(wanted);
     let strain = |wanted: &str| -> Vec<f64> {
         column(wanted)
             .into_iter()
             .map(|x| if logarithmic { 1.0 - (-sign * x).exp() } else { sign * x })
             .collect()
     };
-    let stress = |wanted: &str| -> Vec<f64> { column(wanted).into_iter().map(|x| sign * x).collect() };
+    let pore_pressure =
+        if stated.total_stress == Some(true) { column("pore_pressure") } else { vec![0.0; rows.len()] };
+    if pore_pressure.is_empty() {
+        let message = "stresses are total ones, and there is no column pore_pressure to subtract from them";
+        return Err(Error::content(file, message));
+    }
+    let stress = |wanted: &str| -> Vec<f64> {
+        readings.signed(wanted).into_iter().zip(&pore_pressure).map(|(stress, u)| stress - u).collect()
+    };
+    let measure = stated.deviator.unwrap_or(DeviatorMeasure::Difference).share();
     let (axial, lateral) = (stress("axial_stress"), stress("lateral_stress"));
     let pairs = || axial.iter().zip(&lateral);
     let mut found = LaboratoryTest {
         axial_strain: strain("axial_strain"),
         volumetric_strain: strain("volumetric_strain"),
-        deviator_stress: stress("deviator_stress"),
+        deviator_stress: readings.signed("deviator_stress").into_iter().map(|q| q / measure).collect(),
         mean_stress: stress("mean_stress"),
         void_ratio: column("void_ratio"),
+        doubts: Vec::new(),
         name,
     };
     if found.deviator_stress.is_empty() {
@@ -318,7 +333,22 @@ fn test(
         let what = "has neither stresses (axial_stress with lateral_stress, or deviator_stress) nor volumetric_strain nor void_ratio";
         return Err(Error::content(file, format!("the table{of} {what}")));
     }
-    Ok(found)
+    found.doubts = doubts::doubts(&found, &readings, stated);
+    Ok(without_bedding(found, stated.bedding_strain.unwrap_or(0.0)))
+}
+
+/// A test without the readings at its start while the plate settled; its strains count from there.
+fn without_bedding(test: LaboratoryTest, bedding: f64) -> LaboratoryTest {
+    let first = test.axial_strain.iter().take_while(|strain| **strain < bedding).count();
+    let rest = |values: Vec<f64>| values.into_iter().skip(first).collect();
+    LaboratoryTest {
+        axial_strain: test.axial_strain.into_iter().skip(first).map(|strain| strain - bedding).collect(),
+        volumetric_strain: rest(test.volumetric_strain),
+        deviator_stress: rest(test.deviator_stress),
+        mean_stress: rest(test.mean_stress),
+        void_ratio: rest(test.void_ratio),
+        ..test
+    }
 }
 
 /// A cell without its quotation marks; two of them inside stand for one.
@@ -333,7 +363,7 @@ fn unquoted(cell: &str) -> String {
 mod tests {
     use super::*;
 
-    fn tests(text: &str, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+    pub(super) fn tests(text: &str, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
         read(&mut Lines::new(text.as_bytes(), "lab.csv"), conventions)
     }
 
@@ -346,6 +376,11 @@ mod tests {
         assert_eq!(
             (loose.name.as_str(), loose.axial_strain[1], loose.void_ratio[0]),
             ("TMD1", 0.001, 0.9961)
+        );
+        assert!(
+            found.iter().all(|test| test.doubts.is_empty()),
+            "{:?}",
+            found.iter().map(|test| &test.doubts).collect::<Vec<_>>()
         );
         assert!((loose.deviator_stress[1] - 15.96e3).abs() < 1e-6);
         assert!((loose.void_ratio[1] - (1.9961 * (1.0 - 0.000586) - 1.0)).abs() < 1e-12);
@@ -372,6 +407,21 @@ mod tests {
         assert!(found[0].void_ratio.is_empty() && found[0].mean_stress.is_empty());
         let engineering = Conventions { logarithmic: Some(false), ..given };
         assert!((tests(text, &engineering).unwrap()[0].axial_strain[1] - 0.2231435513).abs() < 1e-12);
+    }
+
+    #[test]
+    fn total_stresses_other_deviators_and_bedding_are_corrected() {
+        let text = "# stress = total\n# deviator_stress = half\naxial_strain (%),mean_stress (kPa),deviator_stress (kPa),pore_pressure (kPa)\n\
+                    0,300,0,200\n1,310,10,220\n2,320,30,230\n";
+        let given = Conventions { bedding_strain: Some(0.005), ..Conventions::default() };
+        let found = tests(text, &given).unwrap().remove(0);
+        assert_eq!((found.mean_stress, found.deviator_stress), (vec![90e3, 90e3], vec![20e3, 60e3]));
+        assert!(found.axial_strain.iter().zip([0.005, 0.015]).all(|(a, b)| (a - b).abs() < 1e-15));
+        // What the caller states counts more than a comment.
+        let effective = Conventions { total_stress: Some(false), ..Conventions::default() };
+        assert_eq!(tests(text, &effective).unwrap()[0].mean_stress[0], 300e3);
+        let lacking = text.replace("pore_pressure", "other");
+        assert!(tests(&lacking, &given).unwrap_err().to_string().contains("no column pore_pressure"));
     }
 
     #[test]
