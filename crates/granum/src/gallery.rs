@@ -95,6 +95,21 @@ pub const PLANS: &[ReadyPlan] = &[
         case: "drained-dense",
         text: include_str!("../gallery/plans/sand-drained-unseen.toml"),
     },
+    ReadyPlan {
+        name: "sand-drained-score",
+        case: "drained-dense",
+        text: include_str!("../gallery/plans/sand-drained-score.toml"),
+    },
+    ReadyPlan {
+        name: "sand-paths",
+        case: "undrained-dense",
+        text: include_str!("../gallery/plans/sand-paths.toml"),
+    },
+    ReadyPlan {
+        name: "powder-paths",
+        case: "powder-oedometer",
+        text: include_str!("../gallery/plans/powder-paths.toml"),
+    },
 ];
 
 impl ReadyPlan {
