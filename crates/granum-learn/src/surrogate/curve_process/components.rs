@@ -28,21 +28,7 @@ impl Components {
             .iter()
             .map(|curve| (0..points).map(|k| (curve[k] - mean[k]) * roots[k]).collect())
             .collect();
-        let mut matrix = vec![0.0; points * points];
-        for i in 0..points {
-            for j in 0..=i {
-                let sum = scaled.iter().map(|curve| curve[i] * curve[j]).sum::<f64>() / count;
-                (matrix[i * points + j], matrix[j * points + i]) = (sum, sum);
-            }
-        }
-        let total: f64 = (0..points).map(|k| matrix[k * points + k]).sum();
-        let (values, vectors) = eigenvectors(matrix, points);
-        let mut order: Vec<usize> = (0..points).collect();
-        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-        order.retain(|k| values[*k] > LEAST_SHARE * total);
-        order.truncate(most.min(curves.len().saturating_sub(1)));
-        let of_vector = |k: usize| -> Vec<f64> { (0..points).map(|i| vectors[i * points + k]).collect() };
-        let directions: Vec<Vec<f64>> = order.into_iter().map(of_vector).collect();
+        let directions = directions(&scaled, most.min(curves.len().saturating_sub(1)), LEAST_SHARE);
         let weight = |direction: &Vec<f64>, curve: &Vec<f64>| -> f64 {
             direction.iter().zip(curve).map(|(a, b)| a * b).sum()
         };
@@ -60,6 +46,26 @@ impl Components {
         let rest = (0..points).map(|k| (0..curves.len()).map(|i| left(i, k).powi(2)).sum::<f64>() / count);
         Components { rest: rest.collect(), mean, components, weights }
     }
+}
+
+/// The orthogonal directions of length one in which vectors differ most from zero, at most `most`, each with at least the given share of
+/// their mean square.
+pub(super) fn directions(vectors: &[Vec<f64>], most: usize, least_share: f64) -> Vec<Vec<f64>> {
+    let size = vectors.first().map_or(0, Vec::len);
+    let mut matrix = vec![0.0; size * size];
+    for i in 0..size {
+        for j in 0..=i {
+            let sum = vectors.iter().map(|vector| vector[i] * vector[j]).sum::<f64>() / vectors.len() as f64;
+            (matrix[i * size + j], matrix[j * size + i]) = (sum, sum);
+        }
+    }
+    let total: f64 = (0..size).map(|k| matrix[k * size + k]).sum();
+    let (values, found) = eigenvectors(matrix, size);
+    let mut order: Vec<usize> = (0..size).collect();
+    order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+    order.retain(|k| values[*k] > least_share * total);
+    order.truncate(most);
+    order.into_iter().map(|k| (0..size).map(|i| found[i * size + k]).collect()).collect()
 }
 
 #[cfg(test)]

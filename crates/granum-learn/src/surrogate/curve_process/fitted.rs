@@ -6,8 +6,10 @@ use granum_nets::gaussian_process::{GaussianProcess, Rows};
 use serde::{Deserialize, Serialize};
 
 use super::calibration::Calibration;
+use super::densities::Densities;
 use super::failure::{NAME, failed};
 use super::groups::Group;
+use super::predicted_curve::{Curve, curves_needed, curves_of_outputs};
 use crate::curve::{increases, interpolated};
 use crate::error::Result;
 use crate::surrogate::content::Content;
@@ -35,13 +37,19 @@ pub(super) struct Kept {
     pub ranges: Vec<[f64; 2]>,
     /// The values of the groups of the training runs, in row-major order.
     pub rows: Vec<f64>,
-    pub outputs: Vec<KeptOutput>,
+    /// The histograms among the outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub histograms: Vec<Densities>,
+    /// The curves: one of each output, and in the place of the bins of a histogram those of its coefficients.
+    pub curves: Vec<KeptCurve>,
+    /// For each output.
+    pub calibrations: Vec<Calibration>,
 }
 
-/// The processes of an output.
+/// The processes of a curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct KeptOutput {
+pub(super) struct KeptCurve {
     /// The input, of those beside the coordinate, at whose value the curve starts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<usize>,
@@ -53,24 +61,14 @@ pub(super) struct KeptOutput {
     pub parameters: Vec<Vec<f64>>,
     /// For each component its weights in the training runs.
     pub weights: Vec<Vec<f64>>,
-    pub calibration: Calibration,
 }
 
 /// Gaussian processes of curves, fitted to runs.
 pub struct FittedCurves {
     columns: Columns,
     kept: Kept,
-    /// For each output the process of each component.
+    /// For each curve the process of each component.
     processes: Vec<Vec<GaussianProcess>>,
-}
-
-/// The curve of an output, predicted: values at each point.
-struct Curve {
-    mean: Vec<f64>,
-    /// Variance of the mean.
-    parameters: Vec<f64>,
-    /// Variance of a single run about it.
-    noise: Vec<f64>,
 }
 
 impl FittedCurves {
@@ -79,11 +77,11 @@ impl FittedCurves {
         if !is_sound(&columns, &kept) {
             return Err(bad());
         }
-        let mut processes: Vec<Vec<GaussianProcess>> = kept.outputs.iter().map(|_| Vec::new()).collect();
+        let mut processes: Vec<Vec<GaussianProcess>> = kept.curves.iter().map(|_| Vec::new()).collect();
         if !kept.groups.is_empty() {
             let rows = Arc::new(Rows::new(kept.rows.clone(), kept.groups.len()).map_err(failed)?);
-            for (output, own) in kept.outputs.iter().zip(&mut processes) {
-                for (targets, parameters) in output.weights.iter().zip(&output.parameters) {
+            for (curve, own) in kept.curves.iter().zip(&mut processes) {
+                for (targets, parameters) in curve.weights.iter().zip(&curve.parameters) {
                     let process = GaussianProcess::with_parameters(rows.clone(), targets, parameters.clone());
                     own.push(process.map_err(failed)?);
                 }
@@ -104,8 +102,9 @@ impl FittedCurves {
     }
 
     fn predictions(&self, inputs: &RunInputs, factor: &dyn Fn(&Calibration) -> f64) -> Vec<Prediction> {
-        let Kept { coordinate, runs, points, ranges, outputs, .. } = &self.kept;
-        let factors: Vec<f64> = outputs.iter().map(|output| factor(&output.calibration)).collect();
+        let Kept { coordinate, runs, points, ranges, calibrations, .. } = &self.kept;
+        let factors: Vec<f64> = calibrations.iter().map(factor).collect();
+        let is_density = self.densities();
         let mut all_ranges = ranges.clone();
         all_ranges.insert(*coordinate, [points[0], points[points.len() - 1]]);
         let mut known: Option<(Vec<f64>, Vec<Curve>)> = None;
@@ -118,12 +117,12 @@ impl FittedCurves {
             let (_, curves) = match known.take() {
                 Some(same) if same.0 == own => known.insert(same),
                 _ => {
-                    let curves = (0..outputs.len()).map(|output| self.curve(output, &own)).collect();
+                    let curves = self.curves(&own);
                     known.insert((own, curves))
                 }
             };
             let at = |values: &[f64]| interpolated(x, points, values);
-            let estimate = |(curve, factor): (&Curve, &f64)| {
+            let estimate = |((curve, factor), is_density): ((&Curve, &f64), &bool)| {
                 let mean = Estimate::new(at(&curve.mean));
                 // One or two runs say nothing of their scatter.
                 if *runs < FEWEST_RUNS {
@@ -133,9 +132,14 @@ impl FittedCurves {
                     (Cause::Noise, at(&curve.noise).sqrt()),
                     (Cause::Parameters, at(&curve.parameters).sqrt()),
                 ];
-                mean.by(causes, *factor)
+                let mut estimate = mean.by(causes, *factor);
+                // No density is negative.
+                if let Some(interval) = estimate.interval.as_mut().filter(|_| *is_density) {
+                    interval.lower = interval.lower.max(0.0);
+                }
+                estimate
             };
-            let estimates = curves.iter().zip(&factors).map(estimate).collect();
+            let estimates = curves.iter().zip(&factors).zip(&is_density).map(estimate).collect();
             predictions.push(Prediction::new(estimates).with_outside(outside_of(
                 &self.columns,
                 &all_ranges,
@@ -145,25 +149,29 @@ impl FittedCurves {
         predictions
     }
 
-    /// The curve of an output for the inputs beside the coordinate.
-    fn curve(&self, output: usize, inputs: &[f64]) -> Curve {
-        let kept = &self.kept.outputs[output];
-        let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
-        let start = kept.start.map_or(0.0, |input| inputs[input]);
-        let mut curve = Curve {
-            mean: kept.mean.iter().map(|mean| start + mean).collect(),
-            parameters: vec![0.0; kept.mean.len()],
-            noise: kept.rest.clone(),
+    /// For each output whether it is a bin of a histogram.
+    fn densities(&self) -> Vec<bool> {
+        let within = |output: usize| {
+            let own = |densities: &Densities| {
+                (densities.first..densities.first + densities.bins()).contains(&output)
+            };
+            self.kept.histograms.iter().any(own)
         };
-        for (component, process) in kept.components.iter().zip(&self.processes[output]) {
-            let weight = process.predict(&row);
-            for (k, value) in component.iter().enumerate() {
-                curve.mean[k] += weight.mean * value;
-                curve.parameters[k] += weight.variance * value * value;
-                curve.noise[k] += weight.noise * value * value;
-            }
-        }
-        curve
+        (0..self.columns.outputs.len()).map(within).collect()
+    }
+
+    /// The curves of all outputs for the inputs beside the coordinate.
+    fn curves(&self, inputs: &[f64]) -> Vec<Curve> {
+        let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
+        let curve = |(kept, processes): (&KeptCurve, &Vec<GaussianProcess>)| {
+            let start = kept.start.map_or(0.0, |input| inputs[input]);
+            let each = kept.components.iter().zip(processes);
+            let weights: Vec<_> =
+                each.map(|(component, process)| (component, process.predict(&row))).collect();
+            Curve::new(kept.mean.iter().map(|mean| start + mean).collect(), kept.rest.clone(), &weights)
+        };
+        let curves = self.kept.curves.iter().zip(&self.processes).map(curve);
+        curves_of_outputs(curves, &self.kept.histograms, self.columns.outputs.len())
     }
 }
 
@@ -172,18 +180,21 @@ fn is_sound(columns: &Columns, kept: &Kept) -> bool {
     let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
     let is_curve = |values: &Vec<f64>| values.len() == points && finite(values);
     let (groups, runs) = (kept.groups.len(), kept.runs);
-    let output = |output: &KeptOutput| {
-        output.start.is_none_or(|start| start + 1 < inputs)
-            && is_curve(&output.mean)
-            && is_curve(&output.rest)
-            && output.rest.iter().all(|variance| *variance >= 0.0)
-            && output.components.iter().all(is_curve)
-            && (groups > 0 || output.components.is_empty())
-            && output.weights.len() == output.components.len()
-            && output.parameters.len() == output.components.len()
-            && output.weights.iter().all(|weights| weights.len() == runs)
-            && output.calibration.is_sound()
+    let outputs = columns.outputs.len();
+    let curve = |curve: &KeptCurve| {
+        curve.start.is_none_or(|start| start + 1 < inputs)
+            && is_curve(&curve.mean)
+            && is_curve(&curve.rest)
+            && curve.rest.iter().all(|variance| *variance >= 0.0)
+            && curve.components.iter().all(is_curve)
+            && (groups > 0 || curve.components.is_empty())
+            && curve.weights.len() == curve.components.len()
+            && curve.parameters.len() == curve.components.len()
+            && curve.weights.iter().all(|weights| weights.len() == runs)
     };
+    let firsts: Vec<usize> = kept.histograms.iter().map(|densities| densities.first).collect();
+    let ends: Vec<usize> =
+        kept.histograms.iter().map(|densities| densities.first + densities.bins()).collect();
     kept.coordinate < inputs
         && points > 1
         && increases(&kept.points)
@@ -192,8 +203,12 @@ fn is_sound(columns: &Columns, kept: &Kept) -> bool {
         && kept.rows.len() == runs * groups
         && kept.groups.iter().all(|group| group.is_sound(inputs - 1))
         && kept.ranges.len() + 1 == inputs
-        && kept.outputs.len() == columns.outputs.len()
-        && kept.outputs.iter().all(output)
+        && kept.histograms.iter().all(|densities| densities.is_sound(outputs))
+        && ends.iter().zip(firsts.iter().skip(1)).all(|(end, first)| end <= first)
+        && kept.curves.len() == curves_needed(&kept.histograms, outputs)
+        && kept.curves.iter().all(curve)
+        && kept.calibrations.len() == outputs
+        && kept.calibrations.iter().all(Calibration::is_sound)
 }
 
 impl Surrogate for FittedCurves {

@@ -7,15 +7,13 @@ use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
 use super::components::Components;
 use super::failure::failed;
+use super::predicted_curve::Curve;
 use crate::error::Result;
 
 /// Number of parts.
 pub(super) const PARTS: usize = 8;
 /// Most steps of a search for parameters, which begins at those of all runs.
 const ITERATIONS: usize = 20;
-
-/// The number of a run with its errors over their standard deviations, at each point.
-pub(super) type RunErrors = (usize, Vec<f64>);
 
 /// The curves of an output with what the processes see of the inputs.
 pub(super) struct Curves<'a> {
@@ -29,8 +27,8 @@ pub(super) struct Curves<'a> {
 }
 
 impl Curves<'_> {
-    /// The errors of the runs of a part.
-    pub fn errors(&self, part: usize) -> Result<Vec<RunErrors>> {
+    /// The curves of the runs of a part, as predicted from the others, each with the number of the run.
+    pub fn predicted(&self, part: usize) -> Result<Vec<(usize, Curve)>> {
         let (own, others): (Vec<usize>, Vec<usize>) =
             (0..self.curves.len()).partition(|run| run % PARTS == part);
         if own.is_empty() || others.is_empty() {
@@ -40,25 +38,15 @@ impl Curves<'_> {
         let most = if others.len() > 2 { self.parameters.len() } else { 0 };
         let components = Components::new(&known, self.shares, most);
         let processes = self.processes(&others, &components)?;
-        let errors = |&run: &usize| {
+        let predicted = |run: usize| {
+            let each = components.components.iter().zip(&processes);
             let weights: Vec<_> = match self.rows {
-                Some(rows) => processes.iter().map(|process| process.predict(rows.row(run))).collect(),
+                Some(rows) => each.map(|(c, process)| (c, process.predict(rows.row(run)))).collect(),
                 None => Vec::new(),
             };
-            let at = |point: usize| {
-                let (mut value, mut variance) = (components.mean[point], components.rest[point]);
-                for (component, weight) in components.components.iter().zip(&weights) {
-                    let value_at = component[point];
-                    value += weight.mean * value_at;
-                    variance += value_at * value_at * (weight.variance + weight.noise);
-                }
-                // A point at which all curves are equal has no error and no variance.
-                let error = self.curves[run][point] - value;
-                if error == 0.0 { 0.0 } else { error / variance.sqrt().max(1e-300) }
-            };
-            (run, (0..self.shares.len()).map(at).collect())
+            (run, Curve::new(components.mean.clone(), components.rest.clone(), &weights))
         };
-        Ok(own.iter().map(errors).collect())
+        Ok(own.into_iter().map(predicted).collect())
     }
 
     fn processes(&self, others: &[usize], components: &Components) -> Result<Vec<GaussianProcess>> {

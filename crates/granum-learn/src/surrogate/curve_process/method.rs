@@ -9,12 +9,14 @@ use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
 use super::calibration::Calibration;
 use super::components::Components;
+use super::densities::{Densities, histograms_among};
 use super::failure::{NAME, failed};
-use super::fitted::{FittedCurves, Kept, KeptOutput};
+use super::fitted::{FittedCurves, Kept, KeptCurve};
 use super::groups::groups_of;
-use super::left_out::{Curves, PARTS, RunErrors};
+use super::left_out::{Curves, PARTS};
+use super::predicted_curve::{Curve, curves_of_outputs};
 use super::run_curves::{RunCurve, common_points, shares};
-use crate::dataset::Dataset;
+use crate::dataset::{ColumnGroup, Dataset, Variable};
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
 use crate::surrogate::spec::{Columns, FitSpec};
@@ -71,7 +73,7 @@ struct Shared {
     rows: Option<Arc<Rows>>,
 }
 
-/// An output before its processes are fitted.
+/// An output, or a coefficient of a histogram, before its processes are fitted.
 struct Prepared {
     /// The input that is its value on the sample.
     start: Option<usize>,
@@ -118,8 +120,10 @@ impl SurrogateMethod for GaussianProcessOfCurves {
         };
         let points = common_points(&runs)?;
         let shared = Shared { shares: shares(&points), points, rows, runs };
-        let prepared: Vec<Prepared> =
-            (0..columns.outputs.len()).map(|k| self.prepared(&shared, &columns, &names, k)).collect();
+        let starts: Vec<Option<usize>> =
+            columns.outputs.iter().map(|output| start_of(output, &names)).collect();
+        let histograms = shared.histograms(dataset, &columns.output_names());
+        let prepared = self.prepared(&shared, &starts, &histograms);
         let fits: Vec<(usize, usize)> = prepared
             .iter()
             .enumerate()
@@ -136,15 +140,25 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             .iter()
             .map(|prepared| rest.by_ref().take(prepared.components.components.len()).collect())
             .collect();
-        let calibrations = self.calibrations(&shared, &prepared, &parameters, spec, observer)?;
-        let outputs = prepared.into_iter().zip(parameters).zip(calibrations);
-        let outputs = outputs.map(|((prepared, parameters), calibration)| {
+        let left_out = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
+        let calibrations = calibrations(&shared, &starts, &histograms, left_out);
+        let curves = prepared.into_iter().zip(parameters).map(|(prepared, parameters)| {
             let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
-            KeptOutput { start, mean, components, rest, parameters, weights, calibration }
+            KeptCurve { start, mean, components, rest, parameters, weights }
         });
-        let outputs = outputs.collect();
+        let curves = curves.collect();
         let (runs, points) = (shared.runs.len(), shared.points);
-        let kept = Kept { coordinate: place, runs, points, groups, ranges, rows: values, outputs };
+        let kept = Kept {
+            coordinate: place,
+            runs,
+            points,
+            groups,
+            ranges,
+            rows: values,
+            histograms,
+            curves,
+            calibrations,
+        };
         Ok(Box::new(FittedCurves::new(columns, kept)?))
     }
 
@@ -166,15 +180,55 @@ impl SurrogateMethod for GaussianProcessOfCurves {
     }
 }
 
+impl Shared {
+    /// The histograms of which all bins are outputs.
+    fn histograms(&self, dataset: &Dataset, outputs: &[String]) -> Vec<Densities> {
+        let Some(first) = dataset.runs().first() else { return Vec::new() };
+        let histogram = |(output, group): (usize, &ColumnGroup)| {
+            let of_run = |run: &RunCurve| self.states(run, output, group.centres.len());
+            let states: Vec<Vec<f64>> = self.runs.iter().flat_map(of_run).collect();
+            Densities::new(group, output, &states, &self.shares.repeat(self.runs.len()))
+        };
+        histograms_among(first, outputs).into_iter().map(histogram).collect()
+    }
+
+    /// The densities of the bins at each point.
+    fn states(&self, run: &RunCurve, first: usize, bins: usize) -> Vec<Vec<f64>> {
+        let curves: Vec<Vec<f64>> =
+            (first..first + bins).map(|output| run.at(&self.points, output, None)).collect();
+        (0..self.points.len()).map(|k| curves.iter().map(|curve| curve[k]).collect()).collect()
+    }
+}
+
 impl GaussianProcessOfCurves {
-    fn prepared(&self, shared: &Shared, columns: &Columns, names: &[String], output: usize) -> Prepared {
-        let sample = format!("{SAMPLE}{}", columns.outputs[output].name);
-        let start = names.iter().position(|name| *name == sample);
-        let curve = |run: &RunCurve| run.at(&shared.points, output, start);
-        let curves: Vec<Vec<f64>> = shared.runs.iter().map(curve).collect();
+    /// The curves that are fitted: of each output, and in the place of the bins of a histogram of its coefficients.
+    fn prepared(&self, shared: &Shared, starts: &[Option<usize>], histograms: &[Densities]) -> Vec<Prepared> {
         let most = if shared.rows.is_some() { self.components } else { 0 };
-        let components = Components::new(&curves, &shared.shares, most);
-        Prepared { start, curves, components }
+        let with = |start: Option<usize>, curves: Vec<Vec<f64>>| {
+            let components = Components::new(&curves, &shared.shares, most);
+            Prepared { start, curves, components }
+        };
+        let (mut prepared, mut output) = (Vec::new(), 0);
+        while output < starts.len() {
+            let Some(densities) = histograms.iter().find(|densities| densities.first == output) else {
+                let start = starts[output];
+                let curve = |run: &RunCurve| run.at(&shared.points, output, start);
+                prepared.push(with(start, shared.runs.iter().map(curve).collect()));
+                output += 1;
+                continue;
+            };
+            let coefficients = |run: &RunCurve| -> Vec<Vec<f64>> {
+                let states = shared.states(run, output, densities.bins());
+                states.iter().map(|state| densities.coefficients(state)).collect()
+            };
+            let of_runs: Vec<Vec<Vec<f64>>> = shared.runs.iter().map(coefficients).collect();
+            for k in 0..densities.directions.len() {
+                let curve = |states: &Vec<Vec<f64>>| states.iter().map(|state| state[k]).collect();
+                prepared.push(with(None, of_runs.iter().map(curve).collect()));
+            }
+            output += densities.bins();
+        }
+        prepared
     }
 
     /// The processes of all components of all outputs.
@@ -207,43 +261,75 @@ impl GaussianProcessOfCurves {
 }
 
 impl GaussianProcessOfCurves {
-    /// The calibration of each output, by runs that are predicted from others.
-    fn calibrations(
+    /// For each curve that is fitted those of the runs, in order, each as predicted from other runs.
+    fn left_out(
         &self,
         shared: &Shared,
         prepared: &[Prepared],
         parameters: &[Vec<Vec<f64>>],
         spec: &FitSpec,
         observer: &mut dyn Observer,
-    ) -> Result<Vec<Calibration>> {
+    ) -> Result<Vec<Vec<Curve>>> {
         let follower = SharedObserver::new(observer);
         let total = prepared.len() * PARTS;
         let found = parallel::map(total, spec.threads, |k| {
             if follower.stopped() {
                 return Err(LearnError::Stopped { done: k, total });
             }
-            let (output, part) = (k / PARTS, k % PARTS);
+            let (curve, part) = (k / PARTS, k % PARTS);
             let mut options = FitOptions::default();
             options.most_rows = self.most_runs;
             let curves = Curves {
-                curves: &prepared[output].curves,
+                curves: &prepared[curve].curves,
                 shares: &shared.shares,
                 rows: shared.rows.as_deref(),
-                parameters: &parameters[output],
+                parameters: &parameters[curve],
                 options,
             };
-            curves.errors(part)
+            curves.predicted(part)
         })?;
-        let of_output = |(parts, prepared): (&[Vec<RunErrors>], &Prepared)| {
-            let mut errors: Vec<&RunErrors> = parts.iter().flatten().collect();
-            errors.sort_by_key(|(run, _)| *run);
-            // Where all curves start at the value on their sample, nothing is predicted.
-            let from = usize::from(prepared.curves.iter().all(|curve| curve[0] == 0.0));
-            let errors: Vec<Vec<f64>> = errors.iter().map(|(_, errors)| errors[from..].to_vec()).collect();
-            Calibration::new(&errors, &shared.shares[from..])
+        let mut found = found.into_iter();
+        let mut of_curve = || {
+            let mut runs: Vec<(usize, Curve)> = found.by_ref().take(PARTS).flatten().collect();
+            runs.sort_by_key(|(run, _)| *run);
+            runs.into_iter().map(|(_, curve)| curve).collect()
         };
-        Ok(found.chunks(PARTS).zip(prepared).map(of_output).collect())
+        Ok(prepared.iter().map(|_| of_curve()).collect())
     }
+}
+
+/// The calibration of each output.
+fn calibrations(
+    shared: &Shared,
+    starts: &[Option<usize>],
+    histograms: &[Densities],
+    left_out: Vec<Vec<Curve>>,
+) -> Vec<Calibration> {
+    let known = left_out.iter().map(Vec::len).min().unwrap_or(0);
+    let mut of_runs: Vec<Vec<Curve>> = (0..known).map(|_| Vec::new()).collect();
+    for curves in left_out {
+        of_runs.iter_mut().zip(curves).for_each(|(run, curve)| run.push(curve));
+    }
+    let predicted: Vec<Vec<Curve>> =
+        of_runs.into_iter().map(|run| curves_of_outputs(run, histograms, starts.len())).collect();
+    let calibration = |(output, start): (usize, &Option<usize>)| {
+        let measured = |run: &RunCurve| run.at(&shared.points, output, *start);
+        let measured: Vec<Vec<f64>> = shared.runs.iter().map(measured).collect();
+        // Where all curves start at the value on their sample, nothing is predicted.
+        let from = usize::from(measured.iter().all(|curve| curve[0] == 0.0));
+        let errors = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> Vec<f64> {
+            (from..measured.len()).map(|k| run[output].error(k, measured[k])).collect()
+        };
+        let errors: Vec<Vec<f64>> = predicted.iter().zip(&measured).map(errors).collect();
+        Calibration::new(&errors, &shared.shares[from..])
+    };
+    starts.iter().enumerate().map(calibration).collect()
+}
+
+/// The input that is the value of an output on the sample.
+fn start_of(output: &Variable, inputs: &[String]) -> Option<usize> {
+    let sample = format!("{SAMPLE}{}", output.name);
+    inputs.iter().position(|name| *name == sample)
 }
 
 fn place_of_coordinate(spec: &FitSpec, columns: &Columns) -> Result<usize> {

@@ -9,6 +9,9 @@
 //! process ([`granum_nets::gaussian_process`]) for each weight `t_j`. If the value of an output on the sample is an input
 //! (`sample.NAME`), it is `y_0`, and the curve starts there.
 //!
+//! If all bins of a histogram are outputs, such as those of the distribution of contact forces, it is predicted as a whole: normalised, nowhere
+//! negative, and with the mean one (`densities`).
+//!
 //! The variance of a new run about the mean has two parts: that of the processes, which more runs would reduce (`parameters`), and
 //! that of a single run, which they would not (`noise`): the noise of the processes, and the part of the training curves that the
 //! components do not contain. Intervals are these standard deviations times a factor, which is chosen on whole training runs, each
@@ -16,11 +19,13 @@
 
 mod calibration;
 mod components;
+mod densities;
 mod failure;
 mod fitted;
 mod groups;
 mod left_out;
 mod method;
+mod predicted_curve;
 mod run_curves;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::*;
-use crate::dataset::{Dataset, RunStates};
+use crate::dataset::{ColumnGroup, Dataset, RunStates};
 use crate::error::Result;
 use crate::surrogate::{Cause, FitSpec, RunInputs, Surrogate, SurrogateMethod, SurrogateMethods, to_json};
 
@@ -201,4 +201,83 @@ fn without_other_inputs_it_is_the_mean_curve() {
     assert!(one.predict_rows(&[0.5, 0.5, 0.5], 0.9).unwrap()[0].values[0].interval.is_none());
     let three = fitted(&dataset(3, 8), &self::spec());
     assert!(three.predict_rows(&[0.5, 0.5, 0.5], 0.9).unwrap()[0].values[0].interval.is_some());
+}
+
+const BINS: usize = 16;
+const WIDTH: f64 = 0.5;
+
+/// Shares of the bins of an exponential distribution with the mean one that begins at `start`.
+fn law_of_forces(start: f64) -> Vec<f64> {
+    let above = |f: f64| if f <= start { 1.0 } else { (-(f - start) / (1.0 - start)).exp() };
+    (0..BINS).map(|k| k as f64 * WIDTH).map(|f| above(f) - above(f + WIDTH)).collect()
+}
+
+fn start_of_forces(strength: f64, x: f64) -> f64 {
+    0.05 + 0.5 * strength * (1.0 - x * x)
+}
+
+/// Runs with a distribution of forces, each state counted from 2000 contacts, and a deviation of each run.
+fn forces(count: usize, seed: u64) -> Dataset {
+    let mut random = Random(ChaCha8Rng::seed_from_u64(seed));
+    let centres: Vec<f64> = (0..BINS).map(|k| (k as f64 + 0.5) * WIDTH).collect();
+    let group =
+        ColumnGroup { name: "probability_density".into(), binned: "force".into(), bin_width: WIDTH, centres };
+    let run = |k: usize| {
+        let (strength, own) = (random.uniform(), 0.02 * random.normal());
+        let xs: Vec<f64> = (0..21).map(|i| f64::from(i) / 20.0).collect();
+        let mut bins = vec![Vec::new(); BINS];
+        for x in &xs {
+            let law = law_of_forces(start_of_forces(strength, *x) + own);
+            let mut drawn = |share: &f64| (share + (share / 2000.0).sqrt() * random.normal()).max(0.0);
+            let counted: Vec<f64> = law.iter().map(&mut drawn).collect();
+            let factor = law.iter().sum::<f64>() / counted.iter().sum::<f64>() / WIDTH;
+            bins.iter_mut().zip(counted).for_each(|(bin, share)| bin.push(share * factor));
+        }
+        let densities = group.columns().zip(bins).map(|(name, bin)| Column::new(name, "", bin));
+        let columns = [Column::new("x", "", xs)].into_iter().chain(densities).collect();
+        RunStates::new(&format!("run-{seed}-{k}"), Table::new(columns)?)?
+            .with_group(group.clone())?
+            .with_parameter("strength", "", strength)
+    };
+    Dataset::new((0..count).map(run).collect::<Result<_>>().unwrap()).unwrap()
+}
+
+/// A histogram is predicted as a whole: nowhere negative, normalised, and with the mean one.
+#[test]
+fn a_distribution_of_forces_is_predicted_as_a_whole() {
+    let spec = FitSpec::new(["x", "strength"], ["probability_density"]).with_coordinate("x");
+    let surrogate = fitted(&forces(40, 9), &spec);
+    let (mut error, mut scatter, mut held, mut all) = (0.0, 0.0, 0, 0);
+    for run in forces(40, 10).runs() {
+        let strength = run.column("strength").unwrap()[0];
+        for (row, x) in run.column("x").unwrap().into_iter().enumerate() {
+            let predicted = &surrogate.predict_rows(&[x, strength], 0.9).unwrap()[0].values;
+            let shares: Vec<f64> = predicted.iter().map(|estimate| estimate.mean * WIDTH).collect();
+            let sum: f64 = shares.iter().sum();
+            assert!(
+                sum <= 1.0 + 1e-12 && sum > 0.99 && shares.iter().all(|share| *share >= 0.0),
+                "{shares:?}"
+            );
+            let law = law_of_forces(start_of_forces(strength, x));
+            for (k, (estimate, law)) in predicted.iter().zip(&law).enumerate() {
+                let measured = run.groups()[0].columns().nth(k).map(|name| run.column(&name).unwrap()[row]);
+                let measured = measured.unwrap();
+                error += (estimate.mean - law / WIDTH).powi(2);
+                scatter += (measured - law / WIDTH).powi(2);
+                let interval = estimate.interval.as_ref().unwrap();
+                assert!(interval.lower >= 0.0);
+                held += i32::from(interval.lower <= measured && measured <= interval.upper);
+                all += 1;
+            }
+        }
+    }
+    let error = (error / scatter).sqrt();
+    assert!(error < 0.6, "{error} of the scatter of a run");
+    let share = f64::from(held) / f64::from(all);
+    assert!((0.85..0.97).contains(&share), "{share} of the densities");
+    let read = SurrogateMethods::standard().from_json(&to_json(surrogate.as_ref()).unwrap(), "file").unwrap();
+    assert_eq!(
+        read.predict_rows(&[0.3, 0.4], 0.9).unwrap(),
+        surrogate.predict_rows(&[0.3, 0.4], 0.9).unwrap()
+    );
 }
