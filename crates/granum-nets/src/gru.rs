@@ -6,10 +6,11 @@ use rand_chacha::rand_core::SeedableRng;
 
 use crate::data::Data;
 use crate::differentiable::{Batch, Differentiable};
-use crate::gru_batch::{GruBatch, GruRows};
+use crate::gru_batch::GruBatch;
 use crate::gru_shape::GruShape;
 use crate::initialisation::uniform;
 use crate::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
+use crate::sequence_group::SequenceRows;
 use crate::sequences::Sequences;
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
@@ -184,7 +185,7 @@ impl Differentiable for Gru {
                 inputs.len()
             )));
         }
-        let rows = GruRows { inputs, sequences, targets: None, weights: None };
+        let rows = SequenceRows { inputs, sequences, targets: None, weights: None };
         GruBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
     }
 
@@ -192,7 +193,7 @@ impl Differentiable for Gru {
         check_columns(self, data)?;
         let sequences = self.check_sequences(data.sequences())?;
         let (targets, weights) = (Some(data.targets()), data.weights());
-        let rows = GruRows { inputs: data.inputs(), sequences, targets, weights };
+        let rows = SequenceRows { inputs: data.inputs(), sequences, targets, weights };
         Ok(Box::new(GruBatch::new(isa, self.shape, &rows)?))
     }
 }

@@ -76,7 +76,7 @@ pub(crate) fn minimise(
 }
 
 /// Minus the approximate inverse of the Hessian times the gradient, by the two-loop recursion.
-fn quasi_newton(gradient: &[f64], pairs: &[(Vec<f64>, Vec<f64>)]) -> Vec<f64> {
+pub(crate) fn quasi_newton(gradient: &[f64], pairs: &[(Vec<f64>, Vec<f64>)]) -> Vec<f64> {
     let mut direction: Vec<f64> = gradient.iter().map(|g| -g).collect();
     let mut factors = Vec::with_capacity(pairs.len());
     for (step, change) in pairs.iter().rev() {
@@ -96,7 +96,7 @@ fn quasi_newton(gradient: &[f64], pairs: &[(Vec<f64>, Vec<f64>)]) -> Vec<f64> {
     direction
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -110,6 +110,16 @@ pub const PLANS: &[ReadyPlan] = &[
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths.toml"),
     },
+    ReadyPlan {
+        name: "random-paths",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/random-paths.toml"),
+    },
+    ReadyPlan {
+        name: "random-paths-unseen",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/random-paths-unseen.toml"),
+    },
 ];
 
 impl ReadyPlan {

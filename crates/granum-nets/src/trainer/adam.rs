@@ -417,7 +417,7 @@ mod tests {
         let mut gru = Gru::new(1, 1, 3, 1, 4).unwrap();
         let error = LevenbergMarquardt::default().train(&mut gru, &memory(), &mut NoObserver).unwrap_err();
         let wanted = "levenberg-marquardt cannot train a gated recurrent unit, which provides no Gauss-Newton matrix; \
-                      use one of: adam, traingdx";
+                      use one of: adam, l-bfgs, traingdx";
         assert_eq!(error.to_string(), wanted);
         // Gradient descent with momentum trains it as well.
         let rule = super::super::Traingdx { epochs: 300, ..Default::default() };

@@ -73,6 +73,7 @@
 mod adam;
 pub(crate) mod error;
 mod kind;
+mod lbfgs;
 mod levenberg_marquardt;
 mod options;
 mod registry;
@@ -85,6 +86,7 @@ pub use adam::Adam;
 pub use error::{TerminationReason, TrainingError};
 pub use granum_core::observer::{Flow, NoObserver, Observer, Progress};
 pub use kind::TrainerKind;
+pub use lbfgs::Lbfgs;
 pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
 pub use options::Options;
 pub use registry::{ALL, NAMES, by_name};

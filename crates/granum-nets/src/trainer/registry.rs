@@ -3,13 +3,14 @@
 use super::adam;
 use super::error::TrainingError;
 use super::kind::TrainerKind;
+use super::lbfgs;
 use super::levenberg_marquardt::{self, LevenbergMarquardt};
 use super::options::Options;
 use super::trainer_trait::SharedTrainer;
 use super::traingdx;
 
 /// The trainers of this crate, starting with the default.
-pub const ALL: [&TrainerKind; 3] = [&levenberg_marquardt::KIND, &traingdx::KIND, &adam::KIND];
+pub const ALL: [&TrainerKind; 4] = [&levenberg_marquardt::KIND, &traingdx::KIND, &adam::KIND, &lbfgs::KIND];
 
 /// The names that [`by_name`] accepts, starting with the default.
 pub const NAMES: [&str; ALL.len()] = {
@@ -37,7 +38,7 @@ impl Default for SharedTrainer {
 /// let options = Options { epochs: Some(200), ..Options::default() };
 /// assert_eq!(trainer::by_name("traingdx", &options)?.name(), "traingdx");
 /// let error = trainer::by_name("adem", &options).unwrap_err();
-/// assert_eq!(error.to_string(), "there is no trainer \"adem\"; there are: levenberg-marquardt, traingdx, adam");
+/// assert_eq!(error.to_string(), "there is no trainer \"adem\"; there are: levenberg-marquardt, traingdx, adam, l-bfgs");
 /// # Ok::<(), granum_nets::trainer::TrainingError>(())
 /// ```
 ///

@@ -62,7 +62,7 @@ fn names_and_options_are_checked() {
     let error = by_name("trainlm", &Options::default()).err().unwrap();
     assert_eq!(
         error.to_string(),
-        "there is no trainer \"trainlm\"; there are: levenberg-marquardt, traingdx, adam"
+        "there is no trainer \"trainlm\"; there are: levenberg-marquardt, traingdx, adam, l-bfgs"
     );
     let options = Options { goal: Some(-1.0), ..Options::default() };
     assert!(by_name("traingdx", &options).err().unwrap().to_string().contains("goal = -1"));
@@ -367,19 +367,20 @@ fn copies_of_rows_are_not_taken_for_witnesses() {
     assert!((once.gamma / copied.gamma - 1.0).abs() > 1e-1, "{once:?} {copied:?}");
 }
 
-fn trainers(isa: Isa) -> [(SharedTrainer, u64); 3] {
+fn trainers(isa: Isa) -> [(SharedTrainer, u64); 4] {
     let options = |epochs| Options { epochs: Some(epochs), isa: Some(isa), ..Options::default() };
     [
         (by_name("levenberg-marquardt", &options(24)).unwrap(), 24),
         (by_name("traingdx", &options(120)).unwrap(), 120),
         (by_name("adam", &options(20)).unwrap(), 20),
+        (by_name("l-bfgs", &options(30)).unwrap(), 30),
     ]
 }
 
 #[test]
 fn every_instruction_set_trains_to_the_same_bits() {
     let data = surface(37).with_validation(surface(11)).unwrap();
-    for k in 0..3 {
+    for k in 0..4 {
         let train = |isa| {
             let mut network = Network::new(&[2, 9, 6, 1], 12).unwrap();
             let report = trainers(isa)[k].0.train(&mut network, &data, &mut NoObserver).unwrap();
@@ -428,7 +429,7 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
 #[test]
 fn states_of_others_are_refused() {
     let data = surface(10);
-    let [(first, _), (second, _), _] = trainers(Isa::detect());
+    let [(first, _), (second, _), ..] = trainers(Isa::detect());
     let mut network = Network::new(&[2, 3, 1], 1).unwrap();
     let state = first.train(&mut network, &data, &mut NoObserver).unwrap().state;
     assert!(matches!(

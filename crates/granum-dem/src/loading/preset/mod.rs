@@ -14,6 +14,7 @@ mod parameter;
 mod plane_strain;
 mod probes;
 mod proportional;
+mod random;
 mod simple_shear;
 mod simple_shear_constant_volume;
 mod undrained_triaxial;
@@ -43,6 +44,7 @@ pub const ALL: &[Preset] = &[
     unload_reload::PRESET,
     hold::PRESET,
     history::PRESET,
+    random::PRESET,
     probes::PRESET,
 ];
 

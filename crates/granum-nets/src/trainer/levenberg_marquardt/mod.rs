@@ -251,7 +251,7 @@ impl<'a> Search<'a> {
         let problem = model.gauss_newton(rule.isa, data)?.ok_or_else(|| TrainingError::NoGaussNewton {
             trainer: LevenbergMarquardt::NAME,
             model: model.name().to_owned(),
-            others: "adam, traingdx",
+            others: "adam, l-bfgs, traingdx",
         })?;
         let fresh = state.is_none();
         let state = state.unwrap_or_else(|| {

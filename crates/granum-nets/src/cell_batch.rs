@@ -1,0 +1,215 @@
+//! Batches of recurrent cells: what all cells have in common around the equations of a step.
+
+use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+
+use crate::data::Data;
+use crate::differentiable::Batch;
+use crate::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
+use crate::sequence_group::{CellSizes, Group, SequenceRows, groups, squared_error};
+use crate::sequences::Sequences;
+use crate::trainer::error::TrainingError;
+
+/// The equations of a recurrent cell and their derivatives, over all steps of a group of sequences.
+pub(crate) trait CellKernel: Copy + Send + 'static {
+    fn sizes(&self) -> CellSizes;
+
+    /// Numbers of rows of the matrices of intermediate results in [`Work::own`].
+    fn own(&self) -> Vec<usize>;
+
+    /// Computes the states, which go to the rows `below` the next step of the group, and the outputs.
+    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work);
+
+    /// Adds the gradient, after [`CellKernel::forward`], for the derivatives `work.output_deltas` of the outputs.
+    fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]);
+}
+
+/// Intermediate results of a pass over a group. Matrices over all steps have the stride of the layout of the group.
+#[derive(Default)]
+pub(crate) struct Work {
+    pub outputs: Vec<Row8>,
+    pub output_deltas: Vec<Row8>,
+    /// The matrices of the cell.
+    pub own: Vec<Vec<Row8>>,
+    /// The value before the first step of states that are not in the rows below a step, and derivatives that are carried from
+    /// step to step: two rows for each value of the state, with the stride of the starts.
+    pub carried: Vec<Row8>,
+}
+
+/// Sequences with memory for the passes of a cell over them.
+pub(crate) struct CellBatch<C> {
+    isa: Isa,
+    cell: C,
+    groups: Vec<Group>,
+    rows: usize,
+    work: Work,
+}
+
+impl<C: CellKernel> CellBatch<C> {
+    pub(crate) fn new(isa: Isa, cell: C, rows: &SequenceRows) -> Result<CellBatch<C>, TrainingError> {
+        let groups = groups(&cell.sizes(), rows)?;
+        Ok(CellBatch { isa, cell, groups, rows: rows.sequences.rows(), work: Work::default() })
+    }
+
+    /// The outputs for all rows, `rows x outputs`.
+    pub(crate) fn evaluate(&mut self, weights: &[f64]) -> Vec<f64> {
+        let outputs = self.cell.sizes().outputs;
+        let mut predictions = vec![0.0; self.rows * outputs];
+        for number in 0..self.groups.len() {
+            self.forward(number, weights);
+            let layout = &self.groups[number].layout;
+            layout.each_row(|row, block, lane| {
+                for o in 0..outputs {
+                    predictions[row * outputs + o] = self.work.outputs[o * layout.stride + block].0[lane];
+                }
+            });
+        }
+        predictions
+    }
+
+    fn forward(&mut self, number: usize, weights: &[f64]) {
+        let CellBatch { isa, cell, groups, work, .. } = self;
+        let group = &mut groups[number];
+        let (sizes, stride) = (cell.sizes(), group.layout.stride);
+        work.outputs.resize(sizes.outputs * stride, Row8::default());
+        work.output_deltas.resize(sizes.outputs * stride, Row8::default());
+        work.carried.resize(2 * sizes.state * group.layout.start_stride, Row8::default());
+        let own = cell.own();
+        work.own.resize(own.len(), Vec::new());
+        for (matrix, rows) in work.own.iter_mut().zip(own) {
+            matrix.resize(rows * stride, Row8::default());
+        }
+        dispatch(*isa, Forward { cell: *cell, weights, group, work });
+    }
+}
+
+impl<C: CellKernel> Batch for CellBatch<C> {
+    fn squared_error(&mut self, weights: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for number in 0..self.groups.len() {
+            self.forward(number, weights);
+            let (group, outputs) = (&self.groups[number], &self.work.outputs[..]);
+            sum += dispatch(self.isa, SquaredError { group, outputs });
+        }
+        sum
+    }
+
+    fn gradient(&mut self, weights: &[f64], scale: f64, gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        for number in 0..self.groups.len() {
+            // With a single group, the results of the forward pass are still there.
+            if self.groups.len() > 1 {
+                self.forward(number, weights);
+            }
+            let CellBatch { isa, cell, groups, work, .. } = self;
+            dispatch(*isa, Backward { cell: *cell, weights, group: &groups[number], work, scale, gradient });
+        }
+    }
+}
+
+struct Forward<'a, C> {
+    cell: C,
+    weights: &'a [f64],
+    group: &'a mut Group,
+    work: &'a mut Work,
+}
+
+impl<C: CellKernel> Kernel for Forward<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.cell.forward::<L>(self.weights, self.group, self.work);
+    }
+}
+
+struct SquaredError<'a> {
+    group: &'a Group,
+    outputs: &'a [Row8],
+}
+
+impl Kernel for SquaredError<'_> {
+    type Output = f64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        squared_error::<L>(self.group, self.outputs)
+    }
+}
+
+struct Backward<'a, C> {
+    cell: C,
+    weights: &'a [f64],
+    group: &'a Group,
+    work: &'a mut Work,
+    scale: f64,
+    gradient: &'a mut [f64],
+}
+
+impl<C: CellKernel> Kernel for Backward<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Group { layout, targets, weights, .. } = self.group;
+        let Work { outputs, output_deltas, .. } = &mut *self.work;
+        for o in 0..targets.len() / layout.stride {
+            for at in o * layout.stride..o * layout.stride + layout.total() {
+                let error = L::load(&outputs[at].0) - L::load(&targets[at].0);
+                (L::load(&weights[at].0) * error * L::splat(self.scale)).store(&mut output_deltas[at].0);
+            }
+        }
+        self.cell.backward::<L>(self.weights, self.group, self.work, self.gradient);
+    }
+}
+
+/// A row of ones.
+pub(crate) fn ones(row: &mut [Row8]) {
+    row.fill(Row8([1.0; LANES]));
+}
+
+/// The rows of a table in the form for a cell; `name` is used in messages.
+pub(crate) fn rows_of<'a>(
+    sizes: &CellSizes,
+    name: &str,
+    inputs: &'a [f64],
+    sequences: Option<&'a Sequences>,
+    data: Option<&'a Data>,
+) -> Result<SequenceRows<'a>, TrainingError> {
+    let refused = |text: String| Err(TrainingError::Rows(text));
+    let Some(sequences) = sequences else {
+        return refused(format!("a {name} needs rows that are divided into sequences"));
+    };
+    let (needed, found) = (sizes.starts, sequences.start_columns());
+    if needed != found {
+        return refused(format!("the {name} has {needed} start values, the sequences have {found}"));
+    }
+    if inputs.len() != sequences.rows() * sizes.inputs {
+        let (rows, columns, found) = (sequences.rows(), sizes.inputs, inputs.len());
+        return refused(format!("{rows} rows of {columns} inputs are needed, not {found} values"));
+    }
+    let (targets, weights) = (data.map(Data::targets), data.and_then(Data::weights));
+    Ok(SequenceRows { inputs, sequences, targets, weights })
+}
+
+/// Refuses sizes that are zero or too large.
+pub(crate) fn check_sizes(layers: &[usize], starts: usize, weights: usize) -> Result<(), NetworkError> {
+    for (layer, &neurons) in layers.iter().enumerate() {
+        if neurons == 0 || neurons > LARGEST_LAYER {
+            return Err(NetworkError::Neurons { layer, neurons });
+        }
+    }
+    if starts > LARGEST_LAYER || weights > MOST_WEIGHTS {
+        return Err(NetworkError::Weights(weights));
+    }
+    Ok(())
+}
+
+/// Refuses weights of the wrong number, or that are not finite.
+pub(crate) fn check_weights(name: &str, needed: usize, weights: &[f64]) -> Result<(), NetworkError> {
+    if weights.len() != needed {
+        let text = format!("a {name} of this size needs {needed} weights, not {}", weights.len());
+        return Err(NetworkError::GivenWeights(text));
+    }
+    if let Some(place) = weights.iter().position(|weight| !weight.is_finite()) {
+        let text = format!("weight {place} is {}, which is not a finite number", weights[place]);
+        return Err(NetworkError::GivenWeights(text));
+    }
+    Ok(())
+}

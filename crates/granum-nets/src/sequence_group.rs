@@ -1,0 +1,237 @@
+//! Sequences in the lanes of vectors, and the products over them of which recurrent cells consist.
+//!
+//! Each lane of a vector holds one sequence. Sequences are sorted by their length, so that the lane blocks of a step are the
+//! first ones, and the lane blocks of all steps are stored one after the other: block `b` of step `t` is at `offsets[t] + b`
+//! of every row of a lane matrix. A product over all steps, which the gradient consists of, is thus one product of matrices.
+//! In lanes whose sequence has ended, the weights of the errors are zero, so that they contribute nothing.
+
+use granum_simd::{LANES, Lanes, Row8};
+
+use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, panels, scalar_times_lanes};
+use crate::sequences::Sequences;
+use crate::trainer::error::TrainingError;
+
+/// Number of sequences that are computed together; with more, the memory for intermediate results is used again.
+const GROUP: usize = 8 * LANES;
+/// Limit on the memory of a batch, bytes.
+const MEMORY: usize = 2 << 30;
+
+/// Numbers of rows of the matrices of a recurrent cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CellSizes {
+    pub inputs: usize,
+    pub starts: usize,
+    /// Number of values of the state that are known before a step.
+    pub state: usize,
+    pub outputs: usize,
+    /// Number of weights.
+    pub weights: usize,
+    /// Number of rows over all steps that the intermediate results need.
+    pub rows: usize,
+}
+
+impl CellSizes {
+    /// Number of rows below a step: inputs, a one, state.
+    pub fn below(&self) -> usize {
+        self.inputs + 1 + self.state
+    }
+}
+
+/// The rows of a batch; without targets and weights for predictions.
+pub(crate) struct SequenceRows<'a> {
+    pub inputs: &'a [f64],
+    pub sequences: &'a Sequences,
+    pub targets: Option<&'a [f64]>,
+    pub weights: Option<&'a [f64]>,
+}
+
+/// The place of the sequences of a group in the lanes.
+pub(crate) struct Layout {
+    /// For each lane the number of its sequence and its first row, in the order of decreasing length.
+    lanes: Vec<(usize, usize)>,
+    lengths: Vec<usize>,
+    /// For each step the first lane block, and last the number of all lane blocks.
+    pub offsets: Vec<usize>,
+    /// Distance between the rows of lane matrices over all steps, and of those with one lane block for each sequence.
+    pub stride: usize,
+    pub start_stride: usize,
+}
+
+impl Layout {
+    fn new(members: &[(usize, usize, usize)]) -> Layout {
+        let lengths: Vec<usize> = members.iter().map(|(_, _, length)| *length).collect();
+        let mut offsets = vec![0];
+        for step in 0..lengths.first().copied().unwrap_or(0) {
+            let active = lengths.partition_point(|length| *length > step);
+            offsets.push(offsets[step] + blocks(active));
+        }
+        let total = offsets[offsets.len() - 1];
+        Layout {
+            lanes: members.iter().map(|(number, first, _)| (*number, *first)).collect(),
+            lengths,
+            offsets,
+            stride: odd(total),
+            start_stride: odd(blocks(members.len())),
+        }
+    }
+
+    pub fn steps(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    pub fn total(&self) -> usize {
+        self.offsets[self.steps()]
+    }
+
+    /// First lane block and number of lane blocks of a step.
+    pub fn step(&self, step: usize) -> (usize, usize) {
+        (self.offsets[step], self.offsets[step + 1] - self.offsets[step])
+    }
+
+    /// Calls `visit(row, lane block, lane)` for every row of the table.
+    pub fn each_row(&self, mut visit: impl FnMut(usize, usize, usize)) {
+        for (lane, ((_, first), length)) in self.lanes.iter().zip(&self.lengths).enumerate() {
+            for step in 0..*length {
+                visit(first + step, self.offsets[step] + lane / LANES, lane % LANES);
+            }
+        }
+    }
+}
+
+/// The sequences of a group in the layout for training.
+pub(crate) struct Group {
+    pub layout: Layout,
+    /// Rows of the inputs, a row of ones, and the rows of the state before each step.
+    pub below: Vec<Row8>,
+    /// Rows of the start values and a row of ones.
+    pub starts: Vec<Row8>,
+    /// Targets and weights of the squared errors, one row for each output; the weight is zero in unused lanes.
+    pub targets: Vec<Row8>,
+    pub weights: Vec<Row8>,
+}
+
+impl Group {
+    fn new(sizes: &CellSizes, rows: &SequenceRows, members: &[(usize, usize, usize)]) -> Group {
+        let layout = Layout::new(members);
+        let CellSizes { inputs, starts, outputs, .. } = *sizes;
+        let (stride, start_stride) = (layout.stride, layout.start_stride);
+        let mut below = vec![Row8::default(); sizes.below() * stride];
+        below[inputs * stride..(inputs + 1) * stride].fill(Row8([1.0; LANES]));
+        let mut start_rows = vec![Row8::default(); (starts + 1) * start_stride];
+        start_rows[starts * start_stride..].fill(Row8([1.0; LANES]));
+        for (lane, (number, _)) in layout.lanes.iter().enumerate() {
+            for c in 0..starts {
+                let value = rows.sequences.starts()[number * starts + c];
+                start_rows[c * start_stride + lane / LANES].0[lane % LANES] = value;
+            }
+        }
+        let trained = if rows.targets.is_some() { outputs * stride } else { 0 };
+        let mut targets = vec![Row8::default(); trained];
+        let mut weights = targets.clone();
+        layout.each_row(|row, block, lane| {
+            for c in 0..inputs {
+                below[c * stride + block].0[lane] = rows.inputs[row * inputs + c];
+            }
+            if let Some(values) = rows.targets {
+                for c in 0..outputs {
+                    targets[c * stride + block].0[lane] = values[row * outputs + c];
+                    weights[c * stride + block].0[lane] = rows.weights.map_or(1.0, |weights| weights[row]);
+                }
+            }
+        });
+        Group { layout, below, starts: start_rows, targets, weights }
+    }
+}
+
+/// The rows in groups of sequences, the longest first.
+///
+/// # Errors
+/// If the memory does not suffice.
+pub(crate) fn groups(sizes: &CellSizes, rows: &SequenceRows) -> Result<Vec<Group>, TrainingError> {
+    let ranges = rows.sequences.ranges();
+    let mut members: Vec<(usize, usize, usize)> =
+        ranges.iter().enumerate().map(|(number, rows)| (number, rows.start, rows.len())).collect();
+    members.sort_by_key(|(number, _, length)| (std::cmp::Reverse(*length), *number));
+    let longest = members.first().map_or(0, |(_, _, length)| *length);
+    let lanes = blocks(members.len().min(GROUP)) * longest;
+    let all = blocks(rows.sequences.rows()).saturating_add(members.len() * longest / LANES);
+    let blocks = lanes.saturating_mul(sizes.rows).saturating_add(all.saturating_mul(sizes.below()));
+    let (bytes, limit) = (blocks.saturating_mul(size_of::<Row8>()), MEMORY);
+    if bytes > limit {
+        let (rows, weights) = (rows.sequences.rows(), sizes.weights);
+        return Err(TrainingError::Memory { rows, weights, bytes, limit });
+    }
+    Ok(members.chunks(GROUP).map(|members| Group::new(sizes, rows, members)).collect())
+}
+
+/// The weighted sum of squared errors of the outputs of a group.
+#[inline(always)]
+pub(crate) fn squared_error<L: Lanes>(group: &Group, outputs: &[Row8]) -> f64 {
+    let Group { layout, targets, weights, .. } = group;
+    let mut sum = L::zero();
+    for o in 0..targets.len() / layout.stride {
+        for at in o * layout.stride..o * layout.stride + layout.total() {
+            let error = L::load(&outputs[at].0) - L::load(&targets[at].0);
+            sum = (L::load(&weights[at].0) * error).mul_add(error, sum);
+        }
+    }
+    sum.reduce_add()
+}
+
+/// Products of scalars with lane blocks `first..first + width`, summed from zero.
+#[inline(always)]
+pub(crate) fn product<L: Lanes>(
+    scalars: Scalars,
+    results: usize,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    width: usize,
+    mut finish: impl FnMut(usize, usize, L),
+) {
+    panels(
+        first,
+        first + width,
+        panel::<L>(),
+        #[inline(always)]
+        |from, width| {
+            scalar_times_lanes::<L, 5, 5>(
+                scalars,
+                results,
+                depth,
+                lanes,
+                stride,
+                from,
+                width,
+                #[inline(always)]
+                |_| L::zero(),
+                &mut finish,
+            );
+        },
+    );
+}
+
+/// Adds the products of the rows of two lane matrices over `count` lane blocks to the gradient from `at` on.
+#[inline(always)]
+pub(crate) fn add<L: Lanes>(
+    a: &[Row8],
+    rows_a: usize,
+    b: &[Row8],
+    rows_b: usize,
+    at: usize,
+    stride: usize,
+    count: usize,
+    gradient: &mut [f64],
+) {
+    lane_dots::<L>(
+        a,
+        rows_a,
+        b,
+        rows_b,
+        stride,
+        count,
+        #[inline(always)]
+        |j, i, sum| gradient[at + j * rows_b + i] += sum,
+    );
+}
