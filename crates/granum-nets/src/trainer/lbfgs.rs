@@ -179,7 +179,7 @@ impl<'a> Descent<'a> {
             .map(|(step, change)| (step.to_vec(), change.to_vec()))
             .collect();
         let curved = |(step, change): &(Vec<f64>, Vec<f64>)| dot(step, change) > 0.0;
-        if length % count != 0 || pairs.len() > rule.memory || !pairs.iter().all(curved) {
+        if !length.is_multiple_of(count) || pairs.len() > rule.memory || !pairs.iter().all(curved) {
             return Err(TrainingError::State("its steps are not those of a descent".into()));
         }
         let mut descent = Descent {
@@ -211,12 +211,11 @@ impl<'a> Descent<'a> {
     }
 
     fn state(&self) -> TrainerState {
-        let all = |part: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>| -> Vec<f64> {
-            self.pairs.iter().flat_map(part).copied().collect()
-        };
+        let steps: Vec<f64> = self.pairs.iter().flat_map(|(step, _)| step).copied().collect();
+        let changes: Vec<f64> = self.pairs.iter().flat_map(|(_, change)| change).copied().collect();
         TrainerState::with_history(Lbfgs::NAME, self.weights.clone(), self.history.clone())
-            .with(STEPS, &all(|pair| &pair.0))
-            .with(CHANGES, &all(|pair| &pair.1))
+            .with(STEPS, &steps)
+            .with(CHANGES, &changes)
     }
 
     fn evaluate(&mut self, weights: &[f64], gradient: &mut [f64]) -> f64 {
