@@ -7,7 +7,7 @@ use std::f64::consts::SQRT_2;
 use granum_core::quantity::format_number;
 
 use super::conventions::{Conventions, DeviatorMeasure};
-use super::{LaboratoryTest, Readings};
+use super::laboratory_test::{LaboratoryDoubt, LaboratoryTest, Readings};
 
 /// Smallest and largest mean stress at the start of a test of soil or powder, Pa, that is believed.
 const PRESSURES: [f64; 2] = [1e3, 20e6];
@@ -15,21 +15,6 @@ const PRESSURES: [f64; 2] = [1e3, 20e6];
 const LEAST_STRAIN: f64 = 0.005;
 /// A slope at the start below this share of the steepest later one is bedding and no stiffness.
 const BEDDING_SLOPE: f64 = 0.04;
-
-/// A doubt about the readings of a test.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LaboratoryDoubt {
-    /// What the readings show.
-    pub evidence: String,
-    /// What was probably meant, and how to state it.
-    pub remedy: String,
-}
-
-impl std::fmt::Display for LaboratoryDoubt {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{}: {}", self.evidence, self.remedy)
-    }
-}
 
 /// The doubts about a test.
 pub(super) fn doubts(

@@ -8,6 +8,7 @@
 
 mod conventions;
 mod doubts;
+mod laboratory_test;
 
 use std::path::Path;
 
@@ -19,67 +20,12 @@ use crate::error::{Error, InputError, Result};
 use crate::formats::lines::{self, Lines};
 
 pub use conventions::{Conventions, DeviatorMeasure};
-pub use doubts::LaboratoryDoubt;
+pub use laboratory_test::{LaboratoryDoubt, LaboratoryTest, QUANTITIES};
 
-/// The quantities that a file can have, each with its dimension.
-pub const QUANTITIES: [(&str, Dimension); 9] = [
-    ("axial_strain", Dimension::NUMBER),
-    ("volumetric_strain", Dimension::NUMBER),
-    ("axial_stress", Dimension::STRESS),
-    ("lateral_stress", Dimension::STRESS),
-    ("deviator_stress", Dimension::STRESS),
-    ("mean_stress", Dimension::STRESS),
-    ("pore_pressure", Dimension::STRESS),
-    ("void_ratio", Dimension::NUMBER),
-    ("initial_void_ratio", Dimension::NUMBER),
-];
+use laboratory_test::Readings;
 
 /// Column with the name of the test.
 const TEST: &str = "test";
-
-/// One test, in SI units, compression positive, strains engineering ones.
-///
-/// A quantity that the file does not have is empty.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LaboratoryTest {
-    /// Its name; empty if the file has one test without a name.
-    pub name: String,
-    /// Change of height over the initial height.
-    pub axial_strain: Vec<f64>,
-    /// Change of volume over the initial volume.
-    pub volumetric_strain: Vec<f64>,
-    /// Deviator stress q = axial minus lateral stress, Pa.
-    pub deviator_stress: Vec<f64>,
-    /// Effective mean stress p, Pa.
-    pub mean_stress: Vec<f64>,
-    /// Void ratio e.
-    pub void_ratio: Vec<f64>,
-    /// What its readings are probably not taken for what they are.
-    pub doubts: Vec<LaboratoryDoubt>,
-}
-
-/// The readings of a test as they stand in the file, in SI units.
-struct Readings<'a> {
-    rows: &'a [[f64; QUANTITIES.len()]],
-    /// -1 if compression is negative in the file.
-    sign: f64,
-}
-
-impl Readings<'_> {
-    /// The column of a quantity; empty if the file does not have it, or not in every row.
-    fn column(&self, wanted: &str) -> Vec<f64> {
-        let Some(at) = QUANTITIES.iter().position(|(name, _)| *name == wanted) else { return Vec::new() };
-        if self.rows.iter().any(|row| row[at].is_nan()) {
-            return Vec::new();
-        }
-        self.rows.iter().map(|row| row[at]).collect()
-    }
-
-    /// The column with compression positive.
-    fn signed(&self, wanted: &str) -> Vec<f64> {
-        self.column(wanted).into_iter().map(|x| self.sign * x).collect()
-    }
-}
 
 /// A column of the file that is used.
 struct SourceColumn {
