@@ -212,7 +212,10 @@ fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
     let message = refuse(&with("grains.count"));
     assert!(message.contains("in all training states") && message.contains("leave it out"), "{message}");
     let message = refuse(&["--input", "deviator_strain", "--output", "stress_ratio", "--method", "rigde"]);
-    assert!(message.contains("no surrogate method `rigde`") && message.contains("mean-curve"), "{message}");
+    assert!(
+        message.contains("no surrogate method `rigde`") && message.contains("did you mean ridge?"),
+        "{message}"
+    );
     let one = ["train", "low", "--input", "deviator_strain", "--output", "stress_ratio", "-o", "out"];
     assert!(refused(here, 1, &one).contains("needs two or more runs"));
     let without = ["train", "low", "high", "--input", "deviator_strain", "-o", "out"];
