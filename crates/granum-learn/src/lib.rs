@@ -40,6 +40,7 @@ mod comparison;
 pub mod curve;
 pub mod dataset;
 mod error;
+pub mod family;
 pub mod inference;
 pub mod input_use;
 pub mod learning_curve;

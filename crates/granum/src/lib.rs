@@ -38,6 +38,7 @@ pub mod law {
 }
 
 pub mod contents;
+pub mod families;
 pub mod gallery;
 
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.

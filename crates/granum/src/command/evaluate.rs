@@ -16,6 +16,7 @@ use super::records::{self, Recorded};
 use super::relation::Relation;
 use super::scores::{SensorRow, percent_or_dash, sensor_table};
 use super::study_folder;
+use super::train_family;
 use super::train_study::dataset;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -29,19 +30,31 @@ use crate::output;
 ///
 /// Scores on training runs are labelled as such, and for a run whose material, law or test differs from the training runs,
 /// the keys that differ are printed.
+///
+/// With --family all folders are runs, and the surrogate of the family is scored on them: against the mean of runs that differ in their seed
+/// alone, if there are such, and by the share of the states that its intervals hold.
 #[derive(Args)]
-#[command(after_help = "Example:\n  granum evaluate study run-2 run-3")]
+#[command(
+    after_help = "Example:\n  granum evaluate study run-2 run-3\n  granum evaluate --family sand study"
+)]
 pub struct Evaluate {
     /// Folder of the study, written by `granum train` (or the folder `models` of a reproduction).
     study: PathBuf,
     /// Run folders on which the study is scored.
-    #[arg(required = true, value_name = "RUN")]
+    #[arg(required_unless_present = "family", value_name = "RUN")]
     runs: Vec<PathBuf>,
+    /// Score this family, or a fitted family in a file (NAME.json), instead of a study.
+    #[arg(long, value_name = "NAME")]
+    family: Option<String>,
 }
 
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("evaluating"));
+        if let Some(family) = &self.family {
+            let runs: Vec<PathBuf> = [&self.study].into_iter().chain(&self.runs).cloned().collect();
+            return train_family::evaluate(context, family, &runs);
+        }
         let study = study_folder::load(context, &self.study)?;
         if !is_of_paper(&study.definition) {
             return evaluate_study::run(context, &study, (&self.study, &self.runs));

@@ -12,6 +12,8 @@ use granum_learn::study::Study;
 use granum_learn::{LearnError, Surrogate};
 use serde_json::json;
 
+use super::family_flags::FamilyFlags;
+use super::predict_family;
 use super::predict_surrogate;
 use super::prediction_input::{LEVEL, outside_text, row};
 use super::study_folder;
@@ -30,13 +32,20 @@ use crate::output;
 ///
 /// A surrogate in a file of its own (of a study of any columns, or saved by a program) is evaluated by its own columns, without
 /// --mapping.
+///
+/// With --family the answer are the curves of a whole test of grains and a sample that were never simulated, from a surrogate that comes with
+/// the program.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
                   deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o predictions.csv\n  granum predict surrogate.json \
-                  --set arc_length=0.1")]
+                  --set arc_length=0.1\n  granum predict --family sand --friction 0.4 --rolling-friction 0.2 --pressure \"100 kPa\" \\\n    \
+                  --youngs-modulus \"2 GPa\" --void-ratio 0.7 -o curves.svg\n  granum predict --family sand case.toml --check\n  granum predict --family sand \
+                  --card")]
 pub struct Predict {
-    /// Folder of the study that `granum train` left (or `models` of a reproduction), or the file of a surrogate.
-    study: PathBuf,
+    /// Folder of the study that `granum train` left (or `models` of a reproduction), or the file of a surrogate; with --family a case
+    /// file that gives the inputs.
+    #[arg(required_unless_present = "family", value_name = "STUDY")]
+    study: Option<PathBuf>,
     /// Mapping to ask (F1 to F6), or surrogate of a study of any columns (stress_ratio-ridge).
     #[arg(short, long, visible_alias = "model", value_name = "NAME")]
     mapping: Option<String>,
@@ -46,18 +55,31 @@ pub struct Predict {
     /// Table (CSV or Parquet) with a column for every input; other columns are ignored.
     #[arg(short, long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// File for the predictions (CSV or Parquet by extension); standard output by default.
-    #[arg(short, long, value_name = "FILE", requires = "input")]
+    /// File for the predictions (CSV or Parquet by extension); standard output by default. Of a family also a figure (SVG) or JSON.
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    family: FamilyFlags,
 }
 
 impl Predict {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("predicting"));
-        if self.study.is_file() {
-            return self.ask_file(context);
+        if let Some(family) = &self.family.family {
+            let (case, output) = (self.study.as_deref(), self.output.as_deref());
+            return predict_family::run(context, family, &self.family, case, output);
         }
-        let study = study_folder::load(context, &self.study)?;
+        if let Some(output) = self.output.as_ref().filter(|_| self.input.is_none()) {
+            return Err(Failure::new(format!(
+                "--output {}: it is for the rows of --input FILE, or for the curves of --family NAME",
+                output.shown()
+            )));
+        }
+        let Some(path) = &self.study else { return Err(Failure::new("give the folder of a study")) };
+        if path.is_file() {
+            return self.ask_file(context, path);
+        }
+        let study = study_folder::load(context, path)?;
         if !is_of_paper(&study.definition) {
             return self.ask_study(context, &study);
         }
@@ -92,14 +114,14 @@ impl Predict {
         self.ask(context, study.member(name)?.surrogate.as_ref())
     }
 
-    fn ask_file(&self, context: &Context) -> Result<(), Failure> {
+    fn ask_file(&self, context: &Context, path: &Path) -> Result<(), Failure> {
         if let Some(mapping) = &self.mapping {
-            let path = self.study.shown();
+            let path = path.shown();
             return Err(Failure::new(format!(
                 "--mapping {mapping}: {path} is the file of one surrogate; only a study has mappings to choose from"
             )));
         }
-        let surrogate = context.methods().load(&self.study)?;
+        let surrogate = context.methods().load(path)?;
         self.ask(context, surrogate.as_ref())
     }
 

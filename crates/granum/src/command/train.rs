@@ -21,6 +21,7 @@ use super::records::{self, Recorded};
 use super::scores;
 use super::show_training::fit;
 use super::spread::Spread;
+use super::train_family;
 use super::train_study::{self, StudyFlags, Training};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -38,13 +39,14 @@ use crate::output;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
-                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns\n  granum train study --input grains.material.friction,sample.void_ratio --output stress_ratio \\\n    --coordinate arc_length --unseen-share 0.2 -o surrogate\n  granum train run-1 run-2 --columns"
+                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns\n  granum train study --input grains.material.friction,sample.void_ratio --output stress_ratio \\\n    --coordinate arc_length --unseen-share 0.2 -o surrogate\n  granum train run-1 run-2 --columns\n  granum train study \
+                  --family sand --unseen other-study -o sand.json"
 )]
 pub struct Train {
     /// Run folders for training; campaigns and data sets stand for all of their runs.
     #[arg(required = true, value_name = "RUN")]
     runs: Vec<PathBuf>,
-    /// Folder of the study.
+    /// Folder of the study; with --family the file of the fitted family.
     #[arg(short, long, default_value = "study", value_name = "DIR")]
     out: PathBuf,
     /// Run folders, campaigns or data sets that are used for evaluation only.
@@ -71,6 +73,13 @@ pub struct Train {
     /// it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Fit the surrogate of this family of tests (sand), which `granum predict --family` asks, and score it on the unseen runs.
+    #[arg(
+        long,
+        value_name = "NAME",
+        conflicts_with_all = ["input", "output", "columns", "trainer", "form", "epoch_factor", "mixed"]
+    )]
+    family: Option<String>,
     #[command(flatten)]
     study: StudyFlags,
     #[command(flatten)]
@@ -103,6 +112,10 @@ impl From<FormName> for Form {
 impl Train {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut options = self.options()?;
+        if let Some(family) = &self.family {
+            let data = (&self.runs[..], &self.unseen[..]);
+            return train_family::train(context, family, data, &self.out, options.threads);
+        }
         if self.study.lists_columns() {
             return train_study::list_columns(context, &self.runs, &self.unseen);
         }
@@ -203,6 +216,7 @@ impl Train {
             seed: plan.definition.fits.first().map_or(1, |fit| fit.seed),
             epoch_factor: plan.definition.networks.epoch_factor,
             threads,
+            family: None,
             study: StudyFlags::resumed(plan.unseen_share),
             checkpoints,
         };

@@ -10,6 +10,7 @@ mod columns;
 mod common;
 mod data_sets;
 mod escape;
+mod families_chapter;
 mod further_sensors;
 mod inputs;
 mod lammps_decks;

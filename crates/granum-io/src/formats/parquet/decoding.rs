@@ -11,7 +11,7 @@ pub(super) fn explain(error: &ParquetError) -> String {
     let lower = text.to_lowercase();
     if lower.contains("codec") || lower.contains("compression") || lower.contains("disabled feature") {
         return format!(
-            "is compressed by an unsupported method ({text}); write it uncompressed or with snappy"
+            "is compressed by an unsupported method ({text}); write it uncompressed or with snappy or gzip"
         );
     }
     format!("is not a Parquet file or is damaged ({text})")

@@ -3,7 +3,7 @@
 //! Files are written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64`,
 //! `BOOLEAN` or UTF-8 text for columns of that [`ColumnKind`]), with units as key-value metadata `granum.units` (JSON). Nothing in the
 //! file depends on time or machine: equal tables give equal bytes. Flat columns of booleans, integers and floating-point
-//! numbers are read from files of any writer, uncompressed or snappy; a null becomes NaN. Sizes given in the file are
+//! numbers are read from files of any writer, uncompressed or with snappy or gzip; a null becomes NaN. Sizes given in the file are
 //! checked against the size of the file before memory is allocated for them.
 
 mod decoding;
@@ -279,7 +279,7 @@ fn io_error(error: ParquetError) -> io::Error {
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is not a Parquet file, is damaged, has a
-/// compression other than snappy, lacks a column, or a requested column is not flat and numeric.
+/// compression other than snappy and gzip, lacks a column, or a requested column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names, Taken::Numbers)

@@ -12,6 +12,8 @@ use super::thrift::{Flaw, walk};
 
 /// Largest expansion factor of snappy: a copy of 64 bytes takes three.
 const SNAPPY: u64 = 32;
+/// Largest expansion factor of deflate, the compression of gzip: 258 bytes take two bits.
+const GZIP: u64 = 1032;
 /// Additional size permitted for a page, bytes.
 const FREE_BYTES: u64 = 1024;
 /// Largest length of the header of a page of numbers.
@@ -104,6 +106,7 @@ fn check_pages(
             size.ok_or_else(|| format!("a page of {} bytes does not fit in its column", header.size))?;
         let most = match compression {
             Compression::UNCOMPRESSED => size,
+            Compression::GZIP(_) => size.saturating_mul(GZIP) + FREE_BYTES,
             _ => size * SNAPPY + FREE_BYTES,
         };
         if !u64::try_from(header.plain_size).is_ok_and(|plain| plain <= most) {

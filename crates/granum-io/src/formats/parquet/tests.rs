@@ -85,12 +85,18 @@ fn files_that_are_none_are_refused() {
 }
 
 /// Writes columns of every kind that other programs write, with nulls.
-fn write_foreign(path: &Path) {
+fn write_foreign(path: &Path, compression: parquet::basic::Compression) {
     use parquet::data_type::{BoolType, ByteArrayType, Int32Type, Int64Type};
     let message = "message other { required int32 count; required int64 id; optional double gap;
         required boolean sliding; required binary name (UTF8); required int32 unsigned (UINT_32); }";
     let schema = Arc::new(parquet::schema::parser::parse_message_type(message).unwrap());
-    let properties = WriterProperties::builder().set_compression(parquet::basic::Compression::SNAPPY).build();
+    // The encoding with which floating-point numbers are compressed best.
+    let split = parquet::basic::Encoding::BYTE_STREAM_SPLIT;
+    let properties = WriterProperties::builder()
+        .set_compression(compression)
+        .set_column_dictionary_enabled("gap".into(), false)
+        .set_column_encoding("gap".into(), split)
+        .build();
     let mut file =
         SerializedFileWriter::new(File::create(path).unwrap(), schema, Arc::new(properties)).unwrap();
     let mut group = file.next_row_group().unwrap();
@@ -115,10 +121,14 @@ fn write_foreign(path: &Path) {
 fn numeric_columns_of_other_writers_are_read_and_texts_passed_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.parquet");
-    write_foreign(&path);
+    write_foreign(&path, parquet::basic::Compression::SNAPPY);
+    let snappy = read(&path, None).unwrap();
+    write_foreign(&path, parquet::basic::Compression::GZIP(parquet::basic::GzipLevel::default()));
     let table = read(&path, None).unwrap();
     assert_eq!(table.names().collect::<Vec<_>>(), ["count", "id", "gap", "sliding", "unsigned"]);
     assert_eq!(table.column("count").unwrap(), [-3.0, 4.0]);
+    assert_eq!(snappy.column("sliding").unwrap(), table.column("sliding").unwrap());
+    assert_eq!(snappy.column("gap").unwrap()[1], 0.5);
     assert_eq!(table.column("id").unwrap(), [1.0, 9007199254740992.0]);
     assert!(table.column("gap").unwrap()[0].is_nan() && table.column("gap").unwrap()[1] == 0.5);
     assert_eq!(table.column("sliding").unwrap(), [1.0, 0.0]);
@@ -133,7 +143,7 @@ proptest! {
     fn a_damaged_file_gives_a_table_or_a_message(flips in proptest::collection::vec((any::<usize>(), 1u8..), 1..4)) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.parquet");
-        write_foreign(&path);
+        write_foreign(&path, parquet::basic::Compression::SNAPPY);
         let mut bytes = fs::read(&path).unwrap();
         for (at, mask) in flips {
             let at = at % bytes.len();

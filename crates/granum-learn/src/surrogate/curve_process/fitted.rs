@@ -10,7 +10,10 @@ use super::densities::Densities;
 use super::failure::{NAME, failed};
 use super::groups::Group;
 use super::predicted_curve::{Curve, curves_needed, curves_of_outputs};
+use super::reach::EndedEarly;
+use super::run_curves::{RunCurve, shares};
 use crate::curve::{increases, interpolated};
+use crate::dataset::RunStates;
 use crate::error::Result;
 use crate::surrogate::content::Content;
 use crate::surrogate::prediction::{Cause, Estimate, Prediction, outside_of};
@@ -20,6 +23,8 @@ use crate::surrogate::surrogate_trait::Surrogate;
 
 /// Fewest runs for intervals.
 const FEWEST_RUNS: usize = 3;
+/// A run reaches the last point if it lacks no more than this part of the range.
+const ALMOST: f64 = 0.005;
 
 /// What is kept in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +49,9 @@ pub(super) struct Kept {
     pub curves: Vec<KeptCurve>,
     /// For each output.
     pub calibrations: Vec<Calibration>,
+    /// Runs that were not used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<EndedEarly>,
 }
 
 /// The processes of a curve.
@@ -101,12 +109,54 @@ impl FittedCurves {
         Ok(self.predictions(inputs, &|calibration| calibration.band(level)))
     }
 
+    /// The points of the coordinate at which curves are learned; between them they are straight.
+    pub fn points(&self) -> &[f64] {
+        &self.kept.points
+    }
+
+    /// The part of the coordinate that each point stands for; the sum is 1.
+    pub fn shares(&self) -> Vec<f64> {
+        shares(&self.kept.points)
+    }
+
+    /// The curves of a run at the points, one for each output, as they are learned; `None` if the run ends before the last point.
+    ///
+    /// # Errors
+    /// If the run lacks a column, or the coordinate turns in it.
+    pub fn measured(&self, run: &RunStates) -> Result<Option<Vec<Vec<f64>>>> {
+        let coordinate = &self.columns.inputs[self.kept.coordinate].name;
+        let curve = RunCurve::new(run, coordinate, &[], &self.columns.output_names())?;
+        let points = &self.kept.points;
+        let last = points[points.len() - 1];
+        if curve.xs[curve.xs.len() - 1] < last - ALMOST * (last - points[0]) {
+            return Ok(None);
+        }
+        Ok(Some((0..self.columns.outputs.len()).map(|output| curve.at(points, output, None)).collect()))
+    }
+
+    /// The number of runs to which it was fitted.
+    pub fn runs(&self) -> usize {
+        self.kept.runs
+    }
+
+    /// The runs that were not used because their curves end well before those of the others.
+    pub fn left_out(&self) -> &[EndedEarly] {
+        &self.kept.left_out
+    }
+
+    /// The range of each input over the runs, in the order of the columns.
+    pub fn ranges(&self) -> Vec<[f64; 2]> {
+        let Kept { coordinate, points, ranges, .. } = &self.kept;
+        let mut ranges = ranges.clone();
+        ranges.insert(*coordinate, [points[0], points[points.len() - 1]]);
+        ranges
+    }
+
     fn predictions(&self, inputs: &RunInputs, factor: &dyn Fn(&Calibration) -> f64) -> Vec<Prediction> {
-        let Kept { coordinate, runs, points, ranges, calibrations, .. } = &self.kept;
+        let Kept { coordinate, runs, points, calibrations, .. } = &self.kept;
         let factors: Vec<f64> = calibrations.iter().map(factor).collect();
         let is_density = self.densities();
-        let mut all_ranges = ranges.clone();
-        all_ranges.insert(*coordinate, [points[0], points[points.len() - 1]]);
+        let all_ranges = self.ranges();
         let mut known: Option<(Vec<f64>, Vec<Curve>)> = None;
         let mut predictions = Vec::with_capacity(inputs.len());
         for row in inputs.rows() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use granum_core::observer::{Observer, SharedObserver};
+use granum_core::observer::{Event, Observer, SharedObserver};
 use granum_core::parallel;
 use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
@@ -15,8 +15,9 @@ use super::fitted::{FittedCurves, Kept, KeptCurve};
 use super::groups::groups_of;
 use super::left_out::{Curves, PARTS};
 use super::predicted_curve::{Curve, curves_of_outputs};
+use super::reach::{Reach, within_reach};
 use super::run_curves::{RunCurve, common_points, shares};
-use crate::dataset::{ColumnGroup, Dataset, Variable};
+use crate::dataset::{ColumnGroup, Dataset, RunStates, Variable};
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
 use crate::surrogate::spec::{Columns, FitSpec};
@@ -103,6 +104,11 @@ impl SurrogateMethod for GaussianProcessOfCurves {
         let place = place_of_coordinate(spec, &columns)?;
         let names: Vec<String> = without(&columns.input_names(), place);
         let runs = RunCurve::all(dataset, &columns.inputs[place].name, &names, &columns.output_names())?;
+        let of_runs: Vec<&str> = dataset.runs().iter().map(RunStates::name).collect();
+        let Reach { runs, left_out, remark } = within_reach(runs, &of_runs, &columns.inputs[place].name);
+        if let Some(text) = remark {
+            observer.event(&Event::Warning { text });
+        }
         let inputs: Vec<&[f64]> = runs.iter().map(|run| &run.inputs[..]).collect();
         let units =
             without(&columns.inputs.iter().map(|input| input.unit.clone()).collect::<Vec<_>>(), place);
@@ -140,8 +146,8 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             .iter()
             .map(|prepared| rest.by_ref().take(prepared.components.components.len()).collect())
             .collect();
-        let left_out = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
-        let calibrations = calibrations(&shared, &starts, &histograms, left_out);
+        let predicted = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
+        let calibrations = calibrations(&shared, &starts, &histograms, predicted);
         let curves = prepared.into_iter().zip(parameters).map(|(prepared, parameters)| {
             let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
             KeptCurve { start, mean, components, rest, parameters, weights }
@@ -158,6 +164,7 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             histograms,
             curves,
             calibrations,
+            left_out,
         };
         Ok(Box::new(FittedCurves::new(columns, kept)?))
     }

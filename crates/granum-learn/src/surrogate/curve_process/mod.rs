@@ -26,9 +26,11 @@ mod groups;
 mod left_out;
 mod method;
 mod predicted_curve;
+mod reach;
 mod run_curves;
 #[cfg(test)]
 mod tests;
 
 pub use fitted::FittedCurves;
 pub use method::GaussianProcessOfCurves;
+pub use reach::EndedEarly;

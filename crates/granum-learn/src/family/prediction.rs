@@ -1,0 +1,193 @@
+//! What a fitted family answers.
+
+use super::model::{FamilyModel, unfit};
+use super::typical::{TypicalValue, typical_value};
+use crate::error::{LearnError, Result};
+use crate::surrogate::{Outside, RunInputs};
+
+/// Where the value of an input comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InputSource {
+    /// It was given.
+    Given,
+    /// It is the typical value of the runs of the family with the given inputs.
+    Typical(TypicalValue),
+}
+
+/// An input with its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UsedInput {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Where the value comes from.
+    pub source: InputSource,
+}
+
+/// The curve of an output.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PredictedCurve {
+    /// The column.
+    pub column: String,
+    /// The mean at each point.
+    pub mean: Vec<f64>,
+    /// Lower end of the interval at each point.
+    pub lower: Vec<f64>,
+    /// Upper end of the interval at each point.
+    pub upper: Vec<f64>,
+    /// The part of the variance that comes from inputs that were not given, at each point.
+    pub from_inputs: Vec<f64>,
+}
+
+/// The answer of a fitted family.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FamilyPrediction {
+    /// The inputs.
+    pub inputs: Vec<UsedInput>,
+    /// Inputs outside the range of the runs, where the answer is an extrapolation.
+    pub outside: Vec<Outside>,
+    /// The points of the coordinate.
+    pub points: Vec<f64>,
+    /// The share of new samples of which a state should be within its interval.
+    pub level: f64,
+    /// One for each column of the surrogate: the bins of a histogram have one each.
+    pub curves: Vec<PredictedCurve>,
+}
+
+/// Mean, lower and upper end of each output at each point.
+struct Plain(Vec<[Vec<f64>; 3]>);
+
+impl FamilyModel {
+    /// Predicts the curves of a test. `given` has a value for each input of the family, or `None` where it is not known and a typical
+    /// value is to stand for it; what such a value does not say widens the intervals.
+    ///
+    /// # Errors
+    /// If a required input is missing, a value is not finite, or the level is not between 0 and 1.
+    pub fn predict(&self, given: &[Option<f64>], level: f64) -> Result<FamilyPrediction> {
+        let definition = self.definition;
+        let failed =
+            |reason: String| LearnError::Surrogate { method: format!("family {}", definition.name), reason };
+        if given.len() != definition.inputs.len() {
+            return Err(failed(format!("it has {} inputs, not {}", definition.inputs.len(), given.len())));
+        }
+        for (input, value) in definition.inputs.iter().zip(given) {
+            match value {
+                None if input.is_required => {
+                    return Err(failed(format!("it needs {} ({})", input.name, input.meaning)));
+                }
+                Some(value) if !value.is_finite() => {
+                    return Err(failed(format!("{} is {value}, not a finite number", input.name)));
+                }
+                _ => {}
+            }
+        }
+        let (values, typical) = self.completed(given, None);
+        let plain = self.plain(&values, level)?;
+        // What each missing input could change, with those after it following as they usually do.
+        let mut variances: Vec<Vec<f64>> = plain.0.iter().map(|[mean, ..]| vec![0.0; mean.len()]).collect();
+        for (input, value) in typical.iter().enumerate() {
+            let Some(typical) = value.filter(|typical| typical.deviation > 0.0) else { continue };
+            let means = |sign: f64| -> Result<Plain> {
+                let shifted = typical.mean + sign * typical.deviation;
+                self.plain(&self.completed(given, Some((input, shifted))).0, level)
+            };
+            let (low, high) = (means(-1.0)?, means(1.0)?);
+            for ((variance, [low, ..]), [high, ..]) in variances.iter_mut().zip(&low.0).zip(&high.0) {
+                for ((variance, low), high) in variance.iter_mut().zip(low).zip(high) {
+                    *variance += (0.5 * (high - low)).powi(2);
+                }
+            }
+        }
+        let points = self.points()?.to_vec();
+        let columns = &self.surrogate.columns().outputs;
+        let curves = columns.iter().zip(plain.0).zip(variances).map(|((column, plain), variance)| {
+            let [mean, lower, upper] = plain;
+            let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
+            let is_density = column.name.contains("probability_density");
+            let wider = |k: usize, end: f64, sign: f64| {
+                let half = end - mean[k];
+                let end = mean[k] + sign * (half * half + quantile * quantile * variance[k]).sqrt();
+                if is_density { end.max(0.0) } else { end }
+            };
+            PredictedCurve {
+                column: column.name.clone(),
+                lower: lower.iter().enumerate().map(|(k, end)| wider(k, *end, -1.0)).collect(),
+                upper: upper.iter().enumerate().map(|(k, end)| wider(k, *end, 1.0)).collect(),
+                from_inputs: variance,
+                mean,
+            }
+        });
+        let named = definition.inputs.iter().zip(&values).zip(self.ranges());
+        let outside =
+            named.clone().filter(|((_, value), [low, high])| !(**value >= *low && **value <= *high));
+        let outside =
+            outside.map(|((input, value), range)| Outside { name: input.name.into(), value: *value, range });
+        let inputs = named.zip(&typical).map(|(((input, value), _), typical)| UsedInput {
+            name: input.name.into(),
+            value: *value,
+            source: typical.map_or(InputSource::Given, InputSource::Typical),
+        });
+        Ok(FamilyPrediction {
+            outside: outside.collect(),
+            inputs: inputs.collect(),
+            points,
+            level,
+            curves: curves.collect(),
+        })
+    }
+
+    /// The values of all inputs, those that are missing in order from those that are given or estimated before; `fixed` sets a missing one.
+    fn completed(
+        &self,
+        given: &[Option<f64>],
+        fixed: Option<(usize, f64)>,
+    ) -> (Vec<f64>, Vec<Option<TypicalValue>>) {
+        let mut known: Vec<(usize, f64)> =
+            given.iter().enumerate().filter_map(|(k, value)| value.map(|value| (k, value))).collect();
+        let mut typical = vec![None; given.len()];
+        let mut values: Vec<f64> = given.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+        let ranges = self.ranges();
+        for input in (0..given.len()).filter(|k| given[*k].is_none()) {
+            let [low, high] = ranges[input];
+            let mut found = typical_value(&self.rows, input, &known);
+            // Typical is what occurs.
+            found.mean = found.mean.clamp(low, high);
+            let value = match fixed {
+                Some((other, value)) if other == input => value.clamp(low, high),
+                _ => found.mean,
+            };
+            (typical[input], values[input]) = (Some(found), value);
+            known.push((input, value));
+        }
+        (values, typical)
+    }
+
+    fn points(&self) -> Result<&[f64]> {
+        self.curves().map(|curves| curves.points()).ok_or_else(|| unfit("its surrogate has no curves"))
+    }
+
+    /// The curves for values of all inputs.
+    fn plain(&self, values: &[f64], level: f64) -> Result<Plain> {
+        let points = self.points()?;
+        let rows = points.iter().flat_map(|x| std::iter::once(*x).chain(values.iter().copied())).collect();
+        let inputs = RunInputs::new(rows, values.len() + 1, vec![points.len()])?;
+        let predicted = self.surrogate.predict(&inputs, level)?;
+        let outputs = self.surrogate.columns().outputs.len();
+        let curve = |output: usize| {
+            let mut curve = [const { Vec::new() }; 3];
+            for prediction in &predicted {
+                let estimate = &prediction.values[output];
+                let ends = estimate
+                    .interval
+                    .as_ref()
+                    .map_or([estimate.mean; 2], |interval| [interval.lower, interval.upper]);
+                curve[0].push(estimate.mean);
+                curve[1].push(ends[0]);
+                curve[2].push(ends[1]);
+            }
+            curve
+        };
+        Ok(Plain((0..outputs).map(curve).collect()))
+    }
+}

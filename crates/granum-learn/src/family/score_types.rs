@@ -1,0 +1,75 @@
+//! The scores of a family, and the data that they and its fit are of.
+
+use serde::{Deserialize, Serialize};
+
+/// The data to which a family was fitted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainingData {
+    /// Their name, such as that of their folder.
+    pub name: String,
+    /// SHA-256 over their content.
+    pub digest: String,
+    /// Number of runs.
+    pub runs: usize,
+}
+
+/// The scores on some runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FamilyScores {
+    /// The runs on which it was scored.
+    pub data: TrainingData,
+    /// Number of points with two or more runs that are alike but for their seeds.
+    pub points: usize,
+    /// Number of runs with an input outside the range of the training runs.
+    pub outside: usize,
+    /// Names of the runs that were not scored since their curves end early.
+    pub left_out: Vec<String>,
+    /// Share of new samples of which a state should be within its interval.
+    pub level: f64,
+    /// The scores of each output.
+    pub outputs: Vec<OutputScore>,
+}
+
+/// The scores of an output; a distribution is scored with all of its bins.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputScore {
+    /// The output.
+    pub output: String,
+    /// Root mean square of the error for a single run over that of its values.
+    pub relative_error: f64,
+    /// Root mean square of the scatter of runs that are alike over that of their mean; NaN (null) without such runs.
+    #[serde(deserialize_with = "null_is_nan")]
+    pub relative_scatter: f64,
+    /// Error against the mean of runs that are alike, net of the scatter of that mean, over the scatter of a single run; NaN (null)
+    /// without such runs.
+    #[serde(deserialize_with = "null_is_nan")]
+    pub net_error: f64,
+    /// Its standard error over the points, by the jackknife.
+    #[serde(deserialize_with = "null_is_nan")]
+    pub standard_error: f64,
+    /// Share of the states within their intervals.
+    pub held: f64,
+    /// Share of the curves that are within their bands as a whole; for a distribution the mean over its bins.
+    pub whole_curves: f64,
+    /// Share of the states within their intervals in each quarter of the range of each input.
+    pub quarters: Vec<QuarterCoverage>,
+}
+
+/// The share of states within their intervals, by quarters of the range of an input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QuarterCoverage {
+    /// The input.
+    pub input: String,
+    /// The share in each quarter, from the lowest; `None` where there is no run.
+    pub held: [Option<f64>; 4],
+    /// Number of runs in each quarter.
+    pub runs: [usize; 4],
+}
+
+fn null_is_nan<'d, D: serde::Deserializer<'d>>(from: D) -> std::result::Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+}

@@ -1,0 +1,168 @@
+//! How far the answers of a family are from runs that it has not seen.
+
+use super::definition::FamilyOutput;
+use super::model::{FamilyModel, inputs_of, unfit, with_inputs};
+use super::replicates::{PointSums, net_error, replicates, standard_error};
+use super::score_types::{FamilyScores, OutputScore, QuarterCoverage, TrainingData};
+use crate::dataset::{Dataset, RunStates};
+use crate::error::Result;
+use crate::surrogate::{Prediction, RunInputs};
+
+/// Ratio of the largest to the smallest value beyond which the range of an input is divided on a logarithmic scale.
+const WIDE: f64 = 10.0;
+/// Level of the intervals.
+const LEVEL: f64 = 0.9;
+/// Rounding error of a state that is known exactly, such as the first.
+const SLIGHT: f64 = 1e-9;
+
+/// A run with what is predicted for it: values by output and point.
+struct ScoredRun {
+    inputs: Vec<f64>,
+    measured: Vec<Vec<f64>>,
+    predicted: Vec<Prediction>,
+    bands: Vec<Prediction>,
+}
+
+impl FamilyModel {
+    /// Scores it on runs that it has not seen.
+    ///
+    /// # Errors
+    /// If a run is not of the family or lacks a column, or no run goes as far as the curves do.
+    pub fn score(&self, dataset: &Dataset, data: TrainingData) -> Result<FamilyScores> {
+        let curves = self.curves().ok_or_else(|| unfit("its surrogate has no curves"))?;
+        let definition = self.definition;
+        let with = with_inputs(definition, dataset)?;
+        let (points, shares) = (curves.points(), curves.shares());
+        let (mut scored, mut of_runs, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+        for (run, original) in with.runs().iter().zip(dataset.runs()) {
+            let Some(measured) = curves.measured(run)? else {
+                left_out.push(run.name().to_string());
+                continue;
+            };
+            let inputs = inputs_of(definition, run)?;
+            let rows =
+                points.iter().flat_map(|x| std::iter::once(*x).chain(inputs.iter().copied())).collect();
+            let rows = RunInputs::new(rows, inputs.len() + 1, vec![points.len()])?;
+            let predicted = self.surrogate.predict(&rows, LEVEL)?;
+            let bands = curves.bands(&rows, LEVEL)?;
+            scored.push(ScoredRun { inputs, measured, predicted, bands });
+            of_runs.push(original);
+        }
+        if scored.is_empty() {
+            return Err(unfit("no run goes as far as the curves do"));
+        }
+        let groups = replicates(&of_runs.iter().map(|run| &**run).collect::<Vec<&RunStates>>());
+        let ranges = self.ranges();
+        let is_outside = |run: &&ScoredRun| {
+            let each = run.inputs.iter().zip(&ranges);
+            each.clone().any(|(value, [low, high])| !(value >= low && value <= high))
+        };
+        let outputs = definition.outputs.iter().map(|output| {
+            let columns = self.columns_of(output);
+            self.output_score(output, &columns, &shares, (&scored, &groups))
+        });
+        Ok(FamilyScores {
+            data: TrainingData { runs: dataset.runs().len(), ..data },
+            points: groups.iter().filter(|group| group.len() > 1).count(),
+            outside: scored.iter().filter(is_outside).count(),
+            left_out,
+            level: LEVEL,
+            outputs: outputs.collect(),
+        })
+    }
+
+    /// The numbers of the columns of an output: one, or those of all bins.
+    pub fn columns_of(&self, output: &FamilyOutput) -> Vec<usize> {
+        let columns = self.surrogate.columns().outputs.iter().enumerate();
+        let is_own = |name: &str| {
+            let bin = name.strip_prefix(output.column).and_then(|rest| rest.strip_prefix('_'));
+            name == output.column || bin.is_some_and(|bin| bin.parse::<f64>().is_ok())
+        };
+        columns.filter(|(_, column)| is_own(&column.name)).map(|(number, _)| number).collect()
+    }
+
+    fn output_score(
+        &self,
+        output: &FamilyOutput,
+        columns: &[usize],
+        shares: &[f64],
+        (runs, groups): (&[ScoredRun], &[Vec<usize>]),
+    ) -> OutputScore {
+        let (mut errors, mut squares) = (0.0, 0.0);
+        let mut of_runs = Vec::with_capacity(runs.len());
+        let mut whole = 0;
+        for run in runs {
+            let mut held = 0.0;
+            for &column in columns {
+                let mut is_whole = true;
+                for (k, share) in shares.iter().enumerate() {
+                    let exact = run.measured[column][k];
+                    let estimate = &run.predicted[k].values[column];
+                    errors += share * (estimate.mean - exact).powi(2);
+                    squares += share * exact * exact;
+                    held += share * f64::from(u8::from(holds(&run.predicted[k], column, exact)));
+                    is_whole &= holds(&run.bands[k], column, exact);
+                }
+                whole += usize::from(is_whole);
+            }
+            of_runs.push(held / columns.len() as f64);
+        }
+        let mut sums = Vec::new();
+        for group in groups.iter().filter(|group| group.len() > 1) {
+            let mut point = PointSums::default();
+            for &column in columns {
+                for (k, share) in shares.iter().enumerate() {
+                    let measured: Vec<f64> = group.iter().map(|run| runs[*run].measured[column][k]).collect();
+                    let predicted: Vec<f64> =
+                        group.iter().map(|run| runs[*run].predicted[k].values[column].mean).collect();
+                    point.add(&measured, &predicted, *share);
+                }
+            }
+            sums.push(point);
+        }
+        let total = |part: fn(&PointSums) -> f64| sums.iter().map(part).sum::<f64>();
+        let or_nan = |value: f64| if sums.is_empty() { f64::NAN } else { value };
+        OutputScore {
+            output: output.column.into(),
+            relative_error: (errors / squares).sqrt(),
+            relative_scatter: or_nan((total(|point| point.variance) / total(|point| point.square)).sqrt()),
+            net_error: or_nan(net_error(&sums)),
+            standard_error: or_nan(standard_error(&sums)),
+            held: of_runs.iter().sum::<f64>() / runs.len() as f64,
+            whole_curves: whole as f64 / (runs.len() * columns.len()) as f64,
+            quarters: self.quarters(runs, &of_runs),
+        }
+    }
+
+    fn quarters(&self, runs: &[ScoredRun], held: &[f64]) -> Vec<QuarterCoverage> {
+        let of_input = |(number, [low, high]): (usize, [f64; 2])| {
+            let scaled = |value: f64| {
+                let part = match low > 0.0 && high > WIDE * low {
+                    true => libm::log(value.max(low) / low) / libm::log(high / low),
+                    false => (value - low) / (high - low),
+                };
+                ((4.0 * part) as usize).min(3)
+            };
+            let (mut sums, mut counts) = ([0.0; 4], [0; 4]);
+            for (run, held) in runs.iter().zip(held) {
+                let quarter = scaled(run.inputs[number]);
+                sums[quarter] += held;
+                counts[quarter] += 1;
+            }
+            let share =
+                |quarter: usize| (counts[quarter] > 0).then(|| sums[quarter] / counts[quarter] as f64);
+            QuarterCoverage {
+                input: self.definition.inputs[number].name.into(),
+                held: [share(0), share(1), share(2), share(3)],
+                runs: counts,
+            }
+        };
+        self.ranges().into_iter().enumerate().filter(|(_, [low, high])| high > low).map(of_input).collect()
+    }
+}
+
+fn holds(prediction: &Prediction, column: usize, exact: f64) -> bool {
+    let slight = SLIGHT * (1.0 + exact.abs());
+    let within = |lower: f64, upper: f64| lower - slight <= exact && exact <= upper + slight;
+    prediction.values[column].interval.as_ref().is_some_and(|interval| within(interval.lower, interval.upper))
+}

@@ -1,0 +1,113 @@
+//! Typical values of inputs that are not given, from the runs of a family.
+//!
+//! An input that is not given is estimated from those that are, by a quadratic function of them with a small penalty, fitted to the
+//! runs of the family:
+//!
+//! ```text
+//! x_k = a + sum_i b_i z_i + sum_(i <= j) c_ij z_i z_j + deviation
+//! ```
+//!
+//! with the known inputs `z`, scaled to mean zero and standard deviation one, positive ones that vary by more than a factor of five as
+//! their logarithms. The standard deviation of the runs about it says how uncertain the value is.
+
+use crate::regression::deviations::{Equations, dot};
+
+/// Ratio of the largest to the smallest value beyond which logarithms are taken.
+const WIDE: f64 = 5.0;
+/// Penalty on the square of each coefficient, in rows.
+const PENALTY: f64 = 0.3;
+
+/// A typical value.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TypicalValue {
+    /// The value.
+    pub mean: f64,
+    /// Standard deviation of the runs about it.
+    pub deviation: f64,
+}
+
+/// Scales a column of values to mean zero and standard deviation one.
+struct Scale {
+    is_logarithmic: bool,
+    mean: f64,
+    deviation: f64,
+}
+
+impl Scale {
+    fn new(values: &[f64]) -> Scale {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_logarithmic = least > 0.0 && most > WIDE * least;
+        let mut scale = Scale { is_logarithmic, mean: 0.0, deviation: 1.0 };
+        let plain: Vec<f64> = values.iter().map(|value| scale.scaled(*value)).collect();
+        let count = plain.len() as f64;
+        scale.mean = plain.iter().sum::<f64>() / count;
+        let square = plain.iter().map(|value| (value - scale.mean).powi(2)).sum::<f64>() / count;
+        scale.deviation = if square > 0.0 { square.sqrt() } else { 1.0 };
+        scale
+    }
+
+    fn scaled(&self, value: f64) -> f64 {
+        let value = if self.is_logarithmic { libm::log(value.max(f64::MIN_POSITIVE)) } else { value };
+        (value - self.mean) / self.deviation
+    }
+}
+
+/// The typical value of input `wanted` where the inputs in `known` have the given values; `rows` has the inputs of each run.
+pub(super) fn typical_value(rows: &[Vec<f64>], wanted: usize, known: &[(usize, f64)]) -> TypicalValue {
+    let column = |input: usize| -> Vec<f64> { rows.iter().map(|row| row[input]).collect() };
+    let targets = column(wanted);
+    let count = targets.len() as f64;
+    let mean = targets.iter().sum::<f64>() / count;
+    let scales: Vec<Scale> = known.iter().map(|(input, _)| Scale::new(&column(*input))).collect();
+    let functions = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let scaled: Vec<f64> = scales.iter().enumerate().map(|(k, scale)| scale.scaled(value(k))).collect();
+        let mut all = scaled.clone();
+        for (k, one) in scaled.iter().enumerate() {
+            all.extend(scaled[..=k].iter().map(|other| one * other));
+        }
+        all
+    };
+    let design: Vec<Vec<f64>> = rows.iter().map(|row| functions(&|k| row[known[k].0])).collect();
+    // The functions about their means, so that the constant needs no penalty.
+    let size = design.first().map_or(0, Vec::len);
+    let centre: Vec<f64> = (0..size).map(|k| design.iter().map(|row| row[k]).sum::<f64>() / count).collect();
+    let about =
+        |row: Vec<f64>| -> Vec<f64> { row.iter().zip(&centre).map(|(value, mean)| value - mean).collect() };
+    let design: Vec<Vec<f64>> = design.into_iter().map(about).collect();
+    let deviations: Vec<f64> = targets.iter().map(|value| value - mean).collect();
+    let own = about(functions(&|k| known[k].1));
+    let equations = if size == 0 { None } else { Equations::new(&design, &vec![PENALTY; size]) };
+    let coefficients =
+        equations.map_or_else(|| vec![0.0; size], |equations| equations.solve(&design, &deviations));
+    let errors =
+        design.iter().zip(&deviations).map(|(row, deviation)| (deviation - dot(row, &coefficients)).powi(2));
+    let freedom = (count - 1.0 - size as f64).max(1.0);
+    TypicalValue { mean: mean + dot(&own, &coefficients), deviation: (errors.sum::<f64>() / freedom).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_estimated_from_those_that_are_known() {
+        // x_2 = 0.5 + 0.2 ln x_0 + x_1^2 and a deviation of 0.01 of either sign.
+        let rows: Vec<Vec<f64>> = (0..80)
+            .map(|k| {
+                let (a, b) = (1.0 + f64::from(k % 9) * 2.0, f64::from(k * 7 % 11) / 10.0);
+                let sign = if k % 2 == 0 { 0.01 } else { -0.01 };
+                vec![a, b, 0.5 + 0.2 * a.ln() + b * b + sign]
+            })
+            .collect();
+        let found = typical_value(&rows, 2, &[(0, 6.0), (1, 0.35)]);
+        assert!((found.mean - (0.5 + 0.2 * 6.0f64.ln() + 0.35 * 0.35)).abs() < 0.01, "{found:?}");
+        assert!((0.008..0.014).contains(&found.deviation), "{found:?}");
+        // What is known of x_2 tells something of x_1.
+        let back = typical_value(&rows, 1, &[(0, 6.0), (2, 0.5 + 0.2 * 6.0f64.ln() + 0.64)]);
+        assert!((back.mean - 0.8).abs() < 0.1, "{back:?}");
+        // With nothing known it is the mean of the runs.
+        let mean = typical_value(&rows, 1, &[]);
+        assert!((mean.mean - 0.5).abs() < 0.03 && (0.28..0.36).contains(&mean.deviation), "{mean:?}");
+    }
+}

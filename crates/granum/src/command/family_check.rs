@@ -1,0 +1,201 @@
+//! `granum predict --family ... --check`: the test itself, and how far off the prediction was.
+
+use granum::gallery::ReadyCase;
+use granum_core::quantity::format_number;
+use granum_io::Case;
+use granum_io::case::field;
+use granum_learn::RunStates;
+use granum_learn::family::FamilyModel;
+use granum_run::laboratory::Source;
+use granum_run::{Laboratory, RunKind};
+use serde_json::{Value, json};
+
+use super::family_chart::short;
+use super::family_flags::{KnownNumbers, VOID_RATIO, inputs_of_run};
+use super::hardware::Show;
+use super::prediction_input::LEVEL;
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// The stress of the sample, which is the lateral stress of its test too.
+const STRESS: &str = "preparation.mean_stress";
+
+/// How far an output was off.
+struct CheckedOutput {
+    column: String,
+    meaning: &'static str,
+    /// Root mean square of the error over that of the measured values.
+    error: f64,
+    /// Share of the states within their intervals.
+    held: f64,
+}
+
+/// A prediction beside its test.
+pub struct Checked {
+    grains: usize,
+    /// Name and value of the inputs that were measured on the sample.
+    sample: Vec<(String, f64)>,
+    outputs: Vec<CheckedOutput>,
+    /// True if the test ended before the curves do.
+    is_short: bool,
+}
+
+/// Makes the sample and tests it; the prediction that is judged is that for the sample that was made.
+pub fn run(
+    context: &Context,
+    model: &FamilyModel,
+    known: &KnownNumbers,
+    inputs: &[Option<f64>],
+    grains: Option<usize>,
+) -> Result<Checked, Failure> {
+    let family = model.definition();
+    let case = case(context, model, known, inputs, grains)?;
+    let laboratory = Laboratory::here().with_registry(context.run_registry());
+    let mut show = Show::new(context);
+    let result = laboratory
+        .plan(RunKind::Test, &case, &Source::Case, &mut show)
+        .and_then(|planned| planned.in_memory(&mut show))
+        .map_err(|error| show.failure(error))?;
+    let run = RunStates::of_case("check", &case, result.record)?;
+    let own = inputs_of_run(family, &run)?;
+    let prediction = model.predict(&own, LEVEL)?;
+    let Some(measured) = model.measured(&run)? else {
+        return Ok(Checked {
+            grains: case.grains.count,
+            sample: Vec::new(),
+            outputs: Vec::new(),
+            is_short: true,
+        });
+    };
+    let shares = model.shares();
+    let outputs = family.outputs.iter().map(|output| {
+        let (mut error, mut square, mut held, mut all) = (0.0, 0.0, 0.0, 0.0);
+        for column in model.columns_of(output) {
+            let curve = &prediction.curves[column];
+            for (k, share) in shares.iter().enumerate() {
+                let exact = measured[column][k];
+                error += share * (curve.mean[k] - exact).powi(2);
+                square += share * exact * exact;
+                let slight = 1e-9 * (1.0 + exact.abs());
+                let is_held = curve.lower[k] - slight <= exact && exact <= curve.upper[k] + slight;
+                held += share * f64::from(u8::from(is_held));
+                all += share;
+            }
+        }
+        CheckedOutput {
+            column: output.column.into(),
+            meaning: output.meaning,
+            error: (error / square).sqrt(),
+            held: held / all,
+        }
+    });
+    let sample = prediction.inputs.iter().filter(|input| input.name.starts_with("sample."));
+    Ok(Checked {
+        grains: case.grains.count,
+        sample: sample.map(|input| (input.name.clone(), input.value)).collect(),
+        outputs: outputs.collect(),
+        is_short: false,
+    })
+}
+
+/// The case of the test: that of the family with what is known.
+fn case(
+    context: &Context,
+    model: &FamilyModel,
+    known: &KnownNumbers,
+    inputs: &[Option<f64>],
+    grains: Option<usize>,
+) -> Result<Case, Failure> {
+    let family = model.definition();
+    let ready = ReadyCase::named(family.case)
+        .ok_or_else(|| Failure::new(format!("there is no ready case {} for the check", family.case)))?;
+    let mut case = Case::parse_as(ready.text, family.case, context.reading())?;
+    for (key, value) in family.settings {
+        case.set(key, value)?;
+    }
+    let mut set = |key: &str, value: f64| {
+        let unit = match field(key) {
+            Some(field) => field.si_unit(),
+            None if key.ends_with("stress") => "Pa".into(),
+            None => String::new(),
+        };
+        case.set(key, format!("{} {unit}", format_number(value)).trim_end())
+    };
+    // What the sample is like decides what is not given, and a void ratio is looked for.
+    let typical = model.predict(inputs, LEVEL)?;
+    for (input, used) in family.inputs.iter().zip(&typical.inputs) {
+        match (input.key, input.over) {
+            (key, []) if !key.starts_with("sample.") => set(key, used.value)?,
+            _ => {}
+        }
+    }
+    for (key, value) in &known.0 {
+        let is_of_test =
+            family.inputs.iter().any(|input| input.key == key || input.over.contains(&key.as_str()));
+        if is_of_test && !key.starts_with("sample.") {
+            set(key, *value)?;
+        }
+        if key == STRESS {
+            set("stage.1.lateral_stress", *value)?;
+        }
+    }
+    if let Some(ratio) = known.get(VOID_RATIO) {
+        set("preparation.void_ratio", ratio)?;
+    } else {
+        let of = |name: &str| typical.inputs.iter().find(|input| input.name == name).map(|input| input.value);
+        let part = of("preparation_ratio").unwrap_or(0.0).clamp(0.0, 1.0);
+        let keys = [
+            ("preparation.friction", "grains.material.friction"),
+            ("preparation.rolling_friction", "contact.rolling_friction"),
+        ];
+        for (key, own) in keys {
+            set(key, part * known.get(own).unwrap_or(0.0))?;
+        }
+    }
+    if let Some(grains) = grains {
+        case.set("grains.count", &grains.to_string())?;
+    }
+    case.check()?;
+    Ok(case)
+}
+
+impl Checked {
+    pub fn lines(&self) -> Vec<String> {
+        let sample: Vec<String> = self
+            .sample
+            .iter()
+            .map(|(name, value)| {
+                format!("{} {}", name.trim_start_matches("sample.").replace('_', " "), short(*value))
+            })
+            .collect();
+        if self.is_short {
+            return vec![
+                String::new(),
+                "check: the test ended before the curves do, and cannot be compared with them".into(),
+            ];
+        }
+        let mut lines = vec![
+            String::new(),
+            format!("check: a sample of {} grains was made ({}) and tested;", self.grains, sample.join(", ")),
+            "the prediction for it was off by (root mean square over that of the measured values), and its intervals held:".into(),
+        ];
+        lines.extend(self.outputs.iter().map(|output| {
+            let error = format!("{:.1} %", 100.0 * output.error);
+            format!("  {error:>8}, {:>3.0} % of the states: {}", 100.0 * output.held, output.meaning)
+        }));
+        lines
+    }
+
+    pub fn as_json(&self) -> Value {
+        let outputs = self.outputs.iter().map(
+            |output| json!({ "output": output.column, "relative_error": output.error, "held": output.held }),
+        );
+        let sample = self.sample.iter().map(|(name, value)| (name.clone(), json!(value)));
+        json!({
+            "grains": self.grains,
+            "sample": sample.collect::<serde_json::Map<String, Value>>(),
+            "complete": !self.is_short,
+            "outputs": outputs.collect::<Vec<_>>(),
+        })
+    }
+}

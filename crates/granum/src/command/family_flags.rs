@@ -1,0 +1,229 @@
+//! Families by name or file, and the inputs that flags and cases give them.
+
+use std::path::Path;
+
+use clap::Args;
+use granum::families;
+use granum_core::quantity::{Dimension, parse_quantity};
+use granum_io::Case;
+use granum_io::case::ParameterValue;
+use granum_learn::dataset::RunStates;
+use granum_learn::family::{ALL, FamilyDefinition, FamilyModel, by_name};
+use granum_run::derived_columns::single_parameters;
+
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// The end of the names of files of fitted families.
+const FILE: &str = ".json";
+/// The key of the void ratio of the sample.
+pub const VOID_RATIO: &str = "sample.void_ratio";
+
+/// A family and what is known of a test.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Families of tests")]
+pub struct FamilyFlags {
+    /// Predict the curves of a test of this family, or of a fitted family in a file (NAME.json); without a name: list the families.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["mapping", "values", "input"])]
+    pub family: Option<String>,
+    /// Coefficient of friction of the grains.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    friction: Option<String>,
+    /// Coefficient of rolling friction of the grains.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    rolling_friction: Option<String>,
+    /// Stress of the sample, e.g. "100 kPa".
+    #[arg(long, value_name = "STRESS", requires = "family")]
+    pressure: Option<String>,
+    /// Young's modulus of the grains, e.g. "2 GPa".
+    #[arg(long, value_name = "STRESS", requires = "family")]
+    youngs_modulus: Option<String>,
+    /// Half the range of the diameters over their mean; by default a typical one.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    spread: Option<String>,
+    /// Void ratio of the sample; by default that of such grains as the family usually prepares them.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    void_ratio: Option<String>,
+    /// Mechanical coordination number of the sample; by default the typical one.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    coordination_number: Option<String>,
+    /// Coefficient of friction while the sample is made, if its void ratio is not known.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    preparation_friction: Option<String>,
+    /// Path of the test; the only one of the family by default.
+    #[arg(long, value_name = "NAME", requires = "family")]
+    path: Option<String>,
+    /// Make a sample and test it as well, and say how far off the prediction was.
+    #[arg(long, requires = "family", conflicts_with = "card")]
+    pub check: bool,
+    /// Number of grains of the sample of --check; by default that of the family.
+    #[arg(long, value_name = "N", requires = "check")]
+    pub grains: Option<usize>,
+    /// Print the card of the family: how it was made, how good it is on runs that it has not seen, where not to use it.
+    #[arg(long, requires = "family")]
+    pub card: bool,
+}
+
+/// Numbers of a test by their keys.
+#[derive(Clone, Debug, Default)]
+pub struct KnownNumbers(pub Vec<(String, f64)>);
+
+impl KnownNumbers {
+    pub fn get(&self, key: &str) -> Option<f64> {
+        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| *value)
+    }
+
+    fn set(&mut self, key: &str, value: f64) {
+        self.0.retain(|(known, _)| known != key);
+        self.0.push((key.into(), value));
+    }
+
+    fn forget(&mut self, key: &str) {
+        self.0.retain(|(known, _)| known != key);
+    }
+}
+
+impl FamilyFlags {
+    /// The flags of numbers: name, key, dimension, value.
+    fn numbers(&self) -> [(&'static str, &'static str, Dimension, &Option<String>); 8] {
+        let number = Dimension::NUMBER;
+        [
+            ("--friction", "grains.material.friction", number, &self.friction),
+            ("--rolling-friction", "contact.rolling_friction", number, &self.rolling_friction),
+            ("--pressure", "preparation.mean_stress", Dimension::STRESS, &self.pressure),
+            ("--youngs-modulus", "grains.material.youngs_modulus", Dimension::STRESS, &self.youngs_modulus),
+            ("--spread", "grains.spread", number, &self.spread),
+            ("--preparation-friction", "preparation.friction", number, &self.preparation_friction),
+            ("--void-ratio", VOID_RATIO, number, &self.void_ratio),
+            (
+                "--coordination-number",
+                "sample.mechanical_coordination_number",
+                number,
+                &self.coordination_number,
+            ),
+        ]
+    }
+
+    /// The flag that gives a number; its key if there is none.
+    pub fn flag_of(key: &str) -> String {
+        let flags = FamilyFlags::default();
+        let found = flags.numbers().into_iter().find(|(_, known, ..)| *known == key);
+        found.map_or_else(|| key.to_string(), |(flag, ..)| flag.to_string())
+    }
+
+    /// The numbers that flags and the case give, flags before the case.
+    pub fn known(
+        &self,
+        context: &Context,
+        family: &FamilyDefinition,
+        case: Option<&Path>,
+    ) -> Result<KnownNumbers, Failure> {
+        if let Some(path) = self.path.as_ref().filter(|path| *path != family.path) {
+            return Err(Failure::new(format!(
+                "--path {path}: the family {} knows one path, {}",
+                family.name, family.path
+            )));
+        }
+        let mut known = KnownNumbers::default();
+        if let Some(path) = case {
+            let case = Case::read_as(path, context.reading())?;
+            known = of_case(context, family, &case)?;
+        }
+        for (flag, key, dimension, text) in self.numbers() {
+            let Some(text) = text else { continue };
+            let value = parse_quantity(text, dimension)
+                .map_err(|why| Failure::new(format!("{flag} {text:?}: {why}")))?;
+            if value < 0.0 {
+                return Err(Failure::new(format!("{flag} {text:?}: it cannot be negative")));
+            }
+            known.set(key, value);
+        }
+        Ok(known)
+    }
+}
+
+/// The numbers of a case, whose words must be those of the family.
+fn of_case(context: &Context, family: &FamilyDefinition, case: &Case) -> Result<KnownNumbers, Failure> {
+    let mut known = KnownNumbers::default();
+    for parameter in single_parameters(case) {
+        match &parameter.value {
+            ParameterValue::Number(number) => known.set(&parameter.key, *number),
+            ParameterValue::Word(word) => {
+                let wanted = family.words.iter().find(|(key, _)| *key == parameter.key);
+                if let Some((key, wanted)) = wanted.filter(|(_, wanted)| wanted != word) {
+                    return Err(Failure::new(format!(
+                        "{key} of the case is {word}; the family {} has {wanted}",
+                        family.name
+                    )));
+                }
+            }
+            ParameterValue::List(_) => {}
+        }
+    }
+    let target = known.get("preparation.void_ratio");
+    let fraction = known.get("preparation.solid_fraction").filter(|fraction| *fraction > 0.0);
+    if let Some(ratio) = target.or_else(|| fraction.map(|fraction| 1.0 / fraction - 1.0)) {
+        // The preparation looks for this void ratio, and its friction follows.
+        known.set(VOID_RATIO, ratio);
+        known.forget("preparation.friction");
+    } else if known.get("preparation.cycles").is_some_and(|cycles| cycles > 0.0) {
+        known.forget("preparation.friction");
+        context.note(
+            "the case makes its sample denser by cycles of strain, which the samples of the family are not: the void ratio below is not \
+             that of such a sample; give --void-ratio",
+        );
+    }
+    Ok(known)
+}
+
+/// The fitted family of a name or in a file.
+pub fn fitted(name: &str) -> Result<FamilyModel, Failure> {
+    if name.ends_with(FILE) {
+        return Ok(FamilyModel::load(Path::new(name))?);
+    }
+    let definition = by_name(name)?;
+    families::fitted(name)?.ok_or_else(|| {
+        Failure::new(format!(
+            "this program has no fitted surrogate of the family {name}; fit one: granum train --family {name} DATA... -o {name}.json (runs: \
+             granum init --plan {}), and give its file: --family {name}.json",
+            definition.plan
+        ))
+    })
+}
+
+/// A line for each family.
+pub fn listed() -> Vec<String> {
+    let line = |family: &&FamilyDefinition| {
+        let has = families::FITTED.iter().any(|(name, _)| *name == family.name);
+        let fitted = if has { "" } else { " (no fitted surrogate in this program)" };
+        format!("{}: {}{fitted}", family.name, family.title)
+    };
+    ALL.iter().map(line).collect()
+}
+
+/// The value of every input that the numbers give.
+pub fn inputs_of(family: &FamilyDefinition, known: &KnownNumbers) -> Result<Vec<Option<f64>>, Failure> {
+    let value = |key: &str| known.get(key);
+    let inputs: Vec<Option<f64>> = family.inputs.iter().map(|input| input.from_numbers(&value)).collect();
+    let lacking =
+        family.inputs.iter().zip(&inputs).filter(|(input, value)| input.is_required && value.is_none());
+    let missing: Vec<String> = lacking
+        .flat_map(|(input, _)| std::iter::once(input.key).chain(input.over.iter().copied()))
+        .filter(|key| known.get(key).is_none())
+        .map(FamilyFlags::flag_of)
+        .collect();
+    if missing.is_empty() {
+        return Ok(inputs);
+    }
+    Err(Failure::new(format!(
+        "missing: {}; the family {} needs them (a case file gives them too: granum predict --family {} CASE)",
+        missing.join(", "),
+        family.name,
+        family.name
+    )))
+}
+
+/// The inputs of a run that was measured, which leave nothing to be typical.
+pub fn inputs_of_run(family: &FamilyDefinition, run: &RunStates) -> Result<Vec<Option<f64>>, Failure> {
+    Ok(family.inputs.iter().map(|input| input.of_run(run).map(Some)).collect::<Result<_, _>>()?)
+}

@@ -1,0 +1,167 @@
+//! `granum train --family` and `granum evaluate --family`: the surrogate of a family, and its scores.
+
+use std::path::{Path, PathBuf};
+
+use granum_core::observer::{Event, Flow, Observer, Progress as Step};
+use granum_io::shell::ShowPath;
+use granum_io::{check_output_file, shell::path_text};
+use granum_learn::family::{FamilyFit, FamilyModel, FamilyScores, TrainingData, by_name};
+use granum_learn::runs::RunRole;
+use granum_learn::{Dataset, LearnError, RunStates};
+use serde_json::json;
+
+use super::family_card::score_lines;
+use super::family_flags::fitted;
+use super::records::{self, Recorded};
+use super::train_study::dataset;
+use crate::context::Context;
+use crate::failure::{Failure, Interrupted};
+use crate::output;
+use crate::progress::Progress;
+
+/// The usual name of the folder of studies, which is no name for a file.
+const NO_FILE: &str = "study";
+
+/// Fits the surrogate of a family and scores it on unseen runs.
+pub fn train(
+    context: &Context,
+    name: &str,
+    (runs, unseen): (&[PathBuf], &[PathBuf]),
+    out: &Path,
+    threads: usize,
+) -> Result<(), Failure> {
+    let definition = by_name(name)?;
+    let file = if out == Path::new(NO_FILE) { PathBuf::from(format!("{name}.json")) } else { out.into() };
+    check_output_file(&file, context.force)?;
+    let reading = context.nothing_written(Some("reading the runs"));
+    let (training, data) = read(context, runs, RunRole::Training)?;
+    let unseen = each_read(context, unseen, RunRole::Unseen)?;
+    drop(reading);
+    let fit = FamilyFit { threads, ..FamilyFit::default() };
+    let mut show = Show::new(context, &format!("fit {name}"));
+    let fitted = FamilyModel::fit(definition, &training, data, &fit, &mut show);
+    let mut model = fitted.map_err(|error| show.failure(error))?;
+    show.progress.end(|| format!("{} runs", model.runs()));
+    for (data, about) in unseen {
+        let scores = model.score(&data, about)?;
+        model.add_scores(scores);
+    }
+    model.save(&file)?;
+    let result = json!({
+        "family": name,
+        "output": output::path(&file),
+        "runs": model.runs(),
+        "data": model.data(),
+        "left_out": model.left_out().iter().map(|early| early.run.as_str()).collect::<Vec<_>>(),
+        "scores": model.scores(),
+    });
+    output::say(context, &result, || {
+        let mut lines: Vec<String> = model.scores().iter().flat_map(score_lines).collect();
+        lines.push(format!("wrote {}, fitted to {} runs", file.shown(), model.runs()));
+        lines.join("\n").trim_start().to_string()
+    })
+}
+
+/// Scores a fitted family.
+pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf]) -> Result<(), Failure> {
+    let model = fitted(name)?;
+    let scores = each_read(context, runs, RunRole::Unseen)?
+        .into_iter()
+        .map(|(data, about)| model.score(&data, about))
+        .collect::<Result<Vec<FamilyScores>, LearnError>>()?;
+    for (scores, known) in
+        scores.iter().flat_map(|scores| model.data().iter().map(move |data| (scores, data)))
+    {
+        if scores.data.digest == known.digest {
+            context.warn(&format!(
+                "{} are the runs to which the family was fitted: these scores say nothing of others",
+                scores.data.name
+            ));
+        }
+    }
+    output::say(context, &json!({ "family": model.definition().name, "scores": scores }), || {
+        let lines: Vec<String> = scores.iter().flat_map(score_lines).collect();
+        lines.join("\n").trim_start().to_string()
+    })
+}
+
+/// The runs of several folders as one data set, with what each folder has.
+fn read(
+    context: &Context,
+    folders: &[PathBuf],
+    role: RunRole,
+) -> Result<(Dataset, Vec<TrainingData>), Failure> {
+    let parts = each_read(context, folders, role)?;
+    let data = parts.iter().map(|(_, about)| about.clone()).collect();
+    let runs: Vec<RunStates> = parts.into_iter().flat_map(|(data, _)| data.runs().to_vec()).collect();
+    Ok((Dataset::new(runs)?, data))
+}
+
+/// The runs of each data set or campaign; folders of single runs are one data set together.
+fn each_read(
+    context: &Context,
+    folders: &[PathBuf],
+    role: RunRole,
+) -> Result<Vec<(Dataset, TrainingData)>, Failure> {
+    let is_run = |folder: &&PathBuf| folder.join("run.json").is_file();
+    let (single, sets): (Vec<&PathBuf>, Vec<&PathBuf>) = folders.iter().partition(is_run);
+    let mut all: Vec<(String, Vec<Recorded>)> = Vec::new();
+    for folder in sets {
+        all.push((name_of(folder), records::read(context, std::slice::from_ref(folder), role)?));
+    }
+    if !single.is_empty() {
+        let folders: Vec<PathBuf> = single.into_iter().cloned().collect();
+        all.push(("runs".into(), records::read(context, &folders, role)?));
+    }
+    let recorded: Vec<&Recorded> = all.iter().flat_map(|(_, runs)| runs).collect();
+    records::check_different(&recorded)?;
+    let data_set = |(name, runs): &(String, Vec<Recorded>)| {
+        let data = dataset(&runs.iter().collect::<Vec<_>>())?;
+        let about = TrainingData { name: name.clone(), digest: data.digest(), runs: data.runs().len() };
+        Ok((data, about))
+    };
+    all.iter().map(data_set).collect()
+}
+
+/// The name of a data set: that of its folder.
+fn name_of(folder: &Path) -> String {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    whole.file_name().map_or_else(|| path_text(folder), |name| name.to_string_lossy().into_owned())
+}
+
+/// Shows how far a fit is, and stops it when the user asks for it.
+struct Show<'a> {
+    context: &'a Context,
+    progress: Progress,
+}
+
+impl<'a> Show<'a> {
+    fn new(context: &'a Context, phase: &str) -> Show<'a> {
+        let mut progress = context.progress();
+        progress.phase(phase);
+        Show { context, progress }
+    }
+
+    fn failure(&self, error: LearnError) -> Failure {
+        match error {
+            LearnError::Stopped { .. } if self.context.stopped() => {
+                Interrupted { left: "nothing was written".into() }.into()
+            }
+            error => error.into(),
+        }
+    }
+}
+
+impl Observer for Show<'_> {
+    fn progress(&mut self, step: &Step) -> Flow {
+        self.progress.update(step.completed(), |_| Vec::new());
+        self.context.flow()
+    }
+
+    fn event(&mut self, event: &Event) {
+        if let Event::Warning { text } = event {
+            let context = self.context;
+            self.progress.aside(|| context.warn(text));
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The commands of the chapter of families work exactly as they are printed, with smaller samples and fewer points; and what families answer
+//! and refuse.
+
+use std::path::Path;
+
+use crate::{done, refused};
+
+const CHAPTER: &str = include_str!("../../../../docs/src/families.md");
+
+/// The words of a line; those in quotes are one.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut in_quotes) = (Vec::new(), String::new(), false);
+    for c in line.chars() {
+        match c {
+            '"' => in_quotes = !in_quotes,
+            '#' if !in_quotes && word.is_empty() => break,
+            ' ' if !in_quotes => {
+                words.extend(Some(std::mem::take(&mut word)).filter(|word| !word.is_empty()))
+            }
+            c => word.push(c),
+        }
+    }
+    words.extend(Some(word).filter(|word| !word.is_empty()));
+    words
+}
+
+/// The commands of a section of the chapter, in order; a line that ends with a backslash goes on.
+fn commands(section: &str) -> Vec<Vec<String>> {
+    let text = CHAPTER.split(section).nth(1).unwrap_or_default();
+    let text = text.split("\n## ").next().unwrap_or_default();
+    let blocks = text.split("```sh\n").skip(1).map(|text| text.split("```").next().unwrap_or_default());
+    let lines: Vec<String> = blocks
+        .flat_map(|block| block.replace("\\\n", " ").lines().map(String::from).collect::<Vec<_>>())
+        .collect();
+    lines
+        .iter()
+        .map(|line| words(line))
+        .filter(|words| words.first().is_some_and(|word| word == "granum"))
+        .collect()
+}
+
+/// Makes a written file smaller; every pattern must be in it.
+fn change(file: &Path, changes: &[(&str, &str)]) {
+    let mut text = std::fs::read_to_string(file).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}\n{text}");
+        text = text.replace(from, to);
+    }
+    std::fs::write(file, text).unwrap();
+}
+
+/// Fewer and smaller samples, and a short test.
+fn smaller(here: &Path, plan: &str, points: &str, wanted: &str) {
+    let changes = [
+        ("grains.count = 1000", "grains.count = 60"),
+        ("stage.1.axial_strain = 0.25", "stage.1.axial_strain = 0.02"),
+        ("stage.1.states = 250", "stage.1.states = 10"),
+        (points, wanted),
+        ("largest_overlap < 0.1\"", "largest_overlap < 1\""),
+        (
+            "largest_overlap < 0.06\"",
+            "largest_overlap < 1\", \"inertial_number < 1\", \"sample_unbalanced_force < 1\", \"unbalanced_force < 1\", \"servo_error_rms < 1\", \"servo_error_largest < 9\", \"sample_mean_stress_missed_by < 1\", \"energy_gap < 1\", \"mean_stress_lost < 1\"",
+        ),
+    ];
+    change(&here.join(plan), &changes);
+    let faster = [
+        ("inertial_number = 1e-3", "inertial_number = 1e-2"),
+        ("inertial_number = 2e-3", "inertial_number = 1e-2"),
+        ("unbalanced_force = 2e-3", "unbalanced_force = 5e-2"),
+    ];
+    let case = std::fs::read_to_string(here.join("drained-dense.toml")).unwrap();
+    if case.contains("unbalanced_force = 2e-3") {
+        change(&here.join("drained-dense.toml"), &faster);
+    }
+}
+
+#[test]
+fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let commands = commands("## A family made again");
+    assert!(commands.len() >= 7, "{commands:?}");
+    for words in &commands {
+        let mut words: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+        if words.contains(&"--check") {
+            words.extend(["--grains", "60"]);
+        }
+        if words.starts_with(&["init"]) && here.join("drained-dense.toml").is_file() {
+            // The second plan has the case of the first one.
+            words.push("--force");
+        }
+        let said = done(here, &words);
+        match words[..] {
+            ["init", "--plan", "sand-drained", ..] => {
+                smaller(here, "sand-drained.toml", "points = 500", "points = 12")
+            }
+            ["init", "--plan", "sand-drained-unseen", ..] => {
+                smaller(
+                    here,
+                    "sand-drained-unseen.toml",
+                    "points = 16\nreplicates = 8",
+                    "points = 2\nreplicates = 2",
+                );
+            }
+            ["evaluate", ..] => {
+                assert!(said.contains("| stress_ratio ") && said.contains("2 sands"), "{said}")
+            }
+            _ => {}
+        }
+    }
+    let figure = std::fs::read_to_string(here.join("curves.svg")).unwrap();
+    assert!(figure.contains("<svg") && figure.contains("Mechanical coordination number"), "{figure}");
+    let table = std::fs::read_to_string(here.join("curves.csv")).unwrap();
+    assert!(table.starts_with("axial_strain,stress_ratio,stress_ratio_lower,stress_ratio_upper"), "{table}");
+
+    // A case gives the inputs, and what it does not give is typical of the runs.
+    let given = done(here, &["predict", "--family", "sand.json", "drained-dense.toml"]);
+    assert!(given.contains("friction = 0.5 (given)") && given.contains("void ratio = "), "{given}");
+    assert!(given.contains("not given: typical"), "{given}");
+    // A modulus outside the range is answered and flagged.
+    let flags =
+        ["--friction", "0.4", "--rolling-friction", "0.2", "--pressure", "100 kPa", "--youngs-modulus"];
+    let far = [&["predict", "--family", "sand.json"][..], &flags, &["70 GPa"]].concat();
+    assert!(done(here, &far).contains("OUTSIDE the trained range: stress_over_modulus"));
+    let json = [&far[..], &["--json"]].concat();
+    let answer: serde_json::Value = serde_json::from_str(&done(here, &json)).unwrap();
+    assert_eq!(answer["outside"][0]["input"], "stress_over_modulus");
+    assert_eq!(answer["curves"]["stress_ratio"]["mean"].as_array().map(Vec::len), Some(65));
+    // What lacks, and what is of another kind, is told by its flag.
+    let told = refused(here, 1, &["predict", "--family", "sand.json", "--friction", "0.4"]);
+    assert!(told.contains("missing: --rolling-friction, --pressure, --youngs-modulus"), "{told}");
+    let path = [&far[..], &["--path", "oedometer"]].concat();
+    assert!(refused(here, 1, &path).contains("knows one path, drained-triaxial"));
+    let told = refused(here, 1, &["predict", "--family", "sandy"]);
+    assert!(told.contains("there is no family `sandy`; did you mean sand?"), "{told}");
+    let told = refused(here, 1, &["train", "sands", "--family", "sand", "-o", "sand.json"]);
+    assert!(told.contains("sand.json"), "{told}");
+}
