@@ -195,7 +195,8 @@ fn scores_are_against_the_mean_of_samples_that_are_alike() {
     assert_eq!(strength.output, "stress_ratio");
     assert!(strength.net_error < 0.7, "{strength:?}");
     assert!((0.01..0.03).contains(&strength.relative_scatter), "{strength:?}");
-    assert!((0.8..0.98).contains(&strength.held), "{strength:?}");
+    // From 40 runs the factor of the intervals is known to some per cent; here it is large.
+    assert!((0.8..0.995).contains(&strength.held), "{strength:?}");
     let friction = &strength.quarters[0];
     assert_eq!((friction.input.as_str(), friction.runs.iter().sum::<usize>()), ("friction", 96));
     // Runs that are alone have no scatter.
