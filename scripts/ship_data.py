@@ -2,7 +2,7 @@
 """Makes the data set of a family that is shipped with granum from the data set of a campaign: fewer states and columns, numbers of
 16 bits, compressed. What comes out is a data set as any other: `granum train`, `granum export` and `granum evaluate` read it.
 
-    python3 scripts/ship_data.py CAMPAIGN/dataset data/families/sand/drained
+    python3 scripts/ship_data.py CAMPAIGN/dataset data/families/sand/drained --plan sand-drained.toml
 
 Needs Python with pyarrow (python3 -m venv env; env/bin/pip install pyarrow). States are kept where curves change most: every one of the
 first 24 of the last stage, every second of the next 24, every fifth of the others, and the first and the last state of each stage. Columns are
@@ -15,6 +15,7 @@ import hashlib
 import json
 import math
 import pathlib
+import re
 import shutil
 import struct
 
@@ -121,12 +122,13 @@ def card(text, count, dropped, content, before):
         "", "## What is left out", "",
         f"This is a smaller form of the data set that the plan gives ({before} states): {count} states are kept, every one where curves "
         f"change most and every {EVERY}th elsewhere, numbers have {BITS} significant bits (they differ by less than 8e-6 of their value), and of the columns of states these are left out: "
-        f"{', '.join(dropped)}. `granum campaign` with the plan beside this file gives everything again.",
+        f"{', '.join(dropped)}. `granum campaign plan.toml` gives everything again, and `scripts/ship_data.py` of granum this form of it.",
         "", f"Licence: CC-BY-4.0 ({LICENCE}).", "",
     ]
     at = next(k for k, line in enumerate(lines) if line.startswith("## How to read it"))
     text = "\n".join(lines[:at] + about[1:] + lines[at:]) + "\n"
     old = [word for line in text.splitlines() if "SHA-256 over the content" in line for word in line.split("`") if len(word) == 64]
+    text = text.replace("the same plan gives these files again, bit by bit.", "the same plan gives the same results again, bit by bit.")
     return text.replace(old[0], content) if old else text
 
 
@@ -149,6 +151,7 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("source", type=pathlib.Path, help="the data set of a campaign")
     arguments.add_argument("target", type=pathlib.Path, help="the folder to write")
+    arguments.add_argument("--plan", type=pathlib.Path, required=True, help="the plan of the campaign, which is copied beside the data")
     given = arguments.parse_args()
     source, target = given.source, given.target
     target.mkdir(parents=True, exist_ok=True)
@@ -161,12 +164,15 @@ def main():
     for name in ["case.toml", "left_out.csv"]:
         if (source / name).is_file():
             shutil.copy(source / name, target / name)
+    # The base case lies beside the plan under another name.
+    plan = re.sub(r'^case = ".*"$', 'case = "case.toml"', given.plan.read_text(), flags=re.MULTILINE)
+    (target / "plan.toml").write_text(plan)
     sums = {name: sha256(target / name) for name in ["runs.parquet", "states.parquet"]}
     content = digest([FIRST_LINE, *sums.values()])
     before = pq.read_metadata(source / "states.parquet").num_rows
     (target / "README.md").write_text(card((source / "README.md").read_text(), kept.num_rows, dropped, content, before))
     (target / "metadata.json").write_text(metadata((source / "metadata.json").read_text(), sums, dropped, content))
-    names = ["README.md", "case.toml", "left_out.csv", "metadata.json", "runs.parquet", "states.parquet"]
+    names = ["README.md", "case.toml", "left_out.csv", "metadata.json", "plan.toml", "runs.parquet", "states.parquet"]
     lines = [FIRST_LINE, f"# content {content}"]
     lines += [f"{sha256(target / name)}  {name}" for name in names if (target / name).is_file()]
     (target / "SHA256SUMS").write_text("\n".join(lines) + "\n")
