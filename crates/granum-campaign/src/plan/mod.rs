@@ -47,6 +47,8 @@ pub use definition::{
     Variable, VariableKind,
 };
 pub use expression::{Condition, Expression};
+pub use read_variables::Draft;
+pub use reader::{Node, Reader};
 pub use runs::{PlannedRun, PlannedRuns, apply_settings};
 pub use values::RunValue;
 

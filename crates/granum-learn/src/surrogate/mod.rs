@@ -96,7 +96,7 @@ mod surrogate_trait;
 mod tests;
 
 pub use content::Content;
-pub use curve_process::{EndedEarly, FittedCurves, GaussianProcessOfCurves};
+pub use curve_process::{CorrelatedCurve, EndedEarly, FittedCurves, GaussianProcessOfCurves};
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;

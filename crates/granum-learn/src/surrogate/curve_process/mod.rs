@@ -31,6 +31,6 @@ mod run_curves;
 #[cfg(test)]
 mod tests;
 
-pub use fitted::FittedCurves;
+pub use fitted::{CorrelatedCurve, FittedCurves};
 pub use method::GaussianProcessOfCurves;
 pub use reach::EndedEarly;
