@@ -58,10 +58,10 @@ impl Calibration<'_> {
         let (simulated, missing) = simulated(simulations, &planned, each);
         if missing > 0 {
             self.context.warn(&format!(
-                "{name}: {missing} of {} simulations are not used, since they failed or did not pass their checks ({}/left_out.csv names the \
-                 reasons; accept in the file states limits up to which they are used)",
+                "{name}: {missing} of {} simulations are not used, since they failed or did not pass their checks (`granum campaign status {}` \
+                 names the reasons; accept in the file states limits up to which they are used)",
                 simulations.len(),
-                data_set.shown()
+                quoted_path(&folder)
             ));
         }
         Ok(Runs { simulated })
