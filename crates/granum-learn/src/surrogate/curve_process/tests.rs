@@ -134,7 +134,8 @@ fn the_error_of_a_curve_has_its_covariance() {
         let interval = estimate.interval.as_ref().unwrap();
         assert!((found.mean[k] - estimate.mean).abs() < 1e-12);
         let half = 0.5 * (interval.upper - interval.lower);
-        assert!((found.covariance[k * 5 + k].sqrt() / half - 1.0).abs() < 1e-9, "{half}");
+        // Between two points components are interpolated here and variances there.
+        assert!((found.covariance[k * 5 + k].sqrt() / half - 1.0).abs() < 0.02, "{half}");
     }
     let correlation = |i: usize, j: usize| {
         found.covariance[i * 5 + j] / (found.covariance[i * 6] * found.covariance[j * 6]).sqrt()
