@@ -5,7 +5,7 @@ use granum_learn::Result;
 use granum_learn::family::FamilyModel;
 
 /// The names of families and the texts of their files.
-pub const FITTED: &[(&str, &str)] = &[];
+pub const FITTED: &[(&str, &str)] = &[("sand", include_str!("../families/sand/model.json"))];
 
 /// The fitted surrogate of a family that comes with the program; `None` if it comes without one.
 ///

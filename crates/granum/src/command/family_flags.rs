@@ -176,9 +176,14 @@ fn of_case(context: &Context, family: &FamilyDefinition, case: &Case) -> Result<
     Ok(known)
 }
 
+/// True if it is the file of a fitted family, and not the name of a family.
+pub fn is_file(name: &str) -> bool {
+    name.ends_with(FILE)
+}
+
 /// The fitted family of a name or in a file.
 pub fn fitted(name: &str) -> Result<FamilyModel, Failure> {
-    if name.ends_with(FILE) {
+    if is_file(name) {
         return Ok(FamilyModel::load(Path::new(name))?);
     }
     let definition = by_name(name)?;

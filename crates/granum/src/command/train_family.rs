@@ -11,7 +11,7 @@ use granum_learn::{Dataset, LearnError, RunStates};
 use serde_json::json;
 
 use super::family_card::score_lines;
-use super::family_flags::fitted;
+use super::family_flags::{fitted, is_file};
 use super::records::{self, Recorded};
 use super::train_study::dataset;
 use crate::context::Context;
@@ -62,9 +62,14 @@ pub fn train(
     })
 }
 
-/// Scores a fitted family.
-pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf]) -> Result<(), Failure> {
-    let model = fitted(name)?;
+/// Scores a fitted family, and keeps the scores in its file if that is asked for.
+pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf], keep: bool) -> Result<(), Failure> {
+    let mut model = fitted(name)?;
+    if keep && !is_file(name) {
+        return Err(Failure::new(format!(
+            "--keep: {name} is a family of this program; give the file of a fitted one, NAME.json"
+        )));
+    }
     let scores = each_read(context, runs, RunRole::Unseen)?
         .into_iter()
         .map(|(data, about)| model.score(&data, about))
@@ -78,6 +83,10 @@ pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf]) -> Result<(), F
                 scores.data.name
             ));
         }
+    }
+    if keep {
+        scores.iter().cloned().for_each(|scores| model.add_scores(scores));
+        model.save(Path::new(name))?;
     }
     output::say(context, &json!({ "family": model.definition().name, "scores": scores }), || {
         let lines: Vec<String> = scores.iter().flat_map(score_lines).collect();
