@@ -69,7 +69,7 @@
 //! # use granum_learn::RunStates;
 //! let columns = vec![Column::new("x", "", vec![0.0, 1.0, 2.0]), Column::new("y", "", vec![1.0, 2.0, 3.0])];
 //! let dataset = Dataset::new(vec![RunStates::new("run", Table::new(columns)?)?])?;
-//! let methods = SurrogateMethods::standard().with(Mean);
+//! let methods = SurrogateMethods::standard().with(Mean)?;
 //! let fitted = methods.by_name("mean")?.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
 //! assert_eq!(fitted.predict_rows(&[5.0], 0.9)?[0].values[0].mean, 2.0);
 //! // A saved surrogate is loaded by the name of its method.

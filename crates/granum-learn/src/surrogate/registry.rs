@@ -12,6 +12,7 @@ use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
 use crate::networks::{NetworkSettings, NetworksBySubModel};
+use granum_core::RegistrationError;
 use granum_io::shell::ShowPath;
 
 /// A registry of methods by name, for fitting and for reading files.
@@ -67,8 +68,20 @@ impl SurrogateMethods {
         Ok(SurrogateMethods { methods: self.methods.iter().map(set).collect::<Result<_>>()? })
     }
 
-    /// Adds a method, which replaces an existing one of the same name.
-    pub fn with(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
+    /// Adds a method.
+    ///
+    /// # Errors
+    /// [`RegistrationError::Name`] if there is already a method of the same name, or the name is not a word.
+    pub fn with(
+        self,
+        method: impl SurrogateMethod + 'static,
+    ) -> std::result::Result<SurrogateMethods, RegistrationError> {
+        RegistrationError::check_name("surrogate method", method.name(), self.names())?;
+        Ok(self.replaced_by(method))
+    }
+
+    /// The same methods, with this one in place of that of its name, as to give it other settings.
+    pub fn replaced_by(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
         self.methods.retain(|known| known.name() != method.name());
         self.methods.push(Arc::new(method));
         self
