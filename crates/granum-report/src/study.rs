@@ -10,7 +10,7 @@ use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
 use super::learning_curve;
 use super::numbers::{percent, points, significant, whole};
-use super::page::{Document, Page, Table, paragraphs, tiles};
+use super::page::{Document, Page, PageTable, paragraphs, tiles};
 
 /// Most panels of a figure.
 const MOST_PANELS: usize = 4;
@@ -80,7 +80,7 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
         let caption =
             format!("Relative RMSE of {} from {}.", literal(&fit.name), listed(&literals(&fit.spec.inputs)));
         let columns = ["Surrogate", "", "Training", "Held out", "Unseen", "R²", "In interval", "Outside"];
-        let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), &caption, &columns) };
+        let mut table = PageTable { words: 2, ..PageTable::new(&page.own_table_label(), &caption, &columns) };
         for member in &scores.members {
             table.row(vec![
                 literal(&member.method),
@@ -117,7 +117,7 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
 }
 
 /// The networks of sub-models, if there are several.
-fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option<Table> {
+fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option<PageTable> {
     let members = scores.members.iter().filter(|member| member.networks.len() > 1);
     let rows: Vec<(&MemberScores, usize, &NetworkScores)> = members
         .flat_map(|member| member.networks.iter().enumerate().map(move |(k, network)| (member, k, network)))
@@ -126,7 +126,7 @@ fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option
     let coordinate = literal(fit.spec.coordinate.as_deref().unwrap_or(""));
     let caption = format!("Networks of {}, each for a range of {coordinate}.", literal(&scores.name));
     let columns = ["Surrogate", "Range", "Hidden layers", "Rows", "Epochs", "Held out", "Unseen"];
-    let mut table = Table { words: 1, ..Table::new(&page.own_table_label(), &caption, &columns) };
+    let mut table = PageTable { words: 1, ..PageTable::new(&page.own_table_label(), &caption, &columns) };
     let error = |score: &granum_learn::Score| {
         if score.states > 0 { percent(score.relative_rmse) } else { "–".into() }
     };
@@ -167,11 +167,11 @@ fn scatter_sentence(scores: &FitScores) -> Option<String> {
 }
 
 /// The error of each output of the methods that were asked for.
-fn outputs_table(page: &mut Page, scores: &FitScores) -> Table {
+fn outputs_table(page: &mut Page, scores: &FitScores) -> PageTable {
     let asked: Vec<&MemberScores> =
         scores.members.iter().filter(|member| member.role == MemberRole::Asked).collect();
     let caption = format!("Relative RMSE on unseen runs of each output of {}.", literal(&scores.name));
-    let mut table = Table::new(&page.own_table_label(), &caption, &["Output"]);
+    let mut table = PageTable::new(&page.own_table_label(), &caption, &["Output"]);
     table.columns.extend(asked.iter().map(|member| literal(&member.method)));
     for (k, output) in asked.first().map_or(&[][..], |member| &member.outputs).iter().enumerate() {
         let errors = asked.iter().map(|member| percent(member.outputs[k].unseen.relative_rmse));
@@ -185,7 +185,7 @@ fn uses_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup {
         ["Surrogate", "Own inputs", "Another run\u{2019}s", "Permuted", "Use", "Help", "Conclusion"];
     let caption =
         "Relative RMSE on unseen runs with inputs of different origin; use and help in percentage points.";
-    let mut table = Table::new(&page.own_table_label(), caption, &columns);
+    let mut table = PageTable::new(&page.own_table_label(), caption, &columns);
     for (name, used) in pairs.iter().flat_map(|(_, scores)| &scores.uses) {
         let error = |score: Option<granum_learn::Score>| {
             score.map_or("–".into(), |score| percent(score.relative_rmse))
@@ -308,7 +308,7 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
 fn repeat_section(page: &mut Page, stored: &StoredStudy) -> Markup {
     let study = &stored.study;
     let columns = ["Run", "Role", "Seed"];
-    let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), "The runs.", &columns) };
+    let mut table = PageTable { words: 2, ..PageTable::new(&page.own_table_label(), "The runs.", &columns) };
     for run in &study.runs {
         let seed = run.values.get(granum_io::case::SEED).cloned().unwrap_or_else(|| "–".into());
         table.row(vec![literal(&run.name), run.role.name().into(), seed]);

@@ -7,7 +7,7 @@ use granum_io::{Case, Error};
 use toml::Spanned as TomlSpanned;
 use toml::de::{DeTable, DeValue};
 
-use super::definition::{Choice, FixedKey, PATH, Spanned, Variable, VariableKind};
+use super::definition::{Choice, FixedKey, PATH, PlanVariable, Spanned, VariableKind};
 use super::expression::Expression;
 use super::reader::{Node, Reader};
 use super::units;
@@ -103,7 +103,7 @@ impl Reader {
         (self.errors.len() == before).then_some(case)
     }
 
-    pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<Variable> {
+    pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
         let mut unit: Option<String> = None;
         for key in draft.keys.iter().filter(|key| key.value != PATH) {
             let Some(own) = case.unit_of(&key.value) else {
@@ -143,7 +143,7 @@ impl Reader {
             return None;
         }
         let kind = self.kind(&draft, &unit)?;
-        Some(Variable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
+        Some(PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
     }
 
     pub(super) fn kind(&mut self, draft: &Draft, unit: &str) -> Option<VariableKind> {
