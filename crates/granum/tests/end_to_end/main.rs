@@ -34,6 +34,7 @@ mod warnings;
 mod words;
 #[cfg(unix)]
 mod workflows;
+mod worth;
 
 use std::path::Path;
 
