@@ -36,6 +36,12 @@ pub enum CalibrationError {
         /// The smallest effective sample size that is accepted.
         least_effective: f64,
     },
+    /// A file cannot be read or written, or has mistakes.
+    #[error(transparent)]
+    File(#[from] granum_io::Error),
+    /// A surrogate cannot be fitted to the simulations.
+    #[error("the surrogate of the simulations: {0}")]
+    Surrogate(#[from] granum_learn::LearnError),
     /// An observer requested the end.
     #[error("stopped on request")]
     Stopped,

@@ -6,15 +6,23 @@
 //! ```
 
 pub mod chains;
+pub mod confirmation;
+pub mod coverage;
 pub mod curve;
 pub mod diagnostics;
+pub mod emulator;
 mod error;
+pub mod file;
 pub mod identifiability;
 pub mod likelihood;
 pub mod normal;
+pub mod outcome;
 pub mod prior;
 mod random;
 pub mod sensitivity;
 pub mod sequential;
+pub mod simulation;
+pub mod target;
+pub mod telling;
 
 pub use error::{CalibrationError, Result};

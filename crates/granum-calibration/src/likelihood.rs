@@ -16,6 +16,9 @@ use crate::curve::{ForwardModel, MeasuredCurve, MeasurementError, PredictedCurve
 use crate::error::{CalibrationError, Result};
 use crate::prior::Prior;
 
+/// Sizes of a discrepancy over which its prior is averaged.
+const NODES: usize = 24;
+
 /// A free parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeParameter {
@@ -108,7 +111,7 @@ impl<'a> Posterior<'a> {
             quantity,
             measurement: curves
                 .iter()
-                .map(|curve| (measurement(curve), root_mean_square(&curve.measured)))
+                .map(|curve| (measurement_covariance(curve), root_mean_square(&curve.measured)))
                 .collect(),
         })
     }
@@ -121,6 +124,58 @@ impl<'a> Posterior<'a> {
             .zip(priors)
             .map(|(share, prior)| prior.map_or(*share, |prior| prior.value(*share)))
             .collect()
+    }
+
+    /// The priors of all coordinates: of the parameters, then of the relative sizes of discrepancies.
+    pub fn priors(&self) -> Vec<Prior> {
+        let sizes = self.names.len() - self.parameters.len();
+        let parameters = self.parameters.iter().map(|free| free.prior);
+        parameters.chain(self.sizes.into_iter().cycle().take(sizes)).collect()
+    }
+
+    /// The value of one coordinate at a share of its prior.
+    pub fn value(&self, coordinate: usize, share: f64) -> f64 {
+        let prior = self.parameters.get(coordinate).map(|free| free.prior).or(self.sizes);
+        prior.map_or(share, |prior| prior.value(share))
+    }
+
+    /// The logarithm of the likelihood of predicted curves, up to a constant, with the mean over the priors of the relative sizes of
+    /// discrepancies: for a model whose every evaluation costs a simulation.
+    pub fn marginal_log_likelihood(&self, predicted: &[PredictedCurve]) -> f64 {
+        let sizes: Vec<f64> = match self.sizes {
+            Some(prior) => (0..NODES).map(|k| prior.value((k as f64 + 0.5) / NODES as f64)).collect(),
+            None => vec![0.0],
+        };
+        let quantities = self.quantity.iter().max().map_or(0, |last| last + 1);
+        // Curves of one quantity share a size, and sizes of different quantities are independent.
+        let of_quantity = |quantity: usize| {
+            let terms: Vec<f64> = sizes
+                .iter()
+                .map(|size| {
+                    let own = self.quantity.iter().enumerate().filter(|(_, known)| **known == quantity);
+                    let all = vec![*size; if self.sizes.is_some() { quantities } else { 0 }];
+                    own.map(|(k, _)| self.log_density_of_curve(k, &predicted[k], &all)).sum()
+                })
+                .collect();
+            let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if largest == f64::NEG_INFINITY {
+                return largest;
+            }
+            let mean = terms.iter().map(|term| libm::exp(term - largest)).sum::<f64>() / terms.len() as f64;
+            largest + libm::log(mean)
+        };
+        if predicted.len() != self.curves.len() {
+            return f64::NEG_INFINITY;
+        }
+        (0..quantities).map(of_quantity).sum()
+    }
+
+    /// The logarithm of the likelihood of one curve, weighted.
+    fn log_density_of_curve(&self, k: usize, predicted: &PredictedCurve, sizes: &[f64]) -> f64 {
+        let curve = &self.curves[k];
+        let apart: Vec<f64> = curve.measured.iter().zip(&predicted.mean).map(|(a, b)| a - b).collect();
+        normal_log_density(&apart, &self.covariance(k, predicted, sizes))
+            .map_or(f64::NEG_INFINITY, |density| curve.weight * density)
     }
 
     /// The covariance of the difference between a measured curve and its prediction, row-major, with the given relative sizes of
@@ -148,15 +203,7 @@ impl<'a> Posterior<'a> {
     fn log_likelihood(&self, values: &[f64]) -> f64 {
         let (parameters, sizes) = values.split_at(self.parameters.len());
         let Some(predicted) = self.model.predict(parameters) else { return f64::NEG_INFINITY };
-        let mut sum = 0.0;
-        for (k, (curve, predicted)) in self.curves.iter().zip(&predicted).enumerate() {
-            let apart: Vec<f64> = curve.measured.iter().zip(&predicted.mean).map(|(a, b)| a - b).collect();
-            let Some(density) = normal_log_density(&apart, &self.covariance(k, predicted, sizes)) else {
-                return f64::NEG_INFINITY;
-            };
-            sum += curve.weight * density;
-        }
-        sum
+        predicted.iter().enumerate().map(|(k, curve)| self.log_density_of_curve(k, curve, sizes)).sum()
     }
 }
 
@@ -179,7 +226,8 @@ pub fn normal_log_density(vector: &[f64], covariance: &[f64]) -> Option<f64> {
     Some(-0.5 * (square + factor.log_determinant() + constant))
 }
 
-fn measurement(curve: &MeasuredCurve) -> Vec<f64> {
+/// The covariance of the error of measurement of a curve, of which the lower triangle is filled, row-major.
+pub fn measurement_covariance(curve: &MeasuredCurve) -> Vec<f64> {
     let count = curve.strain.len();
     let mut covariance = vec![0.0; count * count];
     for i in 0..count {
@@ -288,6 +336,24 @@ mod tests {
         let (two, unsure) = width(Some(Discrepancy { scale: 0.5, correlation_strain: 0.05 }));
         assert_eq!((one, two), (1, 2));
         assert!(unsure > 5.0 * sure, "{sure} {unsure}");
+    }
+
+    /// Golden: averaged over the prior of its size, the likelihood is that of a fine sum over sizes.
+    #[test]
+    fn the_size_of_a_discrepancy_is_averaged() {
+        let free = slope(0.0, 4.0);
+        let curves = [line_test(MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 })];
+        let posterior =
+            Posterior::new(&free, &curves, &line, Some(Discrepancy { scale: 0.1, correlation_strain: 0.05 }))
+                .unwrap();
+        let predicted = line(&[1.9]).unwrap();
+        let found = posterior.marginal_log_likelihood(&predicted);
+        let prior = Prior::Normal { mean: 0.0, deviation: 0.1, from: 0.0, to: f64::INFINITY };
+        let terms = (0..2000).map(|k| prior.value((f64::from(k) + 0.5) / 2000.0));
+        let mean: f64 = terms.map(|size| posterior.log_likelihood(&[1.9, size]).exp()).sum::<f64>() / 2000.0;
+        assert!((found - mean.ln()).abs() < 0.02, "{found} {}", mean.ln());
+        let right = Posterior::new(&free, &curves, &line, None).unwrap();
+        assert_eq!(right.marginal_log_likelihood(&predicted), right.log_likelihood(&[1.9]));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use granum_dem::loading::Stage;
 use granum_io::LaboratoryTest;
-use granum_run::strength::Curves;
+use granum_run::strength::as_laboratory;
 use granum_sensors::Record;
 
 use super::figure::palette::INK;
@@ -21,27 +21,10 @@ pub struct ComparedRun {
     pub measures: Measures,
 }
 
-/// Strain over the initial length, from a logarithmic strain.
-fn engineering(strain: &f64) -> f64 {
-    1.0 - (-strain).exp()
-}
-
 impl ComparedRun {
-    /// The curves of the test proper of a record with these stages ([`Curves::test_rows`]); strains count from its start.
+    /// The curves of the test proper of a record with these stages; strains count from its start.
     pub fn from_record(name: &str, record: &Record, stages: &[Stage]) -> ComparedRun {
-        let of = Curves::new(record, stages);
-        let rows = of.test_rows();
-        let take = |values: &[f64]| values.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec);
-        let strain = |values: Vec<f64>| -> Vec<f64> { take(&values).iter().map(engineering).collect() };
-        let curves = LaboratoryTest {
-            name: name.to_owned(),
-            axial_strain: strain(of.axial_strain(rows.start)),
-            volumetric_strain: strain(of.volumetric_strain(rows.start)),
-            deviator_stress: take(&of.axial_deviator()),
-            mean_stress: take(of.mean_stress()),
-            void_ratio: take(&of.void_ratio()),
-            doubts: Vec::new(),
-        };
+        let curves = as_laboratory(name, record, stages);
         ComparedRun { name: name.to_owned(), curves, measures: Measures::new() }
     }
 }

@@ -4,6 +4,7 @@
 //! another program's data. Quantities that a record does not contain are omitted. Pages of other crates are
 //! made of the same parts: [`page`], [`figure`], and the sections of [`run`], [`sample`] and [`trust`].
 
+pub mod calibration;
 pub mod campaign;
 pub mod case_details;
 pub mod comparison;

@@ -133,3 +133,34 @@ impl ReadyPlan {
         PLANS.iter().find(|ready| ready.name == name)
     }
 }
+
+/// A ready file of a calibration, for `granum calibrate`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadyCalibration {
+    /// Its name, for `granum init --calibration NAME`.
+    pub name: &'static str,
+    /// The name of the ready case that is its base case.
+    pub case: &'static str,
+    /// The text of the file, whose first comment line says what it is.
+    pub text: &'static str,
+}
+
+/// All ready files of calibrations.
+pub const CALIBRATIONS: &[ReadyCalibration] = &[ReadyCalibration {
+    name: "karlsruhe-sand",
+    case: "karlsruhe-loose",
+    text: include_str!("../gallery/calibrations/karlsruhe-sand.toml"),
+}];
+
+impl ReadyCalibration {
+    /// What it is, from the first line of its file.
+    pub fn title(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
+    }
+
+    /// The ready file of a name.
+    pub fn named(name: &str) -> Option<&'static ReadyCalibration> {
+        CALIBRATIONS.iter().find(|ready| ready.name == name)
+    }
+}

@@ -14,7 +14,7 @@ use super::reader::Reader;
 impl Reader {
     /// Checks that names are unique and that expressions and constraints use names that exist, and not each other in a circle. The names are
     /// those of all variables, also of one in which there is another mistake.
-    pub(super) fn check_names(&mut self, plan: &Plan, reference: &Case, names: &[String]) {
+    pub fn check_names(&mut self, plan: &Plan, reference: &Case, names: &[String]) {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         for (k, variable) in plan.variables.iter().enumerate() {
             if plan.variables[..k].iter().any(|earlier| earlier.name == variable.name) {

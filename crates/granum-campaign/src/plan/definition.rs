@@ -31,7 +31,7 @@ pub(super) const PATH: &str = "path";
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Where the plan was read from, for messages.
-    pub(crate) source: PlanSource,
+    pub source: PlanSource,
     /// The file of the base case.
     pub case_file: PathBuf,
     /// The base case.
@@ -86,7 +86,7 @@ pub struct PlanSource {
 
 impl PlanSource {
     /// A mistake at a place of the plan.
-    pub(crate) fn error(&self, span: &Range<usize>, message: impl Into<String>) -> InputError {
+    pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> InputError {
         InputError::in_text(&self.file, &self.text, span.clone(), message.into())
     }
 }

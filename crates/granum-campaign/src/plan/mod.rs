@@ -47,6 +47,8 @@ pub use definition::{
     SampleSeeds, Spanned, VariableKind,
 };
 pub use expression::{Condition, Expression};
+pub use read_variables::Draft;
+pub use reader::{Node, Reader};
 pub use runs::{PlanRun, PlannedRuns, apply_settings};
 pub use values::RunValue;
 

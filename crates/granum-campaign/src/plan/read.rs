@@ -1,6 +1,6 @@
 //! Reading a plan: all mistakes are reported at once, each with its place and what would be right.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use granum_core::input::read_text;
@@ -13,6 +13,7 @@ use toml::de::DeTable;
 use super::definition::{Keep, Plan, PlanSource, PlanVariable, Spanned};
 use super::expression::Condition;
 use super::read_design::KINDS;
+use super::read_variables::VARIABLE_KEYS;
 use super::reader::Reader;
 
 /// A plan is a page or two long, but for long lists of runs; a larger file is something else.
@@ -58,30 +59,9 @@ impl Plan {
 impl Reader {
     fn plan(&mut self, table: &DeTable<'_>) -> Result<Option<Plan>> {
         self.refuse_unknown(table, &PLAN_KEYS, "plan");
-        let Some(node) = table.get("case") else {
-            self.error(
-                0..0,
-                "the plan names no base case",
-                "write e.g. case = \"sand.toml\" in its first line",
-            );
-            return Ok(None);
-        };
-        let Some(name) = self.text(node, "case") else { return Ok(None) };
-        let case_file = match named_file(&self.source.folder, &name, self.reading.outside) {
-            Ok(path) => path,
-            Err(why) => {
-                self.error(node.span(), format!("case = {name:?} {why}"), "");
-                return Ok(None);
-            }
-        };
-        if !case_file.is_file() {
-            let message = format!("case = {name:?}: there is no file {}", case_file.shown());
-            self.error(node.span(), message, "the name counts from the folder of the plan");
-            return Ok(None);
-        }
-        let case = Case::read_as(&case_file, self.reading.clone())?;
+        let Some((case_file, case)) = self.base_case(table)? else { return Ok(None) };
         let fixed = table.get("set").map_or_else(Vec::new, |node| self.fixed(node));
-        let drafts = self.drafts(table.get("variable"));
+        let drafts = self.drafts(table.get("variable"), &VARIABLE_KEYS);
         let names: Vec<String> = drafts.iter().map(|draft| draft.name.clone()).collect();
         let Some(reference) = self.reference(&case, &fixed, &drafts) else { return Ok(None) };
         let variables: Vec<PlanVariable> =
@@ -119,6 +99,36 @@ impl Reader {
         Ok(Some(plan))
     }
 
+    /// The base case that the key `case` names, and its file; `None` after a mistake that was noted.
+    ///
+    /// # Errors
+    /// As [`Case::read`] for the case.
+    pub fn base_case(&mut self, table: &DeTable<'_>) -> Result<Option<(PathBuf, Case)>> {
+        let Some(node) = table.get("case") else {
+            self.error(
+                0..0,
+                "the plan names no base case",
+                "write e.g. case = \"sand.toml\" in its first line",
+            );
+            return Ok(None);
+        };
+        let Some(name) = self.text(node, "case") else { return Ok(None) };
+        let case_file = match named_file(&self.source.folder, &name, self.reading.outside) {
+            Ok(path) => path,
+            Err(why) => {
+                self.error(node.span(), format!("case = {name:?} {why}"), "");
+                return Ok(None);
+            }
+        };
+        if !case_file.is_file() {
+            let message = format!("case = {name:?}: there is no file {}", case_file.shown());
+            self.error(node.span(), message, "the name counts from the folder of the plan");
+            return Ok(None);
+        }
+        let case = Case::read_as(&case_file, self.reading.clone())?;
+        Ok(Some((case_file, case)))
+    }
+
     /// How LAMMPS is started.
     fn lammps(&mut self, table: &DeTable, engine: &str) -> LammpsStart {
         let ranks = self.count(table, "ranks", 1, MOST_RANKS).map(|count| count as usize);
@@ -152,7 +162,8 @@ impl Reader {
         }
     }
 
-    fn conditions(&mut self, table: &DeTable, key: &str) -> Vec<Spanned<Condition>> {
+    /// The conditions of a list.
+    pub fn conditions(&mut self, table: &DeTable, key: &str) -> Vec<Spanned<Condition>> {
         let Some(node) = table.get(key) else { return Vec::new() };
         let mut found = Vec::new();
         for item in self.array(node, key).into_iter().flat_map(|items| items.iter()) {

@@ -19,29 +19,34 @@ pub(super) const VARIABLE_KEYS: [&str; 10] =
     ["name", "key", "keys", "from", "to", "scale", "levels", "values", "expression", "step"];
 
 /// A variable whose values have not been read yet: their reading needs the unit of its keys.
-pub(super) struct Draft<'a> {
-    pub(super) name: String,
-    keys: Vec<Spanned<String>>,
-    table: &'a DeTable<'a>,
-    span: Range<usize>,
+pub struct Draft<'a> {
+    /// Its name.
+    pub name: String,
+    /// The keys that take its value.
+    pub keys: Vec<Spanned<String>>,
+    /// Its table.
+    pub table: &'a DeTable<'a>,
+    /// Where it stands.
+    pub span: Range<usize>,
 }
 
 impl Reader {
-    pub(super) fn drafts<'a>(&mut self, node: Option<&'a Node<'a>>) -> Vec<Draft<'a>> {
+    /// The variables of a list of tables that may have the keys `known`.
+    pub fn drafts<'a>(&mut self, node: Option<&'a Node<'a>>, known: &[&str]) -> Vec<Draft<'a>> {
         let Some(node) = node else { return Vec::new() };
         let DeValue::Array(items) = node.get_ref() else {
             self.error(node.span(), "variable must be a list of tables", "write [[variable]]");
             return Vec::new();
         };
-        items.iter().filter_map(|item| self.draft(item)).collect()
+        items.iter().filter_map(|item| self.draft(item, known)).collect()
     }
 
-    pub(super) fn draft<'a>(&mut self, item: &'a Node<'a>) -> Option<Draft<'a>> {
+    fn draft<'a>(&mut self, item: &'a Node<'a>, known: &[&str]) -> Option<Draft<'a>> {
         let DeValue::Table(table) = item.get_ref() else {
             self.error(item.span(), "a variable must be a table", "write [[variable]]");
             return None;
         };
-        self.refuse_unknown(table, &VARIABLE_KEYS, "variable");
+        self.refuse_unknown(table, known, "variable");
         let mut keys = Vec::new();
         if let Some(node) = table.get("key") {
             keys.extend(self.text(node, "key").map(|value| Spanned { value, span: node.span() }));
@@ -80,7 +85,7 @@ impl Reader {
     }
 
     /// The base case with the fixed keys and the first of the named paths, by which the units of keys are known.
-    pub(super) fn reference(&mut self, case: &Case, fixed: &[FixedKey], drafts: &[Draft]) -> Option<Case> {
+    pub fn reference(&mut self, case: &Case, fixed: &[FixedKey], drafts: &[Draft]) -> Option<Case> {
         let paths = drafts.iter().find(|draft| draft.keys.iter().any(|key| key.value == PATH));
         let first = paths.and_then(|draft| match draft.table.get("values").map(TomlSpanned::get_ref) {
             Some(DeValue::Array(items)) => {
@@ -104,6 +109,13 @@ impl Reader {
     }
 
     pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
+        let (unit, step) = self.unit_and_step(&draft, case)?;
+        let kind = self.kind(&draft, &unit)?;
+        Some(PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
+    }
+
+    /// The unit of the keys of a variable, and the step to which its numbers are rounded, if there is one.
+    pub fn unit_and_step(&mut self, draft: &Draft, case: &Case) -> Option<(String, Option<f64>)> {
         let mut unit: Option<String> = None;
         for key in draft.keys.iter().filter(|key| key.value != PATH) {
             let Some(own) = case.unit_of(&key.value) else {
@@ -142,8 +154,7 @@ impl Reader {
             self.error(node.span(), "step must be above 0", "");
             return None;
         }
-        let kind = self.kind(&draft, &unit)?;
-        Some(PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
+        Some((unit, step))
     }
 
     pub(super) fn kind(&mut self, draft: &Draft, unit: &str) -> Option<VariableKind> {

@@ -11,21 +11,27 @@ use super::definition::{FixedKey, PlanSource};
 use super::units;
 
 /// A value of the file with its place.
-pub(super) type Node<'a> = TomlSpanned<DeValue<'a>>;
+pub type Node<'a> = TomlSpanned<DeValue<'a>>;
 
-pub(super) struct Reader {
-    pub(super) source: PlanSource,
-    pub(super) reading: Reading,
-    pub(super) errors: Vec<InputError>,
+/// Reads the tables of a plan, or of a file that is like one, and collects all mistakes with their places.
+pub struct Reader {
+    /// The text that is read, with its name.
+    pub source: PlanSource,
+    /// How files that it names are read.
+    pub reading: Reading,
+    /// The mistakes so far.
+    pub errors: Vec<InputError>,
 }
 
 impl Reader {
-    pub(super) fn error(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
+    /// Notes a mistake with what would be right, unless that is empty.
+    pub fn error(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
         let error = self.source.error(&span, message);
         self.errors.push(if help.is_empty() { error } else { error.with_help(help) });
     }
 
-    pub(super) fn refuse_unknown(&mut self, table: &DeTable<'_>, known: &[&str], what: &str) {
+    /// Notes keys of a table that are not known.
+    pub fn refuse_unknown(&mut self, table: &DeTable<'_>, known: &[&str], what: &str) {
         for key in table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())) {
             let help = suggestion(key.get_ref(), known.iter().copied());
             self.error(key.span(), format!("{:?} is no key of a {what}", key.get_ref()), &help);
@@ -33,7 +39,7 @@ impl Reader {
     }
 
     /// A text.
-    pub(super) fn text(&mut self, node: &Node, key: &str) -> Option<String> {
+    pub fn text(&mut self, node: &Node, key: &str) -> Option<String> {
         if let DeValue::String(text) = node.get_ref() {
             return Some(text.to_string());
         }
@@ -42,7 +48,7 @@ impl Reader {
     }
 
     /// The text of a single value: a number, a word, true or false.
-    pub(super) fn scalar(&mut self, node: &Node, key: &str) -> Option<String> {
+    pub fn scalar(&mut self, node: &Node, key: &str) -> Option<String> {
         match node.get_ref() {
             DeValue::String(text) => Some(text.trim().to_string()),
             DeValue::Float(number) => Some(number.as_str().replace('_', "")),
@@ -57,7 +63,8 @@ impl Reader {
         }
     }
 
-    pub(super) fn count(&mut self, table: &DeTable, key: &str, least: u64, most: u64) -> Option<u64> {
+    /// A whole number within bounds; `None` if the table does not have it.
+    pub fn count(&mut self, table: &DeTable, key: &str, least: u64, most: u64) -> Option<u64> {
         let node = table.get(key)?;
         let text = self.scalar(node, key)?;
         let count = text.parse().ok().filter(|count| (least..=most).contains(count));
@@ -71,7 +78,8 @@ impl Reader {
         count
     }
 
-    pub(super) fn array<'a>(&mut self, node: &'a Node<'a>, key: &str) -> Option<&'a DeArray<'a>> {
+    /// A list.
+    pub fn array<'a>(&mut self, node: &'a Node<'a>, key: &str) -> Option<&'a DeArray<'a>> {
         if let DeValue::Array(items) = node.get_ref() {
             return Some(items);
         }
@@ -80,7 +88,7 @@ impl Reader {
     }
 
     /// Keys that all runs have: `"grains.count" = 300`, or tables of them.
-    pub(super) fn fixed(&mut self, node: &Node) -> Vec<FixedKey> {
+    pub fn fixed(&mut self, node: &Node) -> Vec<FixedKey> {
         let mut found = Vec::new();
         match node.get_ref() {
             DeValue::Table(table) => self.flatten("", table, &mut found),
@@ -89,7 +97,7 @@ impl Reader {
         found
     }
 
-    pub(super) fn flatten(&mut self, place: &str, table: &DeTable, found: &mut Vec<FixedKey>) {
+    fn flatten(&mut self, place: &str, table: &DeTable, found: &mut Vec<FixedKey>) {
         for (key, node) in table {
             let path = if place.is_empty() {
                 key.get_ref().to_string()
@@ -112,7 +120,7 @@ impl Reader {
     }
 
     /// A number in the SI unit of a key.
-    pub(super) fn number(&mut self, node: &Node, key: &str, unit: &str) -> Option<f64> {
+    pub fn number(&mut self, node: &Node, key: &str, unit: &str) -> Option<f64> {
         let text = self.scalar(node, key)?;
         match units::quantity(&text, unit) {
             Ok(number) => Some(number),

@@ -228,6 +228,19 @@ impl Plan {
         Ok(found)
     }
 
+    /// A number of the base case, with the keys that all runs have, by which an expression can use it; `None` for any other name.
+    pub fn case_number(&self, name: &str) -> Option<f64> {
+        if !name.contains('.') {
+            return None;
+        }
+        let fixed = self.fixed.iter().find(|fixed| fixed.key == name);
+        let unit = || self.case.unit_of(name).unwrap_or_default();
+        match fixed {
+            Some(fixed) => units::quantity(&fixed.text, &unit()).ok(),
+            None => self.case.parameters().into_iter().find(|known| known.key == name)?.number(),
+        }
+    }
+
     fn of_point(&self, free: &[&PlanVariable], point: &Point) -> std::result::Result<Valued, Refusal> {
         let mut values = BTreeMap::new();
         for (variable, coordinate) in free.iter().zip(point) {
@@ -250,18 +263,7 @@ impl Plan {
 
     /// Adds the values of expressions, and compares the constraints.
     fn valued<'a>(&'a self, mut values: BTreeMap<&'a str, Chosen>) -> std::result::Result<Valued, Refusal> {
-        // Numbers of the base case that expressions may use.
-        let case_number = |name: &str| {
-            if !name.contains('.') {
-                return None;
-            }
-            let fixed = self.fixed.iter().find(|fixed| fixed.key == name);
-            let unit = || self.case.unit_of(name).unwrap_or_default();
-            match fixed {
-                Some(fixed) => units::quantity(&fixed.text, &unit()).ok(),
-                None => self.case.parameters().into_iter().find(|known| known.key == name)?.number(),
-            }
-        };
+        let case_number = |name: &str| self.case_number(name);
         let mut open: Vec<&PlanVariable> =
             self.variables.iter().filter(|variable| !variable.kind.is_free()).collect();
         while !open.is_empty() {

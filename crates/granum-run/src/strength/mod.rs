@@ -4,6 +4,7 @@
 //! [`of_test`] returns all of them by name; [`MEASURES`] says what each is. [`Curves`] gives the curves of a test with what they
 //! are counted from, and [`critical_state_line`] fits a line through the late states of several tests.
 
+mod as_laboratory;
 pub mod critical_state_line;
 mod curves;
 mod cyclic;
@@ -16,6 +17,7 @@ pub mod one_material;
 mod stiffness;
 pub mod symmetry;
 
+pub use as_laboratory::as_laboratory;
 pub use curves::{CARRIES_STRESS, Curves};
 pub use late::{LATE, late_mean};
 pub(crate) use liquefaction::ended_liquefied;

@@ -4,10 +4,10 @@ use granum_io::RunKind;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
-use granum_io::{Case, Conventions, LaboratoryTest, check_output_file, read_laboratory};
+use granum_io::{Case, LaboratoryTest, check_output_file, read_laboratory};
 use granum_report::comparison::{ComparedRun, Errors, errors, figure};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
@@ -17,6 +17,7 @@ use granum_run::strength::one_material;
 use serde_json::{Value, json};
 
 use super::comparability::{check_common, unlike_stresses};
+use super::laboratory_flags::{LaboratoryFlags, doubts};
 use super::records::check_begun;
 use super::run_folders::run_folders;
 use super::text_table;
@@ -48,40 +49,11 @@ pub struct Compare {
     /// A test of the file; can be repeated. All tests of a file with no more than three are drawn without it.
     #[arg(long, value_name = "NAME")]
     test: Vec<String>,
-    /// The column of a quantity, e.g. --map axial_strain='eps1 (%)'; can be repeated.
-    #[arg(long, value_name = "QUANTITY=COLUMN")]
-    map: Vec<String>,
-    /// What the file's numbers are, e.g. --as strain=logarithmic, --as stress=total, --as deviator_stress=half, --as bedding_strain='0.3 %';
-    /// can be repeated.
-    #[arg(long = "as", value_name = "KEY=VALUE")]
-    read_as: Vec<String>,
-    /// Sign of compression in the file.
-    #[arg(long, value_enum)]
-    compression: Option<Sign>,
-    /// Kind of the strains in the file.
-    #[arg(long, value_enum)]
-    strain: Option<Strain>,
+    #[command(flatten)]
+    laboratory: LaboratoryFlags,
     /// Figure to write.
     #[arg(short, long, default_value = "compare.svg", value_name = "FILE")]
     output: PathBuf,
-}
-
-/// Sign of compression.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Sign {
-    /// Compression is positive.
-    Positive,
-    /// Compression is negative.
-    Negative,
-}
-
-/// Kind of strain.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Strain {
-    /// Changes over initial lengths and volume.
-    Engineering,
-    /// Logarithms of ratios.
-    Logarithmic,
 }
 
 /// Largest number of tests that are drawn without being named.
@@ -93,7 +65,7 @@ impl Compare {
         check_output_file(&self.output, context.force)?;
         let (runs, pairs, entries) = match self.files.split_last() {
             Some((lab, folders)) if !lab.is_dir() => {
-                let tests = read_laboratory(lab, &self.conventions()?)?;
+                let tests = read_laboratory(lab, &self.laboratory.conventions()?)?;
                 let tests = self.chosen(&tests)?;
                 doubts(&tests).iter().for_each(|doubt| context.warn(doubt));
                 let runs: Vec<ComparedRun> =
@@ -129,8 +101,7 @@ impl Compare {
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
     fn labelled(&self, context: &Context) -> Result<(Vec<ComparedRun>, Vec<RunEntry>), Failure> {
-        let given = !(self.test.is_empty() && self.map.is_empty() && self.read_as.is_empty());
-        if given || self.compression.is_some() || self.strain.is_some() {
+        if !self.test.is_empty() || self.laboratory.is_given() {
             let message = "--test, --map, --as, --compression and --strain belong to a laboratory's file, which comes last";
             return Err(Failure::new(message));
         }
@@ -159,30 +130,6 @@ impl Compare {
         })?)
     }
 
-    fn conventions(&self) -> Result<Conventions, Failure> {
-        let mut conventions = Conventions {
-            compression_negative: self.compression.map(|sign| sign == Sign::Negative),
-            logarithmic: self.strain.map(|strain| strain == Strain::Logarithmic),
-            ..Conventions::default()
-        };
-        for text in &self.map {
-            let Some((quantity, column)) = text.split_once('=') else {
-                return Err(Failure::new(format!(
-                    "--map {text:?}: a quantity and its column are needed, as --map axial_strain='eps1 (%)'"
-                )));
-            };
-            conventions.columns.push((quantity.trim().to_string(), column.trim().to_string()));
-        }
-        for text in &self.read_as {
-            let stated = match text.split_once('=') {
-                Some((key, value)) => conventions.state(key.trim(), value.trim()),
-                None => Err("a convention and its value are needed, as strain=logarithmic".to_string()),
-            };
-            stated.map_err(|message| Failure::new(format!("--as {text:?}: {message}")))?;
-        }
-        Ok(conventions)
-    }
-
     /// The tests that are drawn.
     fn chosen<'a>(&self, tests: &'a [LaboratoryTest]) -> Result<Vec<&'a LaboratoryTest>, Failure> {
         let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
@@ -201,28 +148,6 @@ impl Compare {
         };
         self.test.iter().map(find).collect()
     }
-}
-
-/// What the readings of tests are probably not taken for; a doubt that several tests share is told once.
-fn doubts(tests: &[&LaboratoryTest]) -> Vec<String> {
-    let mut told: Vec<(&str, &str, Vec<&str>)> = Vec::new();
-    for test in tests {
-        for doubt in &test.doubts {
-            match told.iter_mut().find(|(_, remedy, _)| *remedy == doubt.remedy) {
-                Some((_, _, names)) => names.push(&test.name),
-                None => told.push((&doubt.evidence, &doubt.remedy, vec![&test.name])),
-            }
-        }
-    }
-    let line = |(evidence, remedy, names): (&str, &str, Vec<&str>)| match names.as_slice() {
-        [""] => format!("{evidence}; {remedy}"),
-        [name] => format!("test {name}: {evidence}; {remedy}"),
-        [name, others @ ..] => {
-            format!("test {name} and {} more ({}): {evidence}; {remedy}", others.len(), others.join(", "))
-        }
-        [] => evidence.to_string(),
-    };
-    told.into_iter().map(line).collect()
 }
 
 /// The runs in folders.

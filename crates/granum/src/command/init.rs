@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::gallery::{CASES, PLANS, ReadyCase, ReadyPlan};
+use granum::gallery::{CALIBRATIONS, CASES, PLANS, ReadyCalibration, ReadyCase, ReadyPlan};
 use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -15,7 +15,8 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write a commented case file, every key at its default or one of the ready cases, or one of the ready plans of campaigns.
+/// Write a commented case file, every key at its default or one of the ready cases, one of the ready plans of campaigns, or one of the ready
+/// files of calibrations.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum init my-sand.toml\n  granum run my-sand.toml\n  granum init --list\n  granum init --case drained-dense \
@@ -31,8 +32,11 @@ pub struct Init {
     /// Write this ready plan, and beside it the case that it starts from.
     #[arg(long, value_name = "NAME", conflicts_with = "case")]
     plan: Option<String>,
-    /// List the ready cases and plans and write nothing.
-    #[arg(long, conflicts_with_all = ["path", "case", "plan"])]
+    /// Write this ready file of a calibration, and beside it the case that it starts from.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["case", "plan"])]
+    calibration: Option<String>,
+    /// List the ready cases, plans and calibrations and write nothing.
+    #[arg(long, conflicts_with_all = ["path", "case", "plan", "calibration"])]
     list: bool,
 }
 
@@ -42,7 +46,34 @@ impl Init {
             return list(context);
         }
         if let Some(name) = &self.plan {
-            return self.write_plan(context, name);
+            let ready = ReadyPlan::named(name).ok_or_else(|| {
+                let known = PLANS.iter().map(|ready| ready.name);
+                Failure::new(format!(
+                    "--plan {name}: there is no such ready plan; {}",
+                    suggestion(name, known)
+                ))
+            })?;
+            let (text, title) = (ready.text, ready.title());
+            return self.write_with_case(
+                context,
+                name,
+                ready.case,
+                text,
+                title,
+                ("plan", "see what it runs: granum campaign {} --dry-run"),
+            );
+        }
+        if let Some(name) = &self.calibration {
+            let ready = ReadyCalibration::named(name).ok_or_else(|| {
+                let known = CALIBRATIONS.iter().map(|ready| ready.name);
+                let help = suggestion(name, known);
+                Failure::new(format!(
+                    "--calibration {name}: there is no such ready file of a calibration; {help}"
+                ))
+            })?;
+            let (text, title) = (ready.text, ready.title());
+            let next = ("calibration", "calibrate on tests of a laboratory: granum calibrate {} LAB.csv");
+            return self.write_with_case(context, name, ready.case, text, title, next);
         }
         let Some(name) = &self.case else {
             let path = self.path.clone().unwrap_or_else(|| PathBuf::from("case.toml"));
@@ -72,14 +103,18 @@ impl Init {
 }
 
 impl Init {
-    /// Writes a ready plan and its base case, both or neither.
-    fn write_plan(&self, context: &Context, name: &str) -> Result<(), Failure> {
-        let ready = ReadyPlan::named(name).ok_or_else(|| {
-            let known = PLANS.iter().map(|ready| ready.name);
-            Failure::new(format!("--plan {name}: there is no such ready plan; {}", suggestion(name, known)))
-        })?;
-        let base = ReadyCase::named(ready.case)
-            .ok_or_else(|| Failure::new(format!("the base case {} of the plan is missing", ready.case)))?;
+    /// Writes a ready file and its base case, both or neither. `next` is the key of the file in JSON, and the command that goes on.
+    fn write_with_case(
+        &self,
+        context: &Context,
+        name: &str,
+        case: &str,
+        text: &str,
+        title: &str,
+        (what, next): (&str, &str),
+    ) -> Result<(), Failure> {
+        let base = ReadyCase::named(case)
+            .ok_or_else(|| Failure::new(format!("the base case {case} of {name} is missing")))?;
         let path = self.path.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
         let case = path.with_file_name(format!("{}.toml", base.name));
         // A case that is there already, as it is, serves.
@@ -88,18 +123,13 @@ impl Init {
         if !is_there {
             write(&case, base.text, context)?;
         }
-        write(&path, ready.text, context)?;
+        write(&path, text, context)?;
         let result = json!({
-            "plan": output::path(&path), "case": output::path(&case), "name": name, "title": ready.title(),
+            what: output::path(&path), "case": output::path(&case), "name": name, "title": title,
         });
         output::say(context, &result, || {
-            let quoted = quoted_path(&path);
-            format!(
-                "wrote {} and {}: {}\nsee what it runs: granum campaign {quoted} --dry-run",
-                path.shown(),
-                case.shown(),
-                ready.title()
-            )
+            let next = next.replace("{}", &quoted_path(&path).to_string());
+            format!("wrote {} and {}: {title}\n{next}", path.shown(), case.shown())
         })
     }
 }
@@ -114,7 +144,11 @@ fn list(context: &Context) -> Result<(), Failure> {
     let cases: Vec<Value> = CASES.iter().map(ready).collect();
     let plan = |ready: &ReadyPlan| json!({ "name": ready.name, "case": ready.case, "title": ready.title() });
     let plans: Vec<Value> = PLANS.iter().map(plan).collect();
-    output::say(context, &json!({ "cases": cases, "plans": plans }), || {
+    let calibration =
+        |ready: &ReadyCalibration| json!({ "name": ready.name, "case": ready.case, "title": ready.title() });
+    let calibrations: Vec<Value> = CALIBRATIONS.iter().map(calibration).collect();
+    let result = json!({ "cases": cases, "plans": plans, "calibrations": calibrations });
+    output::say(context, &result, || {
         let cases = CASES.iter().map(|ready| format!("{:<20} {}", ready.name, ready.title()));
         let plans = PLANS.iter().map(|ready| format!("{:<27} {}", ready.name, ready.title()));
         let mut lines: Vec<String> = cases.collect();
@@ -123,6 +157,10 @@ fn list(context: &Context) -> Result<(), Failure> {
         lines.push("plans of campaigns:".into());
         lines.extend(plans);
         lines.push("write one: granum init --plan NAME".into());
+        lines.push(String::new());
+        lines.push("calibrations:".into());
+        lines.extend(CALIBRATIONS.iter().map(|ready| format!("{:<27} {}", ready.name, ready.title())));
+        lines.push("write one: granum init --calibration NAME".into());
         lines.join("\n")
     })
 }

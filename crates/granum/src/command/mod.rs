@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 mod bench;
+mod calibrate;
 mod campaign;
 mod campaign_report;
 mod case_flags;
@@ -23,6 +24,7 @@ mod forces;
 mod hardware;
 mod impact;
 mod init;
+mod laboratory_flags;
 mod law;
 mod limits;
 mod measure;
@@ -104,6 +106,7 @@ commands! {
     Limits(limits::Limits),
     Table(table::Table),
     Compare(compare::Compare),
+    Calibrate(calibrate::Calibrate),
     Resume(resume::Resume),
     Status(status::Status),
     Digest(digest::Digest),

@@ -2,6 +2,7 @@
 //! are refused.
 
 mod bounds_of_use;
+mod calibrations;
 mod campaign_chapter;
 mod campaigns;
 mod changed;

@@ -20,6 +20,9 @@ pub(in crate::surrogate) struct Calibration {
     states: Vec<f64>,
     /// The largest of each run, increasing.
     curves: Vec<f64>,
+    /// Root mean square of the errors themselves; absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    root_mean_square: Option<f64>,
 }
 
 impl Calibration {
@@ -41,7 +44,17 @@ impl Calibration {
         let largest = |run: &Vec<f64>| run.iter().fold(0.0f64, |most, e| most.max(e.abs()));
         let mut curves: Vec<f64> = errors.iter().map(largest).collect();
         curves.sort_by(f64::total_cmp);
-        Calibration { runs, states, curves }
+        Calibration { runs, states, curves, root_mean_square: None }
+    }
+
+    /// The same, with the root mean square of the errors themselves.
+    pub fn with_root_mean_square(self, error: f64) -> Calibration {
+        Calibration { root_mean_square: Some(error).filter(|error| error.is_finite()), ..self }
+    }
+
+    /// The root mean square of the errors themselves, if it is known.
+    pub fn root_mean_square(&self) -> Option<f64> {
+        self.root_mean_square
     }
 
     /// The factor of intervals that hold a share `level` of the states. With so few runs that the level cannot be reached it is that

@@ -25,6 +25,8 @@ use crate::surrogate::surrogate_trait::Surrogate;
 const FEWEST_RUNS: usize = 3;
 /// A run reaches the last point if it lacks no more than this part of the range.
 const ALMOST: f64 = 0.005;
+/// Share of a normal distribution within one standard deviation.
+const ONE_DEVIATION: f64 = 0.682_689_492_137_085_9;
 
 /// What is kept in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,6 +71,15 @@ pub(super) struct KeptCurve {
     pub parameters: Vec<Vec<f64>>,
     /// For each component its weights in the training runs.
     pub weights: Vec<Vec<f64>>,
+}
+
+/// A predicted curve of a single run, with the correlation of its error along the curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CorrelatedCurve {
+    /// The mean at each value of the coordinate.
+    pub mean: Vec<f64>,
+    /// The covariance of a run about the mean, row-major.
+    pub covariance: Vec<f64>,
 }
 
 /// Gaussian processes of curves, fitted to runs.
@@ -150,6 +161,54 @@ impl FittedCurves {
         let mut ranges = ranges.clone();
         ranges.insert(*coordinate, [points[0], points[points.len() - 1]]);
         ranges
+    }
+
+    /// An output of a run at increasing values of the coordinate, from the inputs beside the coordinate in their order: the mean, and the
+    /// covariance of a run about it, `f^2 (sum_j s_j^2 v_j(a) v_j(b) + r(a) [a = b])` with the variance `s_j^2` of the weight of each
+    /// component `v_j`, the variance r that the components do not contain, and the factor f by which intervals of one standard deviation were
+    /// calibrated on training runs left out.
+    ///
+    /// # Errors
+    /// If there is no such output, it is a bin of a histogram, whose values are not normal, or there are other inputs.
+    pub fn correlated_curve(&self, inputs: &[f64], output: usize, at: &[f64]) -> Result<CorrelatedCurve> {
+        let Kept { points, groups, calibrations, histograms, curves, .. } = &self.kept;
+        if inputs.len() + 1 != self.columns.inputs.len() || inputs.iter().any(|value| !value.is_finite()) {
+            return Err(failed("a curve needs a finite value of every input beside the coordinate"));
+        }
+        let (Some(kept), Some(calibration), true) =
+            (curves.get(output), calibrations.get(output), histograms.is_empty())
+        else {
+            return Err(failed("there is no such output whose error has a covariance"));
+        };
+        let row: Vec<f64> = groups.iter().map(|group| group.value(inputs)).collect();
+        let start = kept.start.map_or(0.0, |input| inputs[input]);
+        let along =
+            |values: &[f64]| at.iter().map(|x| interpolated(*x, points, values)).collect::<Vec<f64>>();
+        let mut mean: Vec<f64> = along(&kept.mean).into_iter().map(|value| start + value).collect();
+        let count = at.len();
+        let mut covariance = vec![0.0; count * count];
+        for (component, process) in kept.components.iter().zip(&self.processes[output]) {
+            let (weight, component) = (process.predict(&row), along(component));
+            let variance = weight.variance + weight.noise;
+            for i in 0..count {
+                mean[i] += weight.mean * component[i];
+                for j in 0..count {
+                    covariance[i * count + j] += variance * component[i] * component[j];
+                }
+            }
+        }
+        for (k, rest) in along(&kept.rest).into_iter().enumerate() {
+            covariance[k * count + k] += rest;
+        }
+        let factor = calibration.interval(ONE_DEVIATION);
+        covariance.iter_mut().for_each(|entry| *entry *= factor * factor);
+        Ok(CorrelatedCurve { mean, covariance })
+    }
+
+    /// The root mean square error of an output over the training runs, each predicted by what was fitted to others; `None` if it is not
+    /// known, as for files of earlier versions.
+    pub fn left_out_error(&self, output: usize) -> Option<f64> {
+        self.kept.calibrations.get(output)?.root_mean_square()
     }
 
     fn predictions(&self, inputs: &RunInputs, factor: &dyn Fn(&Calibration) -> f64) -> Vec<Prediction> {

@@ -334,7 +334,13 @@ fn calibrations(
             (from..measured.len()).map(|k| run[output].error(k, measured[k])).collect()
         };
         let errors: Vec<Vec<f64>> = predicted.iter().zip(&measured).map(errors).collect();
+        let square = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> f64 {
+            let apart = measured.iter().zip(&run[output].mean).zip(&shared.shares);
+            apart.map(|((measured, mean), share)| share * (measured - mean) * (measured - mean)).sum()
+        };
+        let squares: f64 = predicted.iter().zip(&measured).map(square).sum();
         Calibration::new(&errors, &shared.shares[from..])
+            .with_root_mean_square((squares / predicted.len() as f64).sqrt())
     };
     starts.iter().enumerate().map(calibration).collect()
 }

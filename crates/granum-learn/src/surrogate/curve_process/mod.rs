@@ -32,7 +32,7 @@ mod run_curves;
 mod tests;
 
 pub(super) use calibration::Calibration;
-pub use fitted::FittedCurves;
+pub use fitted::{CorrelatedCurve, FittedCurves};
 pub(super) use groups::{Group, groups_of};
 pub use method::GaussianProcessOfCurves;
 pub use reach::EndedEarly;

@@ -118,6 +118,38 @@ fn a_known_law_is_found_and_intervals_hold() {
     assert!((0.80..0.97).contains(&bands), "{bands} of the curves");
 }
 
+/// The covariance along a curve has the variances of intervals on its diagonal, is that of smooth errors, and its squared errors (of
+/// new runs, over the inverse covariance) are about the number of points.
+#[test]
+fn the_error_of_a_curve_has_its_covariance() {
+    let surrogate = fitted(&dataset(60, 1), &spec());
+    let any: &dyn std::any::Any = surrogate.as_ref();
+    let curves = any.downcast_ref::<FittedCurves>().unwrap();
+    let at = [0.1, 0.2, 0.5, 0.8, 1.0];
+    let found = curves.correlated_curve(&[0.4, 0.5], 0, &at).unwrap();
+    let rows: Vec<f64> = at.iter().flat_map(|x| [*x, 0.4, 0.5]).collect();
+    let level = 0.682_689_492_137_085_9;
+    for (k, prediction) in surrogate.predict_rows(&rows, level).unwrap().iter().enumerate() {
+        let estimate = &prediction.values[0];
+        let interval = estimate.interval.as_ref().unwrap();
+        assert!((found.mean[k] - estimate.mean).abs() < 1e-12);
+        let half = 0.5 * (interval.upper - interval.lower);
+        // Between two points components are interpolated here and variances there.
+        assert!((found.covariance[k * 5 + k].sqrt() / half - 1.0).abs() < 0.02, "{half}");
+    }
+    let correlation = |i: usize, j: usize| {
+        found.covariance[i * 5 + j] / (found.covariance[i * 6] * found.covariance[j * 6]).sqrt()
+    };
+    assert!(correlation(3, 4) > 0.8, "{}", correlation(3, 4));
+    assert!(
+        curves.left_out_error(0).unwrap() > 0.5 * NOISE && curves.left_out_error(0).unwrap() < 3.0 * NOISE
+    );
+    assert!(
+        curves.correlated_curve(&[0.4], 0, &at).is_err()
+            && curves.correlated_curve(&[0.4, 0.5], 1, &at).is_err()
+    );
+}
+
 #[test]
 fn a_curve_starts_at_the_value_of_its_sample() {
     let spec = FitSpec::new(["x", "strength", "rate", "sample.z"], ["z"]).with_coordinate("x");

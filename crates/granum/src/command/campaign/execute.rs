@@ -195,6 +195,40 @@ pub fn resume(
     carry_out(context, &*scheduler, flags, None, campaign, &folder)
 }
 
+/// Carries out a plan here for a command that needs its runs, and adds them to the data set of the campaign; what is finished is used again.
+pub fn carry_out_for(
+    context: &Context,
+    flags: &CarryOutFlags,
+    plan: &Plan,
+    planned: &PlannedRuns,
+    out: &Path,
+) -> Result<(Campaign, Summary), Failure> {
+    let (campaign, folder) = prepared(context, flags, plan, planned, out)?;
+    scheduling::check_none_queued(context, &campaign)?;
+    let scheduler = SchedulerFlags::local().scheduler(context, flags)?;
+    let laboratory = campaign.laboratory(&flags.laboratory(context)?);
+    let order = Order {
+        campaign: &campaign,
+        folder: &folder,
+        laboratory: &laboratory,
+        replace_others: context.force,
+        again: flags.again || context.force,
+        pace: None,
+    };
+    let submitted = {
+        let show = ShowCampaign::new(context);
+        scheduler.submit(&order, &show)?
+    };
+    let Submitted::Ended(summary) = submitted else {
+        return Err(Failure::new("the runs of this command are executed on this machine"));
+    };
+    if !summary.stopped {
+        let collected = collect_by(context, &*scheduler, &campaign)?;
+        collected.remarks.iter().for_each(|remark| context.warn(remark));
+    }
+    Ok((campaign, summary))
+}
+
 /// Refuses a campaign of which a run cannot be executed, before any begins.
 fn check(context: &Context, flags: &CarryOutFlags, campaign: &Campaign) -> Result<(), Failure> {
     flags.workers()?;

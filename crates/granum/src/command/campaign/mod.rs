@@ -20,7 +20,7 @@ use crate::failure::Failure;
 
 use flags::PlanFlags;
 
-pub use execute::resume;
+pub use execute::{carry_out_for, resume};
 pub use flags::CarryOutFlags;
 pub use status::print as print_status;
 

@@ -1,0 +1,176 @@
+//! What the file of a calibration says.
+
+use std::ops::Range;
+
+use granum_campaign::plan::Plan;
+
+use crate::curve::MeasurementError;
+use crate::likelihood::Discrepancy;
+use crate::prior::Prior;
+
+/// A calibration as it is written. [`CalibrationFile::read`] reads it.
+#[derive(Clone, Debug)]
+pub struct CalibrationFile {
+    /// The base case, the keys that all runs have, and all variables, without any run.
+    pub plan: Plan,
+    /// The variables that are free.
+    pub free: Vec<FreeVariable>,
+    /// The variables that each test gives.
+    pub conditions: Vec<(String, TestCondition)>,
+    /// The table `[calibration]`.
+    pub calibration: CalibrationTable,
+}
+
+/// A variable that is free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeVariable {
+    /// Its name.
+    pub name: String,
+    /// SI unit of its numbers; empty for pure numbers.
+    pub unit: String,
+    /// What is known of it beforehand, in SI units.
+    pub prior: Prior,
+    /// True if each test has a value of its own, false if all tests share one.
+    pub own: bool,
+}
+
+/// What a test tells of its beginning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TestCondition {
+    /// The lateral stress, Pa.
+    LateralStress,
+    /// The effective mean stress, Pa.
+    MeanStress,
+    /// The void ratio.
+    VoidRatio,
+    /// The relative density `(e_max - e) / (e_max - e_min)` between the void ratios of the loosest and densest state of the laboratory.
+    RelativeDensity,
+}
+
+impl TestCondition {
+    /// All of them with their words.
+    pub const ALL: [(TestCondition, &'static str); 4] = [
+        (TestCondition::LateralStress, "lateral_stress"),
+        (TestCondition::MeanStress, "mean_stress"),
+        (TestCondition::VoidRatio, "void_ratio"),
+        (TestCondition::RelativeDensity, "relative_density"),
+    ];
+}
+
+/// The table `[calibration]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationTable {
+    /// Names of the tests; empty for all tests of the laboratory's files.
+    pub tests: Vec<String>,
+    /// Where the names stand.
+    pub tests_span: Range<usize>,
+    /// How the posterior is found.
+    pub method: Method,
+    /// Simulations from which the surrogate learns, of all tests together; for [`Method::Dem`] the points of a round, each with a simulation
+    /// of every test.
+    pub runs: usize,
+    /// Most rounds: of simulations ([`Method::Dem`]), or of confirmations after which the surrogate is fitted again.
+    pub rounds: usize,
+    /// Draws from the posterior that are simulated to confirm it.
+    pub confirm: usize,
+    /// Draws from the posterior that are written as a plan of a campaign.
+    pub draws: usize,
+    /// Number of chains.
+    pub chains: usize,
+    /// Most draws of each chain.
+    pub most_draws: usize,
+    /// Seed of the design and of the draws.
+    pub seed: u32,
+    /// Void ratios of the densest and the loosest state of the laboratory, e_min and e_max.
+    pub void_ratio_limits: Option<[f64; 2]>,
+    /// Inadequacy of the model; `None` if the model is taken to be right.
+    pub inadequacy: Option<Discrepancy>,
+    /// What is compared.
+    pub quantities: Vec<ComparedQuantity>,
+}
+
+/// How the posterior is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By chains on a surrogate of the simulations.
+    Surrogate,
+    /// By rounds of simulations, without a surrogate: sequential importance sampling.
+    Dem,
+}
+
+impl Method {
+    /// All of them with their words.
+    pub const ALL: [(Method, &'static str); 2] = [(Method::Surrogate, "surrogate"), (Method::Dem, "dem")];
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Method::Surrogate => "surrogate",
+            Method::Dem => "dem",
+        }
+    }
+}
+
+/// A quantity that tests and simulations have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Deviator stress q, Pa.
+    DeviatorStress,
+    /// Effective mean stress p, Pa.
+    MeanStress,
+    /// Volumetric strain over the initial volume, compression positive.
+    VolumetricStrain,
+    /// Void ratio e.
+    VoidRatio,
+}
+
+impl Quantity {
+    /// All of them with their words.
+    pub const ALL: [(Quantity, &'static str); 4] = [
+        (Quantity::DeviatorStress, "deviator_stress"),
+        (Quantity::MeanStress, "mean_stress"),
+        (Quantity::VolumetricStrain, "volumetric_strain"),
+        (Quantity::VoidRatio, "void_ratio"),
+    ];
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        Quantity::ALL[self as usize].1
+    }
+
+    /// SI unit; empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        if self.is_stress() { "Pa" } else { "" }
+    }
+
+    /// True for a stress.
+    pub fn is_stress(self) -> bool {
+        matches!(self, Quantity::DeviatorStress | Quantity::MeanStress)
+    }
+
+    /// The error of measurement unless the file states another one: 1 kPa and 2 % of stresses, 0.05 % and 5 % of volumetric strains, 0.002
+    /// of void ratios, alike over 2 % of axial strain.
+    pub fn usual_error(self) -> MeasurementError {
+        let (absolute, relative) = match self {
+            Quantity::DeviatorStress | Quantity::MeanStress => (1e3, 0.02),
+            Quantity::VolumetricStrain => (5e-4, 0.05),
+            Quantity::VoidRatio => (2e-3, 0.0),
+        };
+        MeasurementError { absolute, relative, correlation_strain: 0.02 }
+    }
+}
+
+/// A quantity that is compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparedQuantity {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Axial strains at which it is compared, rising.
+    pub strains: Vec<f64>,
+    /// Exponent of its likelihood.
+    pub weight: f64,
+    /// Error of its measurement.
+    pub error: MeasurementError,
+    /// Where it stands.
+    pub span: Range<usize>,
+}

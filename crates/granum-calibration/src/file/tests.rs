@@ -1,0 +1,127 @@
+//! What a file says, and what is refused of it, with its place.
+
+use std::sync::Arc;
+
+use granum_campaign::plan::PlanSource;
+use granum_io::{Error, Reading};
+
+use super::*;
+use crate::prior::Prior;
+
+const CASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\nrelative_density = 0.5\n\
+                    densest_void_ratio = 0.5\nloosest_void_ratio = 0.8\n[[stage]]\npath = \"drained-triaxial\"\n\
+                    lateral_stress = \"100 kPa\"\naxial_strain = 0.2\n";
+const FILE: &str = "case = \"sand.toml\"
+
+[calibration]
+tests = [\"A\", \"B\"]
+runs = 24
+
+[calibration.density]
+densest_void_ratio = 0.6
+loosest_void_ratio = 1.0
+
+[[calibration.quantity]]
+name = \"deviator_stress\"
+to = \"10 %\"
+absolute = \"2 kPa\"
+
+[[variable]]
+name = \"friction\"
+key = \"grains.material.friction\"
+prior = \"uniform\"
+from = 0.2
+to = 0.8
+
+[[variable]]
+name = \"stiffness\"
+key = \"grains.material.youngs_modulus\"
+prior = \"log-uniform\"
+from = \"100 MPa\"
+to = \"10 GPa\"
+
+[[variable]]
+name = \"lateral_stress\"
+keys = [\"preparation.mean_stress\", \"stage.1.lateral_stress\"]
+test = \"lateral_stress\"
+
+[[variable]]
+name = \"density\"
+test = \"relative_density\"
+
+[[variable]]
+name = \"shift\"
+prior = \"normal\"
+mean = 0
+deviation = 0.1
+own = true
+
+[[variable]]
+name = \"relative_density\"
+key = \"preparation.relative_density\"
+expression = \"min(max(density + shift, 0), 1)\"
+";
+
+pub(crate) fn parsed(text: &str) -> granum_io::Result<CalibrationFile> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sand.toml"), CASE).unwrap();
+    let source =
+        PlanSource { file: "material.toml".into(), folder: folder.path().into(), text: Arc::from(text) };
+    CalibrationFile::parse(source, Reading::default())
+}
+
+#[test]
+fn a_file_says_what_is_free_what_tests_give_and_what_is_compared() {
+    let file = parsed(FILE).unwrap_or_else(|error| panic!("{error}"));
+    let free: Vec<(&str, bool)> = file.free.iter().map(|free| (free.name.as_str(), free.own)).collect();
+    assert_eq!(free, [("friction", false), ("stiffness", false), ("shift", true)]);
+    assert_eq!(file.free[1].prior, Prior::LogUniform { from: 1e8, to: 1e10 });
+    assert_eq!(file.free[1].unit, "Pa");
+    assert_eq!(file.conditions[1], ("density".into(), TestCondition::RelativeDensity));
+    let table = &file.calibration;
+    assert_eq!((table.tests.as_slice(), table.runs), (&["A".to_string(), "B".to_string()][..], 24));
+    assert_eq!((table.method, table.void_ratio_limits), (Method::Surrogate, Some([0.6, 1.0])));
+    let compared = &table.quantities[0];
+    assert_eq!((compared.strains.len(), compared.strains[0], compared.strains[15]), (16, 0.005, 0.1));
+    assert_eq!((compared.error.absolute, compared.error.relative), (2e3, 0.02));
+}
+
+#[test]
+fn mistakes_are_told_with_their_lines() {
+    for (from, to, parts) in [
+        ("runs = 24", "rums = 24", &["material.toml:5:", "\"rums\" is no key of a calibration", "runs"][..]),
+        (
+            "prior = \"log-uniform\"",
+            "prior = \"lognormal\"",
+            &["material.toml:26:", "lognormal", "log-uniform"],
+        ),
+        ("from = 0.2\nto = 0.8", "from = 0.9\nto = 0.8", &["material.toml:16:", "prior of friction", "0.9"]),
+        ("deviation = 0.1\n", "", &["the prior of shift needs deviation"]),
+        ("youngs_modulus", "young", &["material.toml:25:", "youngs_modulus"]),
+        ("\"100 MPa\"", "\"100 mm\"", &["material.toml:27:", "100 mm", "length"]),
+        ("test = \"lateral_stress\"", "test = \"pressure\"", &["material.toml:33:", "pressure"]),
+        ("name = \"deviator_stress\"", "name = \"q\"", &["material.toml:12:", "q"]),
+        ("to = \"10 %\"", "to = \"30 %\"", &["material.toml:11:", "30.0000 %", "stage.1.axial_strain"]),
+        ("density + shift", "density + 0", &["the variable shift changes nothing"]),
+        ("density + shift", "density + shirt", &["shirt is neither", "shift"]),
+        (
+            "[calibration.density]\ndensest_void_ratio = 0.6\nloosest_void_ratio = 1.0\n",
+            "",
+            &["[calibration.density]"],
+        ),
+        ("own = true", "own = 1", &["own must be true"]),
+        ("runs = 24", "runs = 24\nmethod = \"abc\"", &["method = \"abc\"", "surrogate"]),
+        ("test = \"relative_density\"", "test = \"relative_density\"\nfrom = 1", &["from belongs to"]),
+    ] {
+        assert!(FILE.contains(from), "{from}");
+        let error = parsed(&FILE.replace(from, to)).unwrap_err();
+        let told = match &error {
+            Error::Inputs(all) => all
+                .iter()
+                .map(|one| format!("{one} {}", one.help.clone().unwrap_or_default()))
+                .collect::<String>(),
+            other => other.to_string(),
+        };
+        assert!(parts.iter().all(|part| told.contains(part)), "{from} -> {to}: {told}");
+    }
+}

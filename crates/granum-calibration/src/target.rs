@@ -1,0 +1,169 @@
+//! Targets of a calibration: the tests of a laboratory with their conditions and with what is compared of them.
+
+use granum_io::{Error, LaboratoryTest};
+use granum_learn::curve::interpolated;
+
+use crate::curve::MeasuredCurve;
+use crate::error::{CalibrationError, Result};
+use crate::file::{CalibrationFile, ComparedQuantity, Quantity, TestCondition};
+
+/// A test that simulations are to explain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Its name.
+    pub name: String,
+    /// What it gives to the variables [`CalibrationFile::conditions`], in their order.
+    pub conditions: Vec<f64>,
+    /// Effective mean stress at its start, Pa, by which stresses of different tests are made comparable.
+    pub mean_stress: f64,
+    /// Its readings.
+    pub laboratory: LaboratoryTest,
+    /// What is compared, one curve for each quantity of the file that it has a reading of, with the place of the quantity.
+    pub curves: Vec<(usize, MeasuredCurve)>,
+}
+
+/// The values of a quantity of a test; empty if it has none.
+pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> &[f64] {
+    match quantity {
+        Quantity::DeviatorStress => &test.deviator_stress,
+        Quantity::MeanStress => &test.mean_stress,
+        Quantity::VolumetricStrain => &test.volumetric_strain,
+        Quantity::VoidRatio => &test.void_ratio,
+    }
+}
+
+/// The targets that a file asks for, in its order, or all tests.
+///
+/// # Errors
+/// With the place in the file if there is no such test, and if a test has not what is compared or needed of it.
+pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<Target>> {
+    let table = &file.calibration;
+    let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
+    for (k, test) in tests.iter().enumerate() {
+        if tests[..k].iter().any(|other| other.name == test.name) {
+            return Err(CalibrationError::Input(format!(
+                "two tests have the name {:?}; calibrate on one of them, or rename one in its file",
+                test.name
+            )));
+        }
+    }
+    if tests.is_empty() {
+        return Err(CalibrationError::Input("no test of a laboratory is given".into()));
+    }
+    let chosen: Vec<&LaboratoryTest> = if table.tests.is_empty() {
+        tests.iter().collect()
+    } else {
+        let find = |name: &String| {
+            tests.iter().find(|test| test.name == *name).ok_or_else(|| {
+                let message = format!("there is no test {name:?} in the laboratory's files");
+                let error = file.plan.source.error(&table.tests_span, message);
+                CalibrationError::File(Error::from(error.with_help(format!("there are {}", names()))))
+            })
+        };
+        table.tests.iter().map(find).collect::<Result<_>>()?
+    };
+    chosen.into_iter().map(|test| target(file, test)).collect()
+}
+
+fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Target> {
+    let lacks = |what: &str, why: &str| {
+        CalibrationError::Input(format!("the test {:?} has no {what}, {why}", test.name))
+    };
+    let mean_stress = test.mean_stress.first().copied().filter(|p| *p > 0.0);
+    let mean_stress = mean_stress.ok_or_else(|| {
+        lacks("mean stress at its start", "by which stresses of different tests are made comparable")
+    })?;
+    let condition = |(name, condition): &(String, TestCondition)| {
+        let needed = format!("which the variable {name} takes from it");
+        let first = |values: &[f64], what: &str| values.first().copied().ok_or_else(|| lacks(what, &needed));
+        Ok(match condition {
+            TestCondition::MeanStress => mean_stress,
+            TestCondition::LateralStress => {
+                mean_stress - first(&test.deviator_stress, "deviator stress")? / 3.0
+            }
+            TestCondition::VoidRatio => first(&test.void_ratio, "void ratio")?,
+            TestCondition::RelativeDensity => {
+                let e = first(&test.void_ratio, "void ratio")?;
+                // The file was refused without the limits.
+                let [densest, loosest] = file.calibration.void_ratio_limits.unwrap_or([0.0, 1.0]);
+                (loosest - e) / (loosest - densest)
+            }
+        })
+    };
+    let conditions = file.conditions.iter().map(condition).collect::<Result<Vec<f64>>>()?;
+    let curve =
+        |(place, compared): (usize, &ComparedQuantity)| measured(test, compared).map(|curve| (place, curve));
+    let curves: Vec<(usize, MeasuredCurve)> =
+        file.calibration.quantities.iter().enumerate().filter_map(curve).collect();
+    if curves.is_empty() {
+        let words: Vec<&str> = file.calibration.quantities.iter().map(|q| q.quantity.word()).collect();
+        return Err(CalibrationError::Input(format!(
+            "the test {:?} has nothing that is compared ({}) within its strains",
+            test.name,
+            words.join(", ")
+        )));
+    }
+    Ok(Target { name: test.name.clone(), conditions, mean_stress, laboratory: test.clone(), curves })
+}
+
+/// The curve of a quantity at those of the compared strains that the test reaches; `None` if it has no such reading.
+pub(crate) fn measured(test: &LaboratoryTest, compared: &ComparedQuantity) -> Option<MeasuredCurve> {
+    let values = readings(test, compared.quantity);
+    let [first, last] = [*test.axial_strain.first()?, *test.axial_strain.last()?];
+    if values.len() != test.axial_strain.len() {
+        return None;
+    }
+    let strain: Vec<f64> = compared.strains.iter().copied().filter(|x| (first..=last).contains(x)).collect();
+    let measured = strain.iter().map(|x| interpolated(*x, &test.axial_strain, values)).collect();
+    (!strain.is_empty()).then(|| MeasuredCurve {
+        test: test.name.clone(),
+        quantity: compared.quantity.word().into(),
+        strain,
+        measured,
+        error: compared.error,
+        weight: compared.weight,
+    })
+}
+
+/// The measured curves of all targets, one target after another.
+pub fn all_curves(targets: &[Target]) -> Vec<MeasuredCurve> {
+    targets.iter().flat_map(|target| target.curves.iter().map(|(_, curve)| curve.clone())).collect()
+}
+
+/// What a reader should know of how the tests were understood, in a sentence for each.
+pub fn understood(file: &CalibrationFile, targets: &[Target]) -> Vec<String> {
+    let line = |target: &Target| {
+        let kilopascal = |stress: f64| format!("{:.1} kPa", stress / 1e3);
+        let percent = |strain: f64| format!("{:.3} %", 100.0 * strain);
+        let mut parts = vec![format!("mean stress {}", kilopascal(target.mean_stress))];
+        for ((name, condition), value) in file.conditions.iter().zip(&target.conditions) {
+            parts.push(match condition {
+                TestCondition::LateralStress | TestCondition::MeanStress => {
+                    format!("{name} {}", kilopascal(*value))
+                }
+                TestCondition::VoidRatio | TestCondition::RelativeDensity => format!("{name} {value:.3}"),
+            });
+        }
+        for (_, curve) in &target.curves {
+            let (Some(first), Some(last)) = (curve.strain.first(), curve.strain.last()) else { continue };
+            let largest =
+                curve.measured.iter().fold(0.0, |most: f64, y| if y.abs() > most.abs() { *y } else { most });
+            let is_stress = curve.quantity.ends_with("stress");
+            let is_strain = curve.quantity.ends_with("strain");
+            let largest = match (is_stress, is_strain) {
+                (true, _) => kilopascal(largest),
+                (_, true) => percent(largest),
+                _ => format!("{largest:.4}"),
+            };
+            parts.push(format!(
+                "{} at {} axial strains from {} to {}, extreme {largest}",
+                curve.quantity.replace('_', " "),
+                curve.strain.len(),
+                percent(*first),
+                percent(*last),
+            ));
+        }
+        format!("{}: {}", target.name, parts.join("; "))
+    };
+    targets.iter().map(line).collect()
+}

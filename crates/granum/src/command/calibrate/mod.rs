@@ -1,0 +1,226 @@
+//! `granum calibrate`: which properties of the grains explain laboratory tests, and how surely.
+
+mod calibration;
+mod coverage;
+mod infer;
+mod results;
+mod simulate;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use granum_calibration::emulator::Emulator;
+use granum_calibration::file::{CalibrationFile, Method};
+use granum_calibration::simulation::{Simulated, parameters};
+use granum_calibration::target::{targets, understood};
+use granum_calibration::telling::WhatTestsTell;
+use granum_io::shell::ShowPath;
+use granum_io::{LaboratoryTest, OutputFolder, read_laboratory};
+
+use super::campaign::CarryOutFlags;
+use super::laboratory_flags::{LaboratoryFlags, doubts};
+use crate::context::Context;
+use crate::failure::Failure;
+use calibration::Calibration;
+use infer::Found;
+use simulate::Runs;
+
+/// The copy of the file in the folder, by which the folder is known to be that of a calibration.
+const COPY: &str = "material.toml";
+
+/// Calibrate: find which properties of the grains explain laboratory tests, and how surely.
+///
+/// The file is like the plan of a campaign: a base case, `[set]` and `[[variable]]`, with a prior for each variable that is free, and the table
+/// `[calibration]` that says what is compared (`granum init --list` names ready ones). Simulations of the tests at their own densities and
+/// stresses are carried out as a campaign in the folder; a surrogate learns from them; what the tests can tell is said before anything is
+/// inferred; chains draw from the posterior; simulations at such draws confirm it. The same command goes on after any interruption and
+/// uses what is finished.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum init --calibration karlsruhe-sand\n  granum calibrate karlsruhe-sand.toml \
+                  data/lab/karlsruhe-fine-sand-drained.csv --out calibrated\n  granum campaign calibrated/draws.toml --dry-run"
+)]
+pub struct Calibrate {
+    /// The file of the calibration.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The laboratory's files, as those of `granum compare`.
+    #[arg(required = true, num_args = 1.., value_name = "LAB.csv")]
+    laboratory: Vec<PathBuf>,
+    /// Folder of the calibration; by default the name of the file without its ending.
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// A test to use in place of those that the file names; can be repeated.
+    #[arg(long, value_name = "NAME")]
+    test: Vec<String>,
+    /// Do not calibrate, but count how often intervals of 90 % hold the parameters of N simulations in place of the tests.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    coverage: Option<u64>,
+    #[command(flatten)]
+    reading: LaboratoryFlags,
+    #[command(flatten)]
+    carry_out: CarryOutFlags,
+}
+
+impl Calibrate {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let mut file = CalibrationFile::read(&self.file, context.reading())?;
+        if !self.test.is_empty() {
+            file.calibration.tests.clone_from(&self.test);
+        }
+        let tests = self.tests(context)?;
+        let targets = targets(&file, &tests)?;
+        let used: Vec<&LaboratoryTest> = targets.iter().map(|target| &target.laboratory).collect();
+        doubts(&used).iter().for_each(|doubt| context.warn(doubt));
+        understood(&file, &targets).iter().for_each(|line| context.note(line));
+        let name = || PathBuf::from(self.file.file_stem().unwrap_or(self.file.as_os_str()));
+        let out = self.out.clone().unwrap_or_else(name);
+        let _folder = self.folder(&out, &file)?;
+        let parameters = parameters(&file, &targets);
+        let calibration =
+            Calibration { context, file: &file, targets: &targets, parameters, out, flags: &self.carry_out };
+        if let Some(count) = self.coverage {
+            return calibration.coverage(count as usize);
+        }
+        match file.calibration.method {
+            Method::Surrogate => calibration.by_surrogate(),
+            Method::Dem => calibration.by_simulations(),
+        }
+    }
+
+    /// The tests of all files; one without a name has that of its file.
+    fn tests(&self, context: &Context) -> Result<Vec<LaboratoryTest>, Failure> {
+        let _alone = context.nothing_written(Some("reading the tests"));
+        let conventions = self.reading.conventions()?;
+        let mut all = Vec::new();
+        for path in &self.laboratory {
+            for mut test in read_laboratory(path, &conventions)? {
+                if test.name.is_empty() {
+                    test.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                }
+                all.push(test);
+            }
+        }
+        Ok(all)
+    }
+
+    /// The folder, which is new or that of a calibration.
+    fn folder(&self, out: &Path, file: &CalibrationFile) -> Result<OutputFolder, Failure> {
+        let copy = out.join(COPY);
+        if !OutputFolder::is_free(out) && !copy.is_file() {
+            return Err(Failure::new(format!(
+                "{}: the folder holds something else than a calibration; give another one with --out",
+                out.shown()
+            )));
+        }
+        let folder = OutputFolder::open_or_create(out)?;
+        results::write(&copy, file.plan.text())?;
+        Ok(folder)
+    }
+}
+
+impl Calibration<'_> {
+    /// By a surrogate of the simulations, which is refined where simulations at draws from the posterior differ from it.
+    fn by_surrogate(&self) -> Result<(), Failure> {
+        let table = &self.file.calibration;
+        let design = granum_calibration::simulation::design(self.file, self.targets.len());
+        let Runs { simulated: mut known } = self.simulate("design", 0, &design)?;
+        let mut round = 1;
+        loop {
+            let emulator = self.emulator(&known)?;
+            let telling = self.telling(&emulator)?;
+            let found = self.infer(&emulator)?;
+            let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;
+            let outside = granum_calibration::confirmation::share_outside(&confirmed);
+            let is_confirmed = outside <= granum_calibration::confirmation::MOST_OUTSIDE;
+            self.context.note(&format!(
+                "confirmation {round}: {:.0} % of the curves of {} simulations at draws from the posterior leave the intervals of 90 % of \
+                 the surrogate",
+                100.0 * outside,
+                runs.simulated.len()
+            ));
+            if is_confirmed || round >= table.rounds {
+                let mut remarks = Vec::new();
+                if !is_confirmed {
+                    remarks.push(format!(
+                        "the surrogate is not confirmed after {round} rounds: {:.0} % of the curves of simulations leave its intervals of \
+                         90 %; plan more runs, or allow more rounds",
+                        100.0 * outside
+                    ));
+                }
+                results::put(emulator.to_json()?, &self.out.join("surrogate.json"))?;
+                return self.finish(
+                    &found,
+                    Some((&emulator, &telling)),
+                    &confirmed,
+                    &runs.simulated,
+                    remarks,
+                );
+            }
+            self.context.note("the simulations are added to those from which the surrogate learns, and the inference is repeated");
+            known.extend(runs.simulated);
+            round += 1;
+        }
+    }
+
+    fn emulator(&self, known: &[Simulated]) -> Result<Emulator<'_>, Failure> {
+        let mut show = infer::Show::new(self.context, "surrogate");
+        let threads = super::hardware::processors();
+        let emulator = Emulator::fit(self.file, self.targets, known, threads, &mut show);
+        let emulator = emulator.map_err(|error| self.stopped(error))?;
+        let errors: Vec<String> = emulator
+            .left_out_errors(known)
+            .iter()
+            .map(|error| {
+                let over = if error.quantity.is_stress() { " of the mean stress at the start" } else { "" };
+                format!(
+                    "{} {:.3}{over} (scatter of all runs {:.3})",
+                    error.quantity.word().replace('_', " "),
+                    error.error,
+                    error.scatter
+                )
+            })
+            .collect();
+        show.end(format!(
+            "learned from {} runs; error over runs left out: {}",
+            known.len(),
+            errors.join(", ")
+        ));
+        Ok(emulator)
+    }
+
+    fn telling(&self, emulator: &Emulator) -> Result<WhatTestsTell, Failure> {
+        let curves = granum_calibration::target::all_curves(self.targets);
+        let threads = super::hardware::processors();
+        let seed = self.file.calibration.seed;
+        let telling = WhatTestsTell::new(&self.parameters, &curves, emulator, seed, threads)?;
+        telling.lines().iter().for_each(|line| self.context.note(line));
+        telling.warnings().iter().for_each(|line| self.context.warn(line));
+        let figure = granum_report::calibration::telling_figure(&telling);
+        results::put(figure.to_svg(), &self.out.join("what-tests-tell.svg"))?;
+        Ok(telling)
+    }
+
+    fn confirm(
+        &self,
+        round: usize,
+        found: &Found,
+        emulator: Option<&Emulator>,
+    ) -> Result<(Vec<granum_calibration::confirmation::Confirmed>, Runs), Failure> {
+        let draws = found.outcome.spread(self.file.calibration.confirm);
+        let simulations =
+            granum_calibration::confirmation::simulations(self.file, self.targets.len(), &draws);
+        let runs = self.simulate(&format!("confirmation-{round}"), 1000 + round, &simulations)?;
+        for one in &runs.simulated {
+            granum_calibration::emulator::check(self.file, one)?;
+        }
+        let confirmed = granum_calibration::confirmation::confirm(
+            self.file,
+            self.targets,
+            &runs.simulated,
+            &draws,
+            emulator,
+        )?;
+        Ok((confirmed, runs))
+    }
+}

@@ -1,0 +1,69 @@
+//! The simulations of a calibration, as campaigns in its folder.
+
+use std::path::PathBuf;
+
+use granum_calibration::simulation::{Simulated, Simulation, plan, planned, simulated};
+use granum_campaign::data_set::{DATA_SET, DataSet};
+use granum_campaign::plan::FixedKey;
+use granum_io::OutputFolder;
+use granum_io::case::SEED;
+use granum_io::shell::{ShowPath, quoted_path};
+
+use super::calibration::Calibration;
+use crate::command::campaign::carry_out_for;
+use crate::failure::{Failure, Interrupted};
+
+/// Folder of the campaigns.
+const RUNS: &str = "runs";
+/// Seeds of samples that a campaign may have before those of the next one begin.
+const SEEDS: u64 = 1_000_000;
+
+/// The runs of a campaign.
+pub struct Runs {
+    /// Those that finished and passed their checks.
+    pub simulated: Vec<Simulated>,
+}
+
+impl Calibration<'_> {
+    /// Simulates the tests, each with a sample of its own, as a campaign of this name; what is finished is used again.
+    pub fn simulate(&self, name: &str, number: usize, simulations: &[Simulation]) -> Result<Runs, Failure> {
+        let runs = self.out.join(RUNS);
+        let folder: PathBuf = runs.join(name);
+        let _runs = OutputFolder::open_or_create(&runs)?;
+        let mut plan = plan(self.file, self.targets, simulations);
+        if number > 0 {
+            // Samples of other seeds than those of the campaigns before.
+            let first = plan.case.preparation.seed.wrapping_add(SEEDS * number as u64);
+            plan.fixed.push(FixedKey { key: SEED.into(), text: first.to_string(), span: 0..0 });
+        }
+        let planned = planned(&plan)?;
+        self.context.note(&format!("{name}: {} simulations in {}", simulations.len(), folder.shown()));
+        let (campaign, summary) = carry_out_for(self.context, self.flags, &plan, &planned, &folder)?;
+        if summary.stopped {
+            let left = format!(
+                "{} in {}; continue with the same command",
+                summary.progress.line(),
+                quoted_path(campaign.folder())
+            );
+            return Err(Interrupted { left }.into());
+        }
+        for (run, why) in &summary.failed {
+            self.context.warn(&format!("{name}: the run {run} failed: {why}"));
+        }
+        let data_set = folder.join(DATA_SET);
+        let each = match DataSet::is_in(&data_set) {
+            true => DataSet::read(&data_set, self.context.reading())?.each_run()?,
+            false => Vec::new(),
+        };
+        let (simulated, missing) = simulated(simulations, &planned, each);
+        if missing > 0 {
+            self.context.warn(&format!(
+                "{name}: {missing} of {} simulations are not used, since they failed or did not pass their checks (`granum campaign status {}` \
+                 names the reasons; accept in the file states limits up to which they are used)",
+                simulations.len(),
+                quoted_path(&folder)
+            ));
+        }
+        Ok(Runs { simulated })
+    }
+}

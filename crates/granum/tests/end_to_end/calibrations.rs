@@ -1,0 +1,214 @@
+//! Calibration: a synthetic test of a laboratory, a simulation whose parameters are known, is calibrated; what is wrong is refused with its
+//! place; the commands of the chapter work.
+
+use std::path::Path;
+
+use granum_io::Run;
+use granum_run::record::read_record;
+use granum_run::strength::as_laboratory;
+
+use crate::{done, done_json, refused};
+
+/// A drained triaxial test that takes a fraction of a second.
+const SAND: &str = "[grains]\ncount = 80\n[grains.material]\ninterface_energy = 0\nfriction = 0.35\nyoungs_modulus = '3 GPa'\n\
+                    [contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n[preparation]\nmean_stress = '100 kPa'\nfriction = 0.1\n\
+                    solid_fraction = 'none'\ninertial_number = 1e-2\nunbalanced_force = 5e-2\n[[stage]]\npath = 'drained-triaxial'\n\
+                    lateral_stress = '100 kPa'\naxial_strain = 0.03\ninertial_number = 1e-2\nstates = 12\n";
+/// What is calibrated on it.
+const MATERIAL: &str = "case = 'sand.toml'
+accept = ['servo_error_rms < 1', 'servo_error_largest < 1', 'inertial_number < 1', 'unbalanced_force < 1', 'largest_overlap < 0.5', 'mean_stress_lost < 1', 'energy_gap < 1', 'sample_unbalanced_force < 1', 'sample_mean_stress_missed_by < 1', 'stages_cut_short < 1.5']
+[calibration]
+runs = 16
+confirm = 2
+rounds = 1
+draws = 3
+[[calibration.quantity]]
+name = 'deviator_stress'
+to = '2.5 %'
+points = 6
+absolute = '5 kPa'
+[[calibration.quantity]]
+name = 'volumetric_strain'
+to = '2.5 %'
+points = 6
+[[variable]]
+name = 'friction'
+key = 'grains.material.friction'
+prior = 'uniform'
+from = 0.1
+to = 0.8
+[[variable]]
+name = 'modulus'
+key = 'grains.material.youngs_modulus'
+prior = 'log-uniform'
+from = '1 GPa'
+to = '10 GPa'
+[[variable]]
+name = 'lateral_stress'
+keys = ['preparation.mean_stress', 'stage.1.lateral_stress']
+test = 'lateral_stress'
+";
+
+/// A folder with the material and, if asked for, the curves of a simulation as a test of a laboratory.
+fn folder(with_test: bool) -> tempfile::TempDir {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("sand.toml"), SAND).unwrap();
+    std::fs::write(here.join("material.toml"), MATERIAL).unwrap();
+    if with_test {
+        done(here, &["run", "sand.toml", "--out", "truth", "--set", "preparation.seed=77"]);
+        let run = Run::at(here.join("truth")).unwrap();
+        let curves = as_laboratory("T1", &read_record(&run).unwrap(), &run.case().unwrap().test_stages());
+        write_laboratory(&here.join("lab.csv"), &curves);
+    } else {
+        let text = "test,axial_strain (%),volumetric_strain (%),deviator_stress (kPa),mean_stress (kPa)\n\
+                    T1,0,0,0,100\nT1,1,0.1,90,130\nT1,3,0.2,120,140\n";
+        std::fs::write(here.join("lab.csv"), text).unwrap();
+    }
+    base
+}
+
+fn write_laboratory(path: &Path, curves: &granum_io::LaboratoryTest) {
+    let mut text = "test,axial_strain,volumetric_strain,deviator_stress (Pa),mean_stress (Pa)\n".to_string();
+    for k in 0..curves.axial_strain.len() {
+        let [strain, volume] = [curves.axial_strain[k], curves.volumetric_strain[k]];
+        text += &format!("T1,{strain},{volume},{},{}\n", curves.deviator_stress[k], curves.mean_stress[k]);
+    }
+    std::fs::write(path, text).unwrap();
+}
+
+#[test]
+fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
+    let base = folder(true);
+    let here = base.path();
+    let command = ["calibrate", "material.toml", "lab.csv", "--out", "out"];
+    let found = done_json(here, &command);
+    let parameters = found["parameters"].as_array().unwrap();
+    let number = |k: usize, key: &str| parameters[k][key].as_f64().unwrap();
+    for (k, (name, truth)) in [("friction", 0.35), ("modulus", 3e9)].into_iter().enumerate() {
+        assert_eq!(parameters[k]["name"], name);
+        let [low, high] = ["quantile_5", "quantile_95"].map(|key| number(k, key));
+        assert!(low < truth && truth < high, "{name}: {low} {truth} {high}");
+        assert!(number(k, "r_hat") < 1.01, "{found:#}");
+    }
+    assert!(number(0, "quantile_95") - number(0, "quantile_5") < 0.5, "{found:#}");
+    assert!(found["confirmation"].as_array().unwrap().len() >= 2, "{found:#}");
+    assert_eq!(found["what_tests_tell"]["curves"][0][0], "T1");
+    let out = here.join("out");
+    for file in [
+        "posterior.csv",
+        "posterior.parquet",
+        "draws.parquet",
+        "surrogate.json",
+        "what-tests-tell.svg",
+        "posterior.svg",
+        "curves.svg",
+        "report.html",
+        "calibration.json",
+        "material.toml",
+    ] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    // What arviz.from_json reads: groups of variables, each with draws by chain.
+    let inference = std::fs::read_to_string(out.join("inference_data.json")).unwrap();
+    let inference: serde_json::Value = serde_json::from_str(&inference).unwrap();
+    let chains = inference["posterior"]["friction"].as_array().unwrap();
+    assert_eq!(chains.len(), 4);
+    assert_eq!(
+        chains[0].as_array().unwrap().len(),
+        inference["sample_stats"]["lp"][0].as_array().unwrap().len()
+    );
+    assert_eq!(inference["observed_data"]["deviator_stress_T1"].as_array().unwrap().len(), 6);
+    // What it leaves is a case, and a plan of draws.
+    let plan = done(here, &["campaign", "out/draws.toml", "--dry-run", "--pilots", "0"]);
+    assert!(plan.starts_with("3 runs"), "{plan}");
+    done(here, &["run", "out/posterior-mean.toml", "--out", "mean", "--set", "stage.1.axial_strain=0.005"]);
+    // Nothing is simulated again.
+    let before = std::fs::metadata(out.join("runs/design/campaign.json")).unwrap().len();
+    assert_eq!(done_json(here, &command)["parameters"], found["parameters"]);
+    assert_eq!(std::fs::metadata(out.join("runs/design/campaign.json")).unwrap().len(), before);
+    let covered =
+        done_json(here, &["calibrate", "material.toml", "lab.csv", "--out", "out", "--coverage", "2"]);
+    assert_eq!(covered["coverage"][0]["intervals"], 2, "{covered:#}");
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_simulated() {
+    let base = folder(false);
+    let here = base.path();
+    let told = |from: &str, to: &str| {
+        assert!(MATERIAL.contains(from), "{from}");
+        std::fs::write(here.join("wrong.toml"), MATERIAL.replace(from, to)).unwrap();
+        refused(here, 1, &["calibrate", "wrong.toml", "lab.csv", "--out", "out"])
+    };
+    let message = told("runs = 16", "rnus = 16");
+    assert!(message.contains("wrong.toml:4:1") && message.contains("rnus"), "{message}");
+    let message = told("runs = 16", "tests = ['T2']");
+    assert!(message.contains("wrong.toml:4:") && message.contains("no test \"T2\""), "{message}");
+    let message = told("to = '2.5 %'", "to = '25 %'");
+    assert!(message.contains("stage.1.axial_strain"), "{message}");
+    let message = told("prior = 'uniform'\nfrom = 0.1", "prior = 'uniform'\nfrom = 0.9");
+    assert!(message.contains("prior of friction"), "{message}");
+    let message = told("from = 0.1", "from = -0.9");
+    assert!(message.contains("grains.material.friction") && message.contains("wrong.toml"), "{message}");
+    assert!(!here.join("out/runs/design/tests").exists());
+    std::fs::create_dir(here.join("mine")).unwrap();
+    std::fs::write(here.join("mine/notes.txt"), "mine").unwrap();
+    let message = refused(here, 1, &["calibrate", "material.toml", "lab.csv", "--out", "mine"]);
+    assert!(message.contains("something else than a calibration"), "{message}");
+}
+
+const CHAPTER: &str = include_str!("../../../../docs/src/calibration.md");
+const LABORATORY: &str = include_str!("../../../../data/lab/karlsruhe-fine-sand-drained.csv");
+
+/// Changes a written file; every pattern must be in it.
+fn change(file: &Path, changes: &[(&str, &str)]) {
+    let mut text = std::fs::read_to_string(file).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}\n{text}");
+        text = text.replace(from, to);
+    }
+    std::fs::write(file, text).unwrap();
+}
+
+/// The commands of the chapter work as they are printed, with fewer grains, strains and runs.
+#[test]
+fn the_commands_of_the_chapter_work() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("karlsruhe-fine-sand-drained.csv"), LABORATORY).unwrap();
+    let blocks = CHAPTER.split("```sh\n").skip(1).map(|text| text.split("```").next().unwrap_or_default());
+    let words =
+        |line: &'static str| line.split_whitespace().take_while(|word| *word != "#").collect::<Vec<_>>();
+    let commands: Vec<Vec<&str>> =
+        blocks.flat_map(str::lines).map(words).filter(|words| words.first() == Some(&"granum")).collect();
+    assert!(commands.len() >= 5, "{commands:?}");
+    for (k, words) in commands.iter().enumerate() {
+        let fewer: Vec<&str> = words[1..].iter().map(|word| if *word == "20" { "1" } else { word }).collect();
+        done(here, &fewer);
+        if k == 0 {
+            let smaller = [
+                ("grains.count = 1000", "grains.count = 50\npreparation.solid_fraction_tolerance = 0.05"),
+                ("runs = 80", "runs = 12"),
+                ("confirm = 4", "rounds = 1\nconfirm = 1"),
+                ("to = \"15 %\"", "to = \"1.5 %\""),
+                (
+                    "\n[set]",
+                    "\naccept = [\"largest_overlap < 0.5\", \"inertial_number < 1\", \"unbalanced_force < 1\", \"servo_error_rms < 1\", \"servo_error_largest < 2\", \"mean_stress_lost < 1\", \"energy_gap < 1\", \"sample_unbalanced_force < 1\", \"sample_mean_stress_missed_by < 1\", \"solid_fraction_missed_by < 1\"]\n\n[set]",
+                ),
+            ];
+            change(&here.join("karlsruhe-sand.toml"), &smaller);
+            let faster = [
+                ("axial_strain = 0.25", "axial_strain = 0.02"),
+                ("states = 120", "states = 6"),
+                ("inertial_number = 1e-3", "inertial_number = 1e-2"),
+                ("inertial_number = 2e-3", "inertial_number = 1e-2"),
+                ("unbalanced_force = 5e-3", "unbalanced_force = 5e-2"),
+            ];
+            change(&here.join("karlsruhe-loose.toml"), &faster);
+        }
+    }
+    assert!(here.join("calibrated/report.html").is_file() && here.join("mean/run.json").is_file());
+    let covered = std::fs::read_to_string(here.join("calibrated/coverage.csv")).unwrap();
+    assert!(covered.starts_with("parameter"), "{covered}");
+}
