@@ -6,6 +6,7 @@
 - Every file and folder that ARCHITECTURE.md names exists.
 - The file of a folder `thing/` is `thing/mod.rs`, not a file `thing.rs` beside it.
 - No function is called `of`: its name says what it gives (CONTRIBUTING.md).
+- No code of a library or of the program panics where it could return an error, but for the places in PANICS.
 
 With --show, every import between two files of a crate is printed. Exit code 1 if anything does not hold.
 """
@@ -18,6 +19,14 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST = 600
 # Folders in which a circle is meant, with its reason in ARCHITECTURE.md.
 CIRCLES = ["granum-dem/src/sizes/"]
+# Where code may panic, with the reason why no user can cause it.
+PANICS = {
+    "granum-simd/src/lanes.rs": "an index out of bounds, as of a slice: the engine makes the indices",
+    "granum-dem/src/kernel/laws.rs": "a method of a trait that the kernel of these laws does not call",
+    "granum-dem/src/team.rs": "blocks of grains, which the engine counts",
+    "granum-dem/src/contact/law/energy_channel.rs": "evaluated by the compiler: a law with too many channels is no program",
+    "granum-nets/src/gaussian_process/process.rs": "a row of another length, as the documentation of the function says",
+}
 problems = []
 
 
@@ -176,6 +185,26 @@ def check_lengths():
             problems.append(f"{file.relative_to(ROOT)} lies beside its folder: make it {file.stem}/mod.rs")
 
 
+def check_panics():
+    """Unwrapping, expecting, panicking and asserting outside tests; what the compiler asserts (`const`) cannot happen."""
+    called = r"\.unwrap\(\)|\.expect\(|\b(?:panic|unreachable|todo|unimplemented|assert(?:_eq|_ne)?)!"
+    for source in sorted((ROOT / "crates").glob("*/src")):
+        texts = {file: without_comments_and_strings(file.read_text()) for file in sorted(source.rglob("*.rs"))}
+        tests = set()
+        for file, text in texts.items():
+            folder = file.parent if file.name in ("mod.rs", "lib.rs", "main.rs") else file.with_suffix("")
+            for name in re.findall(r"#\[cfg\(test\)\]\s*(?:pub(?:\([^)]*\))?\s+)?mod (\w+);", text):
+                tests |= {folder / f"{name}.rs", folder / name / "mod.rs"}
+        for file, text in texts.items():
+            parts = file.relative_to(source).with_suffix("").parts
+            name = str(file.relative_to(ROOT / "crates"))
+            if file in tests or Crate.is_test(parts) or name in PANICS:
+                continue
+            text = re.sub(r"\bconst\s*(?:\{\s*assert!|_: \(\) = assert!)", "", without_tests(text))
+            for found in sorted(set(re.findall(called, text))):
+                problems.append(f"{name} calls {found}: return an error, or add it to PANICS with the reason why no user can cause it")
+
+
 def check_crates():
     table = re.findall(r"(?m)^\| `(granum[\w-]*)` \|", (ROOT / "ARCHITECTURE.md").read_text())
     folders = sorted(folder.name for folder in (ROOT / "crates").iterdir() if (folder / "Cargo.toml").exists())
@@ -201,6 +230,7 @@ def check_paths():
 
 check_lengths()
 check_paths()
+check_panics()
 for name in check_crates():
     crate = Crate(ROOT / "crates" / name)
     graph = crate.imports()

@@ -104,7 +104,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // ANCHOR_END: data
 
     // ANCHOR: compare
-    let methods = SurrogateMethods::standard().with(Neighbours { count: 4 });
+    let methods = SurrogateMethods::standard().with(Neighbours { count: 4 })?;
     let compared = ["feed-forward", "ridge", "neighbours"].map(|name| methods.by_name(name));
     let scores =
         compare(&parts, &spec, &compared.into_iter().collect::<Result<Vec<_>, _>>()?, 0.9, &mut NoObserver)?;

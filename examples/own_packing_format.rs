@@ -48,7 +48,7 @@ impl PackingFormat for Plain {
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let packing = read_packing(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/packing-5000.csv"))?;
-    let formats = Formats::standard().with_packing(Plain);
+    let formats = Formats::standard().with_packing(Plain)?;
     let file = std::env::temp_dir().join(format!("granum-example-{}.spheres", std::process::id()));
     formats.write_packing(&file, &packing)?;
     let back = formats.read_packing(&file)?;

@@ -131,7 +131,7 @@ pub fn sensor_use(study: &Study, unseen: &Dataset) -> Result<Vec<(String, InputU
 
 /// Scores on the parts of a data set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parts {
+pub struct ScoreParts {
     /// Score on the training states.
     pub training: Score,
     /// Score on the held-out states of the training runs.
@@ -140,10 +140,10 @@ pub struct Parts {
     pub unseen: Score,
 }
 
-impl Parts {
-    fn new(scores: &FitScores, method: &str, role: MemberRole) -> Parts {
+impl ScoreParts {
+    fn new(scores: &FitScores, method: &str, role: MemberRole) -> ScoreParts {
         let own = |member: &&MemberScores| member.method == method && member.role == role;
-        let parts = |member: &MemberScores| Parts {
+        let parts = |member: &MemberScores| ScoreParts {
             training: member.training.score,
             held_out: member.held_out.score,
             unseen: member.unseen.score,
@@ -158,15 +158,15 @@ pub struct Evaluation {
     /// The mapping.
     pub mapping: Mapping,
     /// Scores of the networks.
-    pub network: Parts,
+    pub network: ScoreParts,
     /// Scores of strain-only networks of the same size.
-    pub strain_only: Parts,
+    pub strain_only: ScoreParts,
     /// Scores of the mean curve of the training runs.
-    pub mean_curve: Parts,
+    pub mean_curve: ScoreParts,
     /// Scores of ridge regression on the same sensors.
-    pub ridge: Parts,
+    pub ridge: ScoreParts,
     /// Scores of ridge regression on strain alone.
-    pub ridge_strain_only: Parts,
+    pub ridge_strain_only: ScoreParts,
     /// The use that the networks make of the sensors of the unseen runs.
     pub sensor_use: InputUse,
     /// Relative scatter between all runs within the ranges of the mapping; `None` for a single run.
@@ -194,11 +194,11 @@ impl Evaluation {
             scores.members.iter().find(|member| member.method == NAME && member.role == MemberRole::Asked);
         let used = own.and_then(|own| scores.uses.get(&own.name));
         Ok(Evaluation {
-            network: Parts::new(scores, NAME, MemberRole::Asked),
-            strain_only: Parts::new(scores, NAME, MemberRole::CoordinateOnly),
-            mean_curve: Parts::new(scores, "mean-curve", MemberRole::Baseline),
-            ridge: Parts::new(scores, "ridge", MemberRole::Baseline),
-            ridge_strain_only: Parts::new(scores, "ridge", MemberRole::CoordinateOnly),
+            network: ScoreParts::new(scores, NAME, MemberRole::Asked),
+            strain_only: ScoreParts::new(scores, NAME, MemberRole::CoordinateOnly),
+            mean_curve: ScoreParts::new(scores, "mean-curve", MemberRole::Baseline),
+            ridge: ScoreParts::new(scores, "ridge", MemberRole::Baseline),
+            ridge_strain_only: ScoreParts::new(scores, "ridge", MemberRole::CoordinateOnly),
             sensor_use: used.cloned().unwrap_or_default(),
             seed_scatter: scatter(data, &mapping, mapping.output)?.map(|scatter| scatter.relative),
             training_runs: data.parts.training_runs.runs().len(),

@@ -1,6 +1,6 @@
 //! Interpretation of the results of the networks in plain sentences.
 
-use crate::evaluation::{Evaluation, Parts};
+use crate::evaluation::{Evaluation, ScoreParts};
 use crate::size_study::SizeStudy;
 use crate::summary::SpeedSummary;
 use granum_core::words::{listed, percentage};
@@ -25,7 +25,8 @@ pub fn read_mapping(evaluation: &Evaluation) -> String {
 fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
     let unseen = evaluation.network.unseen.states > 0;
-    let of = |parts: &Parts| percentage(if unseen { parts.unseen } else { parts.held_out }.relative_rmse);
+    let of =
+        |parts: &ScoreParts| percentage(if unseen { parts.unseen } else { parts.held_out }.relative_rmse);
     format!(
         "{}: on {} the relative RMSE of {} is {} for the networks, {} for strain-only networks, {} for ridge \
          regression on the same sensors, {} for the mean curve of the training runs.",

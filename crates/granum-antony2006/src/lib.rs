@@ -68,7 +68,7 @@ mod synthetic;
 mod tests;
 
 pub use data::{PaperData, PaperDataOptions, check_run};
-pub use evaluation::{Evaluation, Parts, RunScore};
+pub use evaluation::{Evaluation, RunScore, ScoreParts};
 pub use mapping::{Mapping, PaperQuantity, paper_mapping, paper_mappings};
 pub use method::{MappingMethod, PAPER_TRAINER};
 pub use options::{PaperOptions, files_of_earlier_versions, is_of_paper};

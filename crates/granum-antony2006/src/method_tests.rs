@@ -18,7 +18,7 @@ fn networks_and_ridge_have_the_scores_of_the_study_as_any_surrogate() {
     let dataset = dataset_of(&records);
     let parts = parts(&dataset);
     let mapping = paper_mapping("F3").unwrap().with_neurons(4);
-    let methods = SurrogateMethods::standard().with(MappingMethod::new(mapping.clone()));
+    let methods = SurrogateMethods::standard().replaced_by(MappingMethod::new(mapping.clone()));
     let asked = ["antony2006", "ridge"].map(|name| methods.by_name(name).unwrap());
     let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9, &mut NoObserver).unwrap();
 
@@ -49,7 +49,7 @@ fn a_mapping_comes_back_from_its_file_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("F2.json");
     save(&path, fitted.as_ref()).unwrap();
-    let methods = SurrogateMethods::standard().with(MappingMethod::default());
+    let methods = SurrogateMethods::standard().replaced_by(MappingMethod::default());
     let loaded = methods.load(&path).unwrap();
     assert_eq!((loaded.method(), loaded.columns()), ("antony2006", fitted.columns()));
     let rows = parts.unseen.values(&loaded.columns().input_names()).unwrap();

@@ -87,7 +87,7 @@ impl PaperOptions {
             trainer: self.trainer.clone(),
             epoch_factor: self.epoch_factor,
         };
-        SurrogateMethods::standard().with(method)
+        SurrogateMethods::standard().replaced_by(method)
     }
 
     /// Trains the study of some data.

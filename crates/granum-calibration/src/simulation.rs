@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use granum_campaign::data_set::DataSetRun;
-use granum_campaign::plan::{DesignKind, Plan, PlannedRuns, Row, RowPlace, Variable, VariableKind};
+use granum_campaign::plan::{DesignKind, Plan, PlanRow, PlanVariable, PlannedRuns, RowPlace, VariableKind};
 use granum_core::quantity::format_number;
 use granum_io::LaboratoryTest;
 use granum_run::strength::as_laboratory;
@@ -71,7 +71,7 @@ pub fn plan(file: &CalibrationFile, targets: &[Target], simulations: &[Simulatio
         let cell = |(name, value): (&String, &f64)| (name.clone(), format_number(*value));
         let free = file.free.iter().map(|free| &free.name).zip(&simulation.values);
         let given = file.conditions.iter().map(|(name, _)| name).zip(&targets[simulation.test].conditions);
-        Row { cells: free.chain(given).map(cell).collect(), place: RowPlace::Plan(span.clone()) }
+        PlanRow { cells: free.chain(given).map(cell).collect(), place: RowPlace::Plan(span.clone()) }
     };
     let mut plan = file.plan.clone();
     plan.design.kind = DesignKind::Rows(simulations.iter().map(row).collect());
@@ -127,7 +127,7 @@ pub fn simulated(
 /// The numbers that decide a simulation: the values of all variables that set a key of the case.
 #[derive(Clone, Debug)]
 pub struct CaseNumbers {
-    variables: Vec<Variable>,
+    variables: Vec<PlanVariable>,
     /// Names of the free variables, then of those that tests give.
     names: Vec<String>,
     constants: BTreeMap<String, f64>,
@@ -171,8 +171,8 @@ impl CaseNumbers {
     pub fn values(&self, free: &[f64], conditions: &[f64]) -> Result<Vec<f64>> {
         let mut known: BTreeMap<&str, f64> =
             self.names.iter().map(String::as_str).zip(free.iter().chain(conditions).copied()).collect();
-        let is_open = |variable: &&Variable| matches!(variable.kind, VariableKind::Expression(_));
-        let mut open: Vec<&Variable> = self.variables.iter().filter(is_open).collect();
+        let is_open = |variable: &&PlanVariable| matches!(variable.kind, VariableKind::Expression(_));
+        let mut open: Vec<&PlanVariable> = self.variables.iter().filter(is_open).collect();
         while !open.is_empty() {
             let names: Vec<&str> = open.iter().map(|variable| variable.name.as_str()).collect();
             let before = open.len();

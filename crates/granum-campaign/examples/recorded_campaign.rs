@@ -72,7 +72,7 @@ fn one_run(folder: &Path) -> Result<StoredRun, Box<dyn std::error::Error>> {
     let run = RunFolder::create(folder, true)?;
     laboratory.run(RunKind::Test, &case, &Source::Case, &run, &mut NoObserver)?;
     drop(run);
-    Ok(read_run(folder)?)
+    Ok(read_run(folder, &case.vocabulary)?)
 }
 
 /// The same results as those of another case.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use granum_core::input::read_text;
+use granum_io::case::Vocabulary;
 use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, Reading, Result, Run, RunStatus};
@@ -12,10 +13,10 @@ use granum_run::engine::LammpsStart;
 use granum_run::laboratory::Source;
 use granum_run::queue::{QueuedRun, sample_name};
 use granum_sensors::Sensors;
-use serde::{Deserialize, Serialize};
 
-use crate::journal::{Event, JOURNAL, LineWriter, last_events};
-use crate::plan::{Condition, Keep, Plan, PlannedRuns, RunValue, apply_settings};
+use crate::campaign_file::{CampaignFile, CampaignRun, FORMAT, VariableRecord};
+use crate::journal::{JOURNAL, JournalEvent, LineWriter, last_events};
+use crate::plan::{Condition, Keep, Plan, PlannedRuns, apply_settings};
 use crate::rows::{RowFiles, StoredHead};
 
 /// The file of a campaign in its folder.
@@ -24,8 +25,6 @@ pub const CAMPAIGN_FILE: &str = "campaign.json";
 pub const RUNS: &str = "tests";
 /// Folder of the samples that several runs share.
 pub const SAMPLES: &str = "samples";
-/// Layout of the file.
-const FORMAT: u32 = 1;
 /// A larger file is something else.
 const LARGEST: u64 = 1 << 31;
 
@@ -36,67 +35,6 @@ pub struct Campaign {
     folder: PathBuf,
     file: CampaignFile,
     base: Case,
-}
-
-/// The content of the file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct CampaignFile {
-    format: u32,
-    /// Version of granum that planned the runs.
-    granum_version: String,
-    /// The text of the plan.
-    plan: String,
-    /// The resolved base case.
-    case: String,
-    variables: Vec<VariableRecord>,
-    /// Limits up to which a run that did not pass a check is taken all the same.
-    accept: Vec<String>,
-    /// What stays of finished runs.
-    #[serde(default, skip_serializing_if = "Keep::is_usual")]
-    keep: Keep,
-    /// The engine that carries out the tests; empty for granum's own.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    engine: String,
-    /// How LAMMPS is started, if it is the engine.
-    #[serde(default, skip_serializing_if = "LammpsStart::is_usual")]
-    lammps: LammpsStart,
-    runs: Vec<CampaignRun>,
-    /// Names of the runs of earlier plans whose folders are still there.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    no_longer_planned: Vec<String>,
-}
-
-/// A variable of a campaign.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct VariableRecord {
-    /// Its name.
-    pub name: String,
-    /// SI unit of its numbers; empty for pure numbers and words.
-    pub unit: String,
-    /// The keys that take its value.
-    pub keys: Vec<String>,
-    /// True if it is spread on a logarithmic scale.
-    #[serde(default)]
-    pub logarithmic: bool,
-}
-
-/// A run of a campaign.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CampaignRun {
-    /// Its name, which is that of its folder.
-    pub name: String,
-    /// The values of the variables, in the order of [`Campaign::variables`].
-    pub values: Vec<RunValue>,
-    /// The keys that it sets over the base case, with their values as text.
-    pub settings: Vec<(String, String)>,
-    /// Digest of its case.
-    pub case_digest: String,
-    /// True if other runs have the same sample, which is then a run of its own.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub shares_sample: bool,
-    /// The name of the folder of a sample that it shares; empty in files of earlier versions.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub sample: String,
 }
 
 /// What differs between the runs of a changed plan and those that a folder has.
@@ -162,19 +100,11 @@ impl Campaign {
         Campaign { folder: folder.to_path_buf(), file, base: plan.case.clone() }
     }
 
-    /// Reads the campaign of a folder; `None` if it has none.
+    /// Reads the campaign of a folder, whose cases can name these laws, paths and sensors; `None` if it has none.
     ///
     /// # Errors
     /// If the file cannot be read, is damaged or of a newer version.
-    pub fn read(folder: &Path) -> Result<Option<Campaign>> {
-        Campaign::read_as(folder, Reading::recorded())
-    }
-
-    /// The same with other laws and paths that cases can name.
-    ///
-    /// # Errors
-    /// As [`Campaign::read`].
-    pub fn read_as(folder: &Path, reading: Reading) -> Result<Option<Campaign>> {
+    pub fn read(folder: &Path, vocabulary: &Vocabulary) -> Result<Option<Campaign>> {
         let path = folder.join(CAMPAIGN_FILE);
         if path.symlink_metadata().is_ok() && !path.is_file() {
             let message =
@@ -199,8 +129,14 @@ impl Campaign {
         if let Some(run) = file.runs.iter().find(|run| run.values.len() != file.variables.len()) {
             return Err(damaged(format!("the run {} has not the values of all variables", run.name)));
         }
+        let reading = Reading::recorded().with_vocabulary(vocabulary);
         let base = Case::parse_as(&file.case, &format!("{} (base case)", path.shown()), reading)?;
         Ok(Some(Campaign { folder: folder.to_path_buf(), file, base }))
+    }
+
+    /// The laws, paths and sensors that its cases can name.
+    pub fn vocabulary(&self) -> &Vocabulary {
+        &self.base.vocabulary
     }
 
     /// Writes the file of the campaign under a temporary name and renames it.
@@ -349,10 +285,10 @@ impl Campaign {
     ///
     /// # Errors
     /// If the journal cannot be written.
-    pub(crate) fn take_up(&self, events: BTreeMap<String, Event>) -> Result<()> {
+    pub(crate) fn take_up(&self, events: BTreeMap<String, JournalEvent>) -> Result<()> {
         let known = last_events(&self.folder);
-        let is_new = |(name, event): &(String, Event)| {
-            known.get(name) != Some(event) && !matches!(known.get(name), Some(Event::Finished { .. }))
+        let is_new = |(name, event): &(String, JournalEvent)| {
+            known.get(name) != Some(event) && !matches!(known.get(name), Some(JournalEvent::Finished { .. }))
         };
         let path = self.folder.join(JOURNAL);
         let mut journal = LineWriter::open(&path)?;
@@ -370,7 +306,7 @@ impl Campaign {
         let known = last_events(&self.folder);
         let mut paces = Vec::new();
         for run in self.runs() {
-            if let Some(Event::Finished { seconds, .. }) = known.get(&run.name) {
+            if let Some(JournalEvent::Finished { seconds, .. }) = known.get(&run.name) {
                 paces.push(seconds / self.queued_run(run)?.expected_work());
             }
         }
@@ -399,7 +335,8 @@ impl Campaign {
         let path = self.folder.join(JOURNAL);
         let mut journal = LineWriter::open(&path)?;
         let mut added = 0;
-        let is_open = |run: &&CampaignRun| !matches!(known.get(&run.name), Some(Event::Finished { .. }));
+        let is_open =
+            |run: &&CampaignRun| !matches!(known.get(&run.name), Some(JournalEvent::Finished { .. }));
         for run in self.runs().iter().filter(is_open) {
             let folder = self.folder_of(&run.name);
             if let Some(head) = rows.head(&run.name).filter(|_| self.has_rows(&rows, run)) {
@@ -412,7 +349,9 @@ impl Campaign {
             }
             let record = Run::at(&folder)?.record()?;
             if record.status == RunStatus::Finished && record.case_digest == run.case_digest {
-                journal.note(&run.name, Event::finished(&record)).map_err(Error::file("write", &path))?;
+                journal
+                    .note(&run.name, JournalEvent::finished(&record))
+                    .map_err(Error::file("write", &path))?;
                 added += 1;
             }
         }

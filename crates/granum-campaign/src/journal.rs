@@ -30,13 +30,13 @@ pub struct JournalLine {
     pub run: String,
     /// What happened.
     #[serde(flatten)]
-    pub event: Event,
+    pub event: JournalEvent,
 }
 
 /// What happened to a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
-pub enum Event {
+pub enum JournalEvent {
     /// It was begun or continued.
     Begun,
     /// It was stopped in good order.
@@ -69,30 +69,30 @@ pub struct FailedCheck {
     pub limit: f64,
 }
 
-impl Event {
+impl JournalEvent {
     /// The event of a finished run.
-    pub fn finished(record: &RunRecord) -> Event {
+    pub fn finished(record: &RunRecord) -> JournalEvent {
         let failed = |flag: &QualityFlag| FailedCheck {
             name: flag.name.clone(),
             value: flag.value.is_finite().then_some(flag.value),
             limit: flag.limit,
         };
-        Event::Finished {
+        JournalEvent::Finished {
             flags: record.quality.iter().filter(|flag| !flag.passed).map(failed).collect(),
             seconds: record.wall_seconds.values().sum(),
         }
     }
 
     /// The event of a run that ended so; `None` if nothing happened to it.
-    pub fn of_outcome(outcome: &Outcome) -> Option<Event> {
+    pub fn of_outcome(outcome: &Outcome) -> Option<JournalEvent> {
         match outcome {
-            Outcome::Finished { record, .. } => Some(Event::finished(record)),
-            Outcome::Interrupted(_) => Some(Event::Interrupted),
+            Outcome::Finished { record, .. } => Some(JournalEvent::finished(record)),
+            Outcome::Interrupted(_) => Some(JournalEvent::Interrupted),
             Outcome::Failed(error) => {
-                Some(Event::Failed { reason: error.to_string(), lasting: error.is_lasting() })
+                Some(JournalEvent::Failed { reason: error.to_string(), lasting: error.is_lasting() })
             }
             Outcome::WithoutSample { .. } => {
-                Some(Event::Failed { reason: outcome.failure().unwrap_or_default(), lasting: false })
+                Some(JournalEvent::Failed { reason: outcome.failure().unwrap_or_default(), lasting: false })
             }
             _ => None,
         }
@@ -179,24 +179,24 @@ impl LineWriter {
     ///
     /// # Errors
     /// As [`LineWriter::append`].
-    pub fn note(&mut self, run: &str, event: Event) -> io::Result<()> {
+    pub fn note(&mut self, run: &str, event: JournalEvent) -> io::Result<()> {
         let line = |time: &str| JournalLine { time: time.to_string(), run: run.to_string(), event };
         self.append(|time| serde_json::to_string(&line(time)).unwrap_or_default())
     }
 }
 
 /// The last event of each run, as far as the journal of a folder can be read.
-pub fn last_events(folder: &Path) -> BTreeMap<String, Event> {
+pub fn last_events(folder: &Path) -> BTreeMap<String, JournalEvent> {
     last_events_in(&folder.join(JOURNAL))
 }
 
 /// The last event of each run, as far as a file can be read; none if there is no such file.
-pub(crate) fn last_events_in(file: &Path) -> BTreeMap<String, Event> {
+pub(crate) fn last_events_in(file: &Path) -> BTreeMap<String, JournalEvent> {
     let bytes = granum_core::input::read(file, LARGEST).unwrap_or_default();
     events_in(&bytes)
 }
 
-fn events_in(bytes: &[u8]) -> BTreeMap<String, Event> {
+fn events_in(bytes: &[u8]) -> BTreeMap<String, JournalEvent> {
     let lines = bytes
         .split(|byte| *byte == b'\n')
         .filter_map(|line| serde_json::from_slice::<JournalLine>(line).ok());
@@ -259,9 +259,9 @@ mod tests {
             for k in 0..30 {
                 let run = format!("run {k}");
                 let event = match k % 3 {
-                    0 => Event::Begun,
-                    1 => Event::Failed { reason: format!("reason\n{k}"), lasting: k % 2 == 0 },
-                    _ => Event::Finished {
+                    0 => JournalEvent::Begun,
+                    1 => JournalEvent::Failed { reason: format!("reason\n{k}"), lasting: k % 2 == 0 },
+                    _ => JournalEvent::Finished {
                         flags: vec![FailedCheck { name: "x".into(), value: None, limit: 1.0 }],
                         seconds: 0.5,
                     },
@@ -286,17 +286,17 @@ mod tests {
         let path = folder.path().join(JOURNAL);
         let mut writer = LineWriter::open(&path).unwrap();
         for name in ["a", "b"] {
-            writer.note(name, Event::Begun).unwrap();
+            writer.note(name, JournalEvent::Begun).unwrap();
         }
         let whole = std::fs::read(&path).unwrap();
         for length in 0..=whole.len() {
             std::fs::write(&path, &whole[..length]).unwrap();
-            LineWriter::open(&path).unwrap().note("c", Event::Interrupted).unwrap();
+            LineWriter::open(&path).unwrap().note("c", JournalEvent::Interrupted).unwrap();
             let events = last_events(folder.path());
             let complete = whole[..length].iter().filter(|byte| **byte == b'\n').count();
             // A line that lacks only its end is whole.
             assert!(events.len() > complete, "{length}: {events:?}");
-            assert_eq!(events["c"], Event::Interrupted);
+            assert_eq!(events["c"], JournalEvent::Interrupted);
         }
         assert!(last_events(&folder.path().join("nowhere")).is_empty());
     }

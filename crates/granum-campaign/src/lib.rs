@@ -10,6 +10,7 @@
 
 pub mod acceptance;
 mod campaign;
+mod campaign_file;
 pub mod claim;
 pub mod clock;
 pub mod data_set;
@@ -21,5 +22,6 @@ pub mod rows;
 pub mod scheduler;
 mod status;
 
-pub use campaign::{CAMPAIGN_FILE, Campaign, CampaignRun, PlanDifference, RUNS, SAMPLES, VariableRecord};
+pub use campaign::{CAMPAIGN_FILE, Campaign, PlanDifference, RUNS, SAMPLES};
+pub use campaign_file::{CampaignRun, VariableRecord};
 pub use status::{CampaignStatus, RunState};

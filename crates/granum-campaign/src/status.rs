@@ -3,10 +3,11 @@
 use granum_io::{OutputFolder, Result, Run, RunStatus};
 
 use crate::acceptance::is_accepted;
-use crate::campaign::{Campaign, CampaignRun};
+use crate::campaign::Campaign;
+use crate::campaign_file::CampaignRun;
 use crate::claim::is_claimed;
 use crate::execution::CAMPAIGN_CLAIM;
-use crate::journal::{Event, FailedCheck, last_events};
+use crate::journal::{FailedCheck, JournalEvent, last_events};
 use crate::scheduler::{Jobs, Place};
 
 /// The state of a run of a campaign.
@@ -83,8 +84,8 @@ impl CampaignStatus {
             let known = events.get(name);
             let in_rows =
                 || rows.head(name).filter(|_| campaign.has_rows(&rows, run)).map(|head| &head.event);
-            let ended = known.filter(|event| matches!(event, Event::Finished { .. })).or_else(in_rows);
-            if let Some(Event::Finished { flags, seconds }) = ended {
+            let ended = known.filter(|event| matches!(event, JournalEvent::Finished { .. })).or_else(in_rows);
+            if let Some(JournalEvent::Finished { flags, seconds }) = ended {
                 return Ok(finished(flags.clone(), *seconds));
             }
             if OutputFolder::is_in_use(&folder) || is_claimed(campaign.folder(), name) {
@@ -93,16 +94,18 @@ impl CampaignStatus {
             // What failed here may have been finished by another process since.
             let read = || Run::at(&folder).and_then(|run| run.record());
             let record = match known {
-                Some(Event::Failed { .. }) => read().ok(),
+                Some(JournalEvent::Failed { .. }) => read().ok(),
                 _ if folder.join("run.json").is_file() => Some(read()?),
                 _ => None,
             };
             Ok(match (record, known) {
-                (Some(record), _) if record.status == RunStatus::Finished => match Event::finished(&record) {
-                    Event::Finished { flags, seconds } => finished(flags, seconds),
-                    _ => RunState::Unfinished,
-                },
-                (_, Some(Event::Failed { reason, .. })) => RunState::Failed { reason: reason.clone() },
+                (Some(record), _) if record.status == RunStatus::Finished => {
+                    match JournalEvent::finished(&record) {
+                        JournalEvent::Finished { flags, seconds } => finished(flags, seconds),
+                        _ => RunState::Unfinished,
+                    }
+                }
+                (_, Some(JournalEvent::Failed { reason, .. })) => RunState::Failed { reason: reason.clone() },
                 (Some(record), _) if record.status == RunStatus::Failed => RunState::Failed {
                     reason: record.notes.last().cloned().unwrap_or_else(|| "it failed".into()),
                 },

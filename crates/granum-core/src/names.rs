@@ -1,4 +1,4 @@
-//! Suggestions for a name that is not known.
+//! Suggestions for a name that is not known, and what can be a name.
 
 /// The name nearest to `wrong` among `names`, if one is near enough to be a likely correction.
 pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -20,6 +20,12 @@ pub fn suggestion<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) 
             if all.is_empty() { "there are none".into() } else { format!("there are: {}", all.join(", ")) }
         }
     }
+}
+
+/// True for a name that can be used in a case file, on a command line and as the name of a file: letters and digits of ASCII,
+/// hyphens and underscores.
+pub fn is_word(name: &str) -> bool {
+    !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_' || c == b'-')
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::choice::check::{LawError, check};
+use crate::contact::choice::check::check;
 use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::law_error::LawError;
 use crate::contact::choice::parameters::ParameterValues;
 use crate::material::Material;
 

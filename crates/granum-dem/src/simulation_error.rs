@@ -1,6 +1,6 @@
 //! Reasons why a simulation cannot start or continue.
 
-use crate::contact::choice::check::LawError;
+use crate::contact::choice::law_error::LawError;
 use crate::mixture::MixtureError;
 
 /// Reasons why a simulation cannot start or continue.

@@ -10,7 +10,7 @@ use super::figure::marks::Shape;
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, SHAPES, literal};
 use super::numbers::{quantity, significant};
-use super::page::{Document, Page, Table, paragraphs};
+use super::page::{Document, Page, PageTable, paragraphs};
 
 /// Most coordinates of a corner plot.
 const MOST_COORDINATES: usize = 6;
@@ -167,7 +167,7 @@ pub fn report(about: &CalibrationReport) -> Document {
         );
     }
     let label = page.own_table_label();
-    let mut table = Table::new(
+    let mut table = PageTable::new(
         &label,
         "Posterior, in SI units.",
         &["Parameter", "Mean", "Deviation", "5 %", "Median", "95 %", "R-hat", "Effective"],
@@ -190,7 +190,7 @@ pub fn report(about: &CalibrationReport) -> Document {
     let caption = "Laboratory (marks), predictions of the posterior (band of 90 %) and simulations at draws from it (lines).";
     let curves = page.own_figure("curves", caption, &curves_figure(&about.curves));
     let label = page.own_table_label();
-    let mut table = Table::new(
+    let mut table = PageTable::new(
         &label,
         "Simulations at draws from the posterior: root mean square difference from the laboratory over its largest reading, that of the \
          surrogate, and the difference between both over the surrogate's standard deviation.",

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, Shape, Stroke, literal};
 use super::numbers::{percent, points};
-use super::page::{Page, Table, paragraphs};
+use super::page::{Page, PageTable, paragraphs};
 
 /// Most panels of the figure.
 const MOST_PANELS: usize = 6;
@@ -68,7 +68,7 @@ fn plot(group: &[LearningPoint]) -> Plot {
     plot
 }
 
-fn table(label: &str, curve: &LearningCurve) -> Table {
+fn table(label: &str, curve: &LearningCurve) -> PageTable {
     let columns = [
         "Fit",
         "Method",
@@ -81,7 +81,7 @@ fn table(label: &str, curve: &LearningCurve) -> Table {
         "Help",
     ];
     let caption = "Relative RMSE on unseen runs; use and help in percentage points.";
-    let mut table = Table { words: 2, ..Table::new(label, caption, &columns) };
+    let mut table = PageTable { words: 2, ..PageTable::new(label, caption, &columns) };
     let error = |error: Option<MeanError>| error.map_or("–".into(), |error| percent(error.mean));
     for point in &curve.points {
         table.row(vec![

@@ -11,7 +11,7 @@ use super::figure::rose::Series;
 use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose, SHAPES, literal};
 use super::forces::density;
 use super::numbers::{significant, whole};
-use super::page::{Document, Page, Table, rich, tiles};
+use super::page::{Document, Page, PageTable, rich, tiles};
 
 /// Thickness of a slice, mean diameters.
 const SLICE: f64 = 1.6;
@@ -267,7 +267,7 @@ fn measured(label: &str, shown: &[(&Instant, Measurement)]) -> Markup {
         _ => heads.extend(shown.iter().map(|(instant, _)| literal(&instant.name))),
     }
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let mut table = Table::new(label, "What could be measured.", &heads);
+    let mut table = PageTable::new(label, "What could be measured.", &heads);
     table.words = 3;
     let Some((_, first)) = shown.first() else { return html! {} };
     for (column, _) in &first.columns {

@@ -13,7 +13,7 @@ use super::figure::palette::{COLORS, GREY, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
 use super::forces::density;
 use super::numbers::{quantity, trimmed};
-use super::page::{Document, Page, Table, rich};
+use super::page::{Document, Page, PageTable, rich};
 use super::{path, strength, trust};
 
 /// Patterns of lines after the colours have been used once.
@@ -92,11 +92,11 @@ fn differences(entries: &[RunEntry]) -> String {
 }
 
 /// The table of the main results.
-fn results(label: &str, caption: &str, table: &granum_core::Table) -> Table {
+fn results(label: &str, caption: &str, table: &granum_core::Table) -> PageTable {
     let head = |column: &Column| literal(&column.name.replace('_', " "));
     let heads: Vec<String> = table.columns().iter().map(head).collect();
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let mut out = Table::new(label, caption, &heads);
+    let mut out = PageTable::new(label, caption, &heads);
     for row in 0..table.rows() {
         out.row(table.columns().iter().map(|column| cell(column, row)).collect());
     }

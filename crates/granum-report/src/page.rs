@@ -133,7 +133,7 @@ impl Page {
 
 /// A table: a caption, columns and rows of marked-up text.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct PageTable {
     /// Label, e.g. `Table 1`.
     pub label: String,
     /// Caption.
@@ -150,15 +150,15 @@ pub struct Table {
     pub note: String,
 }
 
-impl Table {
+impl PageTable {
     /// A table with a caption and columns, the first of which contains text.
     pub fn new(label: &str, caption: &str, columns: &[&str]) -> Self {
-        Table {
+        PageTable {
             label: label.to_owned(),
             caption: caption.to_owned(),
             columns: columns.iter().map(|&column| column.to_owned()).collect(),
             words: 1,
-            ..Table::default()
+            ..PageTable::default()
         }
     }
 

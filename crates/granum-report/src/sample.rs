@@ -5,7 +5,7 @@ use granum_io::RunKind;
 use super::data::RunReport;
 use super::figure::literal;
 use super::numbers::{quantity, significant, whole};
-use super::page::Table;
+use super::page::PageTable;
 use granum_dem::config::{Component, ContactModel, Material};
 use granum_dem::contact::choice::check::parameters_of;
 use granum_dem::loading::{Speed, Stage};
@@ -167,10 +167,10 @@ fn diameter(run: &RunReport) -> String {
 }
 
 /// Table that compares the sample with that of the paper; `None` without runs.
-pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
+pub fn table(label: &str, runs: &[RunReport]) -> Option<PageTable> {
     runs.first()?;
     let caption = "The sample and the test compared with the paper\u{2019}s. Dash: not given in the paper.";
-    let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
+    let mut table = PageTable::new(label, caption, &["Quantity", "Paper", "Here"]);
     for row in rows(runs) {
         table.row(row.into());
     }
@@ -182,12 +182,12 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
 }
 
 /// Table of the sample and the test of one run, without comparison.
-pub fn own_table(label: &str, run: &RunReport) -> Table {
+pub fn own_table(label: &str, run: &RunReport) -> PageTable {
     let caption = match run.run.kind {
         RunKind::Sample => "The sample.",
         RunKind::Test => "The sample at the start of the test, and the test.",
     };
-    let mut table = Table::new(label, caption, &["Quantity", "Value"]);
+    let mut table = PageTable::new(label, caption, &["Quantity", "Value"]);
     for [name, _, here] in rows(std::slice::from_ref(run)) {
         table.row(vec![name, here]);
     }

@@ -13,7 +13,7 @@ use super::data::RunReport;
 use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke};
 use super::numbers::{percent, quantity, significant};
-use super::page::{Page, Table};
+use super::page::{Page, PageTable};
 
 /// The measures of a run, by name.
 pub type Measures = BTreeMap<String, f64>;
@@ -51,8 +51,10 @@ pub(crate) fn table(page: &mut Page, run: &RunReport) -> Option<Markup> {
         return None;
     }
     let label = page.own_table_label();
-    let mut table =
-        Table { rows, ..Table::new(&label, "Strength at a glance.", &["Measure", "Symbol", "Value"]) };
+    let mut table = PageTable {
+        rows,
+        ..PageTable::new(&label, "Strength at a glance.", &["Measure", "Symbol", "Value"])
+    };
     table.note = "States that carry less than 5 % of the mean stress at the start of the test do not count for peaks. Late values are \
                   those of the critical state only as far as their drift is small."
         .into();
@@ -132,7 +134,7 @@ pub fn critical_state_line(page: &mut Page, runs: &[RunReport]) -> Option<Markup
     let figure = page.own_figure("critical-state-line", &caption, &figure);
     let label = page.own_table_label();
     let caption = "Critical state line *e* = *Γ* − *λ* ln(*p* / 1 kPa) through the late states of the tests.";
-    let mut table = Table::new(&label, caption, &["Parameter", "Value", "Unit"]);
+    let mut table = PageTable::new(&label, caption, &["Parameter", "Value", "Unit"]);
     table.row(vec![
         "*Γ*, void ratio at 1 kPa".into(),
         with_error(line.intercept, line.intercept_error),

@@ -4,22 +4,29 @@ use granum_core::Table as Columns;
 use granum_core::words::listed;
 use granum_learn::networks::NetworkScores;
 use granum_learn::study::{FitScores, MemberRole, MemberScores, PartScore, StoredStudy, StudyFit};
+use granum_learn::worth::Worth;
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
 use super::learning_curve;
 use super::numbers::{percent, points, significant, whole};
-use super::page::{Document, Page, Table, paragraphs, tiles};
+use super::page::{Document, Page, PageTable, paragraphs, tiles};
+use super::worth;
 
 /// Most panels of a figure.
 const MOST_PANELS: usize = 4;
 /// Most runs in a panel.
 const MOST_RUNS: usize = 4;
 
-/// Writes the report of a study from what its folder contains; `name` is that of the folder.
-pub fn report(stored: &StoredStudy, name: &str) -> Document {
+/// Writes the report of a study from what its folder contains; `name` is that of the folder, and what each soft sensor is worth is the first
+/// section if it is known.
+pub fn report(stored: &StoredStudy, name: &str, worth: Option<&Worth>) -> Document {
     let mut page = Page::default();
+    if let Some(worth) = worth {
+        let body = worth::section(&mut page, worth);
+        page.section("worth", "What each soft sensor is worth", body);
+    }
     let pairs: Vec<(&StudyFit, &FitScores)> = stored.study.fits.iter().zip(&stored.scores.fits).collect();
     let body = scores_section(&mut page, &pairs);
     page.section("scores", "Scores", body);
@@ -80,7 +87,7 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
         let caption =
             format!("Relative RMSE of {} from {}.", literal(&fit.name), listed(&literals(&fit.spec.inputs)));
         let columns = ["Surrogate", "", "Training", "Held out", "Unseen", "R²", "In interval", "Outside"];
-        let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), &caption, &columns) };
+        let mut table = PageTable { words: 2, ..PageTable::new(&page.own_table_label(), &caption, &columns) };
         for member in &scores.members {
             table.row(vec![
                 literal(&member.method),
@@ -117,7 +124,7 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
 }
 
 /// The networks of sub-models, if there are several.
-fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option<Table> {
+fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option<PageTable> {
     let members = scores.members.iter().filter(|member| member.networks.len() > 1);
     let rows: Vec<(&MemberScores, usize, &NetworkScores)> = members
         .flat_map(|member| member.networks.iter().enumerate().map(move |(k, network)| (member, k, network)))
@@ -126,7 +133,7 @@ fn networks_table(page: &mut Page, fit: &StudyFit, scores: &FitScores) -> Option
     let coordinate = literal(fit.spec.coordinate.as_deref().unwrap_or(""));
     let caption = format!("Networks of {}, each for a range of {coordinate}.", literal(&scores.name));
     let columns = ["Surrogate", "Range", "Hidden layers", "Rows", "Epochs", "Held out", "Unseen"];
-    let mut table = Table { words: 1, ..Table::new(&page.own_table_label(), &caption, &columns) };
+    let mut table = PageTable { words: 1, ..PageTable::new(&page.own_table_label(), &caption, &columns) };
     let error = |score: &granum_learn::Score| {
         if score.states > 0 { percent(score.relative_rmse) } else { "–".into() }
     };
@@ -167,11 +174,11 @@ fn scatter_sentence(scores: &FitScores) -> Option<String> {
 }
 
 /// The error of each output of the methods that were asked for.
-fn outputs_table(page: &mut Page, scores: &FitScores) -> Table {
+fn outputs_table(page: &mut Page, scores: &FitScores) -> PageTable {
     let asked: Vec<&MemberScores> =
         scores.members.iter().filter(|member| member.role == MemberRole::Asked).collect();
     let caption = format!("Relative RMSE on unseen runs of each output of {}.", literal(&scores.name));
-    let mut table = Table::new(&page.own_table_label(), &caption, &["Output"]);
+    let mut table = PageTable::new(&page.own_table_label(), &caption, &["Output"]);
     table.columns.extend(asked.iter().map(|member| literal(&member.method)));
     for (k, output) in asked.first().map_or(&[][..], |member| &member.outputs).iter().enumerate() {
         let errors = asked.iter().map(|member| percent(member.outputs[k].unseen.relative_rmse));
@@ -185,7 +192,7 @@ fn uses_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup {
         ["Surrogate", "Own inputs", "Another run\u{2019}s", "Permuted", "Use", "Help", "Conclusion"];
     let caption =
         "Relative RMSE on unseen runs with inputs of different origin; use and help in percentage points.";
-    let mut table = Table::new(&page.own_table_label(), caption, &columns);
+    let mut table = PageTable::new(&page.own_table_label(), caption, &columns);
     for (name, used) in pairs.iter().flat_map(|(_, scores)| &scores.uses) {
         let error = |score: Option<granum_learn::Score>| {
             score.map_or("–".into(), |score| percent(score.relative_rmse))
@@ -308,7 +315,7 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
 fn repeat_section(page: &mut Page, stored: &StoredStudy) -> Markup {
     let study = &stored.study;
     let columns = ["Run", "Role", "Seed"];
-    let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), "The runs.", &columns) };
+    let mut table = PageTable { words: 2, ..PageTable::new(&page.own_table_label(), "The runs.", &columns) };
     for run in &study.runs {
         let seed = run.values.get(granum_io::case::SEED).cloned().unwrap_or_else(|| "–".into());
         table.row(vec![literal(&run.name), run.role.name().into(), seed]);

@@ -10,7 +10,7 @@ use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::material::strain_axis;
 use super::numbers::{percent, significant};
-use super::page::{Page, Table, rich};
+use super::page::{Page, PageTable, rich};
 use granum_core::words::listed;
 
 /// Figure of the servo error, the inertial number and the unbalanced force.
@@ -105,10 +105,10 @@ fn list(flags: &[QualityFlag]) -> Markup {
 }
 
 /// The quality flags of several runs as a table.
-fn table(label: &str, runs: &[RunReport]) -> Table {
+fn table(label: &str, runs: &[RunReport]) -> PageTable {
     let mut heads = vec!["Check".to_owned(), "Limit".to_owned()];
     heads.extend(runs.iter().map(|run| literal(&run.name)));
-    let mut table = Table { columns: heads, ..Table::new(label, "Checks on each run.", &[]) };
+    let mut table = PageTable { columns: heads, ..PageTable::new(label, "Checks on each run.", &[]) };
     let mut seen = std::collections::BTreeSet::new();
     for flag in runs.iter().flat_map(|run| &run.run.quality).filter(|flag| seen.insert(flag.name.clone())) {
         let mut cells = vec![name(flag), number(flag, flag.limit)];

@@ -21,7 +21,7 @@ pub use engine::{Engine, EngineError, EngineRun, Engines, Resources, Sink, Task}
 pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress, Work};
 pub use granum_io::RunKind;
 pub use laboratory::{Laboratory, LaboratoryError, PlannedRun, RunResult, Source};
-pub use registry::{RegistryError, RunRegistry};
+pub use registry::RunRegistry;
 
 #[cfg(test)]
 mod owned_tests;

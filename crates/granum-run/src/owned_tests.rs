@@ -5,8 +5,8 @@ use crate::queue::{Outcome, Queue, QueuedRun, RunList};
 use crate::runs_table::{RunEntry, RunsTable};
 use crate::stiffness::{Probes, Probing, Stiffness};
 use crate::{
-    Engine, EngineError, EngineRun, Engines, Laboratory, LaboratoryError, PlannedRun, RegistryError,
-    Resources, RunKind, RunRegistry, RunResult, Source, Task,
+    Engine, EngineError, EngineRun, Engines, Laboratory, LaboratoryError, PlannedRun, Resources, RunKind,
+    RunRegistry, RunResult, Source, Task,
 };
 
 fn is_owned_and_can_be_sent<T: Send + 'static>() {}
@@ -25,7 +25,6 @@ fn public_types_own_their_data_and_can_be_sent() {
     is_shared_by_threads::<Task>();
     is_shared_by_threads::<LaboratoryError>();
     is_shared_by_threads::<EngineError>();
-    is_shared_by_threads::<RegistryError>();
     is_owned_and_can_be_sent::<EngineRun>();
     is_owned_and_can_be_sent::<PlannedRun>();
     is_owned_and_can_be_sent::<RunResult>();

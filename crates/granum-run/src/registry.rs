@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use granum_dem::contact::choice::registry::{Law, LawRegistrationError};
-use granum_dem::loading::preset::{PathRegistrationError, Preset};
+use granum_core::RegistrationError;
+use granum_dem::contact::choice::registry::Law;
+use granum_dem::loading::preset::Preset;
 use granum_io::case::Vocabulary;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
 use granum_io::{Case, Formats, Reading, Run};
-use granum_sensors::{Sensor, SensorError};
+use granum_sensors::Sensor;
 
-use crate::engine::engine_error::EngineError;
 use crate::engine::engine_trait::Engine;
 use crate::engine::engines::Engines;
 
@@ -37,24 +37,6 @@ pub struct RunRegistry {
     pub engines: Engines,
 }
 
-/// An addition that cannot be registered: its name, or a key of it, is taken, or its declaration contradicts itself.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RegistryError {
-    /// A contact law.
-    #[error(transparent)]
-    Law(#[from] LawRegistrationError),
-    /// A named path.
-    #[error(transparent)]
-    Path(#[from] PathRegistrationError),
-    /// A sensor.
-    #[error(transparent)]
-    Sensor(#[from] SensorError),
-    /// An engine.
-    #[error(transparent)]
-    Engine(#[from] EngineError),
-}
-
 impl Default for RunRegistry {
     fn default() -> RunRegistry {
         RunRegistry::standard()
@@ -74,8 +56,8 @@ impl RunRegistry {
     /// Adds a contact law, which case files can then name.
     ///
     /// # Errors
-    /// [`RegistryError::Law`] if its name or a key of it is taken, or there is no room for its parameters.
-    pub fn with_law(mut self, law: impl Into<Law>) -> Result<RunRegistry, RegistryError> {
+    /// [`RegistrationError`] if its name or a key of it is taken, or there is no room for its parameters.
+    pub fn with_law(mut self, law: impl Into<Law>) -> Result<RunRegistry, RegistrationError> {
         self.vocabulary = self.vocabulary.with_law(law)?;
         Ok(self)
     }
@@ -83,8 +65,8 @@ impl RunRegistry {
     /// Adds a path, which case files can then name.
     ///
     /// # Errors
-    /// [`RegistryError::Path`] if its name is taken, or its parameters are not declared correctly.
-    pub fn with_path(mut self, path: &'static Preset) -> Result<RunRegistry, RegistryError> {
+    /// [`RegistrationError`] if its name is taken, or its parameters are not declared correctly.
+    pub fn with_path(mut self, path: &'static Preset) -> Result<RunRegistry, RegistrationError> {
         self.vocabulary = self.vocabulary.with_path(path)?;
         Ok(self)
     }
@@ -92,35 +74,53 @@ impl RunRegistry {
     /// Adds a sensor, which a case requests by its name in `recording.sensors`, with its parameters as keys of `[recording]`.
     ///
     /// # Errors
-    /// [`RegistryError::Sensor`] as [`granum_sensors::Sensors::with`].
-    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<RunRegistry, RegistryError> {
+    /// [`RegistrationError`] as [`granum_sensors::Sensors::with`].
+    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<RunRegistry, RegistrationError> {
         self.vocabulary = self.vocabulary.with_sensor(sensor)?;
         Ok(self)
     }
 
     /// Adds a format of tables.
-    pub fn with_table_format(mut self, format: impl TableFormat + 'static) -> RunRegistry {
-        self.formats = self.formats.with_table(format);
-        self
+    ///
+    /// # Errors
+    /// As [`Formats::with_table`].
+    pub fn with_table_format(
+        mut self,
+        format: impl TableFormat + 'static,
+    ) -> Result<RunRegistry, RegistrationError> {
+        self.formats = self.formats.with_table(format)?;
+        Ok(self)
     }
 
     /// Adds a format of packings.
-    pub fn with_packing_format(mut self, format: impl PackingFormat + 'static) -> RunRegistry {
-        self.formats = self.formats.with_packing(format);
-        self
+    ///
+    /// # Errors
+    /// As [`Formats::with_packing`].
+    pub fn with_packing_format(
+        mut self,
+        format: impl PackingFormat + 'static,
+    ) -> Result<RunRegistry, RegistrationError> {
+        self.formats = self.formats.with_packing(format)?;
+        Ok(self)
     }
 
     /// Adds a format of results.
-    pub fn with_result_format(mut self, format: impl ResultFormat + 'static) -> RunRegistry {
-        self.formats = self.formats.with_result(format);
-        self
+    ///
+    /// # Errors
+    /// As [`Formats::with_result`].
+    pub fn with_result_format(
+        mut self,
+        format: impl ResultFormat + 'static,
+    ) -> Result<RunRegistry, RegistrationError> {
+        self.formats = self.formats.with_result(format)?;
+        Ok(self)
     }
 
     /// Adds an engine; [`Laboratory::engine`](crate::Laboratory::engine) selects it.
     ///
     /// # Errors
-    /// [`RegistryError::Engine`] if there is already an engine of the same name.
-    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<RunRegistry, RegistryError> {
+    /// [`RegistrationError`] if there is already an engine of the same name.
+    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<RunRegistry, RegistrationError> {
         self.engines = self.engines.with(engine)?;
         Ok(self)
     }

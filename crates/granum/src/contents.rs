@@ -4,6 +4,7 @@ use granum_io::RunKind;
 
 use std::path::{Path, PathBuf};
 
+use granum_io::case::Vocabulary;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
@@ -56,9 +57,10 @@ impl FolderKind {
 ///
 /// ```
 /// use granum::contents::Contents;
+/// use granum_io::case::Vocabulary;
 ///
 /// let nowhere = std::path::Path::new("there is no such folder");
-/// assert_eq!(Contents::read(nowhere)?.name(), "nothing");
+/// assert_eq!(Contents::read(nowhere, &Vocabulary::standard())?.name(), "nothing");
 /// # Ok::<(), granum_learn::LearnError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -112,14 +114,14 @@ impl Next {
 }
 
 impl Contents {
-    /// Determines the contents of a folder without locking or changing anything.
+    /// Determines the contents of a folder, whose cases can name these laws, paths and sensors, without locking or changing anything.
     ///
     /// # Errors
     /// If the description of a reproduction or a list of runs cannot be read, or a folder, a pipe, a device or a broken link is in the
     /// place of the file that tells what the folder is.
-    pub fn read(folder: &Path) -> Result<Contents> {
+    pub fn read(folder: &Path, vocabulary: &Vocabulary) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
-        if let Some(campaign) = Campaign::read(folder).map_err(LearnError::from)? {
+        if let Some(campaign) = Campaign::read(folder, vocabulary).map_err(LearnError::from)? {
             return Ok(Contents::Campaign(Box::new(campaign)));
         }
         let of = Reproduction::read(folder)?;
@@ -283,8 +285,8 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
 ///
 /// # Errors
 /// [`LearnError::Taken`] with the command line that continues from the existing results.
-pub fn check_free(folder: &Path, wanted: FolderKind, force: bool) -> Result<()> {
-    let contents = Contents::read(folder)?;
+pub fn check_free(folder: &Path, wanted: FolderKind, force: bool, vocabulary: &Vocabulary) -> Result<()> {
+    let contents = Contents::read(folder, vocabulary)?;
     let Some(kind) = contents.kind() else { return Ok(()) };
     // Where the record cannot be read, states are those of a test.
     let unknown = kind == FolderKind::Run
@@ -364,7 +366,7 @@ mod tests {
         for name in names {
             let folder = tempfile::tempdir().unwrap();
             std::fs::create_dir(folder.path().join(name)).unwrap();
-            let error = Contents::read(folder.path()).unwrap_err().to_string();
+            let error = Contents::read(folder.path(), &Vocabulary::standard()).unwrap_err().to_string();
             assert!(error.contains(name) && error.contains("is not a regular file"), "{error}");
         }
     }

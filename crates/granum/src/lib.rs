@@ -26,7 +26,7 @@ pub use registry::Registry;
 
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
-    pub use granum_dem::contact::choice::registry::{Law, LawRegistrationError, Laws};
+    pub use granum_dem::contact::choice::registry::{Law, Laws};
     pub use granum_dem::contact::{
         AdhesionLaw, AdhesionLosses, Attraction, EnergyChannel, EnergyFate, LawConstants, LawDescription,
         LawEnergies, LawParameter, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
@@ -44,8 +44,8 @@ pub mod gallery;
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{
-        INERTIAL_NUMBER, INTERVAL, PathParameter, PathParameterDefault, PathParameterKind,
-        PathRegistrationError, PathValues, Paths, Preset, STATES, deviator, number, optional, stress, word,
+        INERTIAL_NUMBER, INTERVAL, PathParameter, PathParameterDefault, PathParameterKind, PathValues, Paths,
+        Preset, STATES, deviator, number, optional, stress, word,
     };
     pub use granum_dem::loading::{
         Constraint, Control, Drive, Kinematics, Measure, RecordedStates, Speed, Stage, Target, Turns, Until,

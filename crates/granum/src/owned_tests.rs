@@ -6,7 +6,7 @@ use granum_campaign::data_set::{Collected, DataSet, DataSetRun, DataSetSummary};
 use granum_campaign::execution::{
     CampaignEstimate, CampaignProgress, ChildProcesses, NoCampaignObserver, Pilot, PilotOptions, Summary,
 };
-use granum_campaign::plan::{Condition, Expression, Plan, PlannedRun, PlannedRuns, RunValue};
+use granum_campaign::plan::{Condition, Expression, Plan, PlanRun, PlannedRuns, RunValue};
 use granum_campaign::{Campaign, CampaignRun, CampaignStatus, PlanDifference, RunState};
 use granum_learn::networks::{NetworkMapping, NetworkSettings, SubModelNetworks};
 use granum_learn::study::{Member, StoredStudy, Study, StudyDefinition, StudyPlan, StudyScores};
@@ -33,7 +33,7 @@ macro_rules! shared {
 fn public_types_own_their_data_and_can_be_sent() {
     shared!(Registry);
     shared!(Campaign, CampaignRun, CampaignStatus, PlanDifference, RunState);
-    shared!(Plan, PlannedRun, PlannedRuns, RunValue, Condition, Expression);
+    shared!(Plan, PlanRun, PlannedRuns, RunValue, Condition, Expression);
     shared!(
         Summary,
         CampaignEstimate,

@@ -19,7 +19,7 @@
 pub use crate::registry::Registry;
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
 pub use granum_core::quantity::Dimension;
-pub use granum_core::{Cell, Column, Part, Parts, Table};
+pub use granum_core::{Cell, Column, Part, Parts, RegistrationError, Table};
 pub use granum_dem::config::{
     ContactModel, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
 };
@@ -38,8 +38,8 @@ pub use granum_learn::{
 };
 
 pub use granum_run::{
-    Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, RegistryError,
-    Resources, RunKind, RunRegistry, RunResult, Sink, Source, Task,
+    Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Resources, RunKind,
+    RunRegistry, RunResult, Sink, Source, Task,
 };
 pub use granum_sensors::{
     Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,

@@ -128,7 +128,7 @@ mod tests {
         assert!(help(&standard, "impact").contains("contact.rolling_friction"));
         assert!(help(&standard, "train").contains("- ridge: "));
         assert!(!help(&standard, "train").contains("own-method"));
-        let own = help(&standard.with_method(Named), "train");
+        let own = help(&standard.with_method(Named).unwrap(), "train");
         assert!(own.contains("- own-method: a method of a user") && own.contains("- ridge: "), "{own}");
     }
 

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use granum_antony2006::MappingMethod;
+use granum_core::RegistrationError;
 use granum_dem::contact::choice::registry::Law;
 use granum_dem::loading::preset::Preset;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
 use granum_io::{Case, Reading, Run};
 use granum_learn::{SurrogateMethod, SurrogateMethods};
-use granum_run::{Engine, RegistryError, RunRegistry};
+use granum_run::{Engine, RunRegistry};
 use granum_sensors::Sensor;
 
 /// What a program knows by name: contact laws, named paths, sensors, formats, engines and methods of surrogates. A program builds it
@@ -57,7 +58,7 @@ impl Registry {
     pub fn standard() -> Registry {
         Registry {
             runs: RunRegistry::standard(),
-            methods: SurrogateMethods::standard().with(MappingMethod::default()),
+            methods: SurrogateMethods::standard().replaced_by(MappingMethod::default()),
         }
     }
 
@@ -65,7 +66,7 @@ impl Registry {
     ///
     /// # Errors
     /// As [`RunRegistry::with_law`].
-    pub fn with_law(self, law: impl Into<Law>) -> Result<Registry, RegistryError> {
+    pub fn with_law(self, law: impl Into<Law>) -> Result<Registry, RegistrationError> {
         Ok(Registry { runs: self.runs.with_law(law)?, ..self })
     }
 
@@ -73,7 +74,7 @@ impl Registry {
     ///
     /// # Errors
     /// As [`RunRegistry::with_path`].
-    pub fn with_path(self, path: &'static Preset) -> Result<Registry, RegistryError> {
+    pub fn with_path(self, path: &'static Preset) -> Result<Registry, RegistrationError> {
         Ok(Registry { runs: self.runs.with_path(path)?, ..self })
     }
 
@@ -81,36 +82,57 @@ impl Registry {
     ///
     /// # Errors
     /// As [`RunRegistry::with_sensor`].
-    pub fn with_sensor(self, sensor: impl Sensor + 'static) -> Result<Registry, RegistryError> {
+    pub fn with_sensor(self, sensor: impl Sensor + 'static) -> Result<Registry, RegistrationError> {
         Ok(Registry { runs: self.runs.with_sensor(sensor)?, ..self })
     }
 
     /// Adds a format of tables.
-    pub fn with_table_format(self, format: impl TableFormat + 'static) -> Registry {
-        Registry { runs: self.runs.with_table_format(format), ..self }
+    ///
+    /// # Errors
+    /// As [`RunRegistry::with_table_format`].
+    pub fn with_table_format(
+        self,
+        format: impl TableFormat + 'static,
+    ) -> Result<Registry, RegistrationError> {
+        Ok(Registry { runs: self.runs.with_table_format(format)?, ..self })
     }
 
     /// Adds a format of packings.
-    pub fn with_packing_format(self, format: impl PackingFormat + 'static) -> Registry {
-        Registry { runs: self.runs.with_packing_format(format), ..self }
+    ///
+    /// # Errors
+    /// As [`RunRegistry::with_packing_format`].
+    pub fn with_packing_format(
+        self,
+        format: impl PackingFormat + 'static,
+    ) -> Result<Registry, RegistrationError> {
+        Ok(Registry { runs: self.runs.with_packing_format(format)?, ..self })
     }
 
     /// Adds a format of results.
-    pub fn with_result_format(self, format: impl ResultFormat + 'static) -> Registry {
-        Registry { runs: self.runs.with_result_format(format), ..self }
+    ///
+    /// # Errors
+    /// As [`RunRegistry::with_result_format`].
+    pub fn with_result_format(
+        self,
+        format: impl ResultFormat + 'static,
+    ) -> Result<Registry, RegistrationError> {
+        Ok(Registry { runs: self.runs.with_result_format(format)?, ..self })
     }
 
     /// Adds an engine; [`Laboratory::engine`](granum_run::Laboratory::engine) selects it.
     ///
     /// # Errors
     /// As [`RunRegistry::with_engine`].
-    pub fn with_engine(self, engine: impl Engine + 'static) -> Result<Registry, RegistryError> {
+    pub fn with_engine(self, engine: impl Engine + 'static) -> Result<Registry, RegistrationError> {
         Ok(Registry { runs: self.runs.with_engine(engine)?, ..self })
     }
 
-    /// Adds a method of surrogates, which replaces an existing one of the same name.
-    pub fn with_method(self, method: impl SurrogateMethod + 'static) -> Registry {
-        Registry { methods: self.methods.with(method), ..self }
+    /// Adds a method of surrogates.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethods::with`].
+    pub fn with_method(self, method: impl SurrogateMethod + 'static) -> Result<Registry, RegistrationError> {
+        Ok(Registry { methods: self.methods.with(method)?, ..self })
     }
 
     /// Reads the text of a case file that can name these laws, paths and sensors; `file` is its name for messages.

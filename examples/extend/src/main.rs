@@ -19,13 +19,13 @@ use granum::prelude::*;
 
 /// All that granum knows by name and all that is added here: a line each. Case files that are read with this registry know the law,
 /// the path and the sensor by their names, and their parameters by their keys.
-fn registry() -> Result<Registry, RegistryError> {
-    Ok(Registry::standard()
+fn registry() -> Result<Registry, RegistrationError> {
+    Registry::standard()
         .with_law(RollingKind::new(&rolling_spring::RollingSpring))?
         .with_path(&biaxial::BIAXIAL)?
         .with_sensor(fluctuating_speeds::FluctuatingSpeeds)?
-        .with_packing_format(spheres::Spheres)
-        .with_method(fading_memory::FadingMemory))
+        .with_packing_format(spheres::Spheres)?
+        .with_method(fading_memory::FadingMemory)
 }
 
 fn main() -> ExitCode {

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use granum_report::figure::palette::{GREY, color};
 use granum_report::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Shape, Stroke};
-use granum_report::page::{Page, Table, paragraphs, rich};
+use granum_report::page::{Page, PageTable, paragraphs, rich};
 use granum_report::symbols;
 
 /// The section, with its figure, table and sentences.
@@ -78,7 +78,7 @@ fn plot(curve: &PaperLearningCurve, name: &str) -> Plot {
         .with(Layer::dots(network, Shape::Circle, 3.6, color(1)).named("networks"))
 }
 
-fn table(label: &str, curve: &PaperLearningCurve) -> Table {
+fn table(label: &str, curve: &PaperLearningCurve) -> PageTable {
     let columns = [
         "Mapping",
         "Training runs",
@@ -92,7 +92,7 @@ fn table(label: &str, curve: &PaperLearningCurve) -> Table {
         "Relative RMSE on {} unseen runs of {} grains, with the standard error over these runs.",
         curve.unseen_runs, curve.grains
     );
-    let mut table = Table { words: 1, ..Table::new(label, &caption, &columns) };
+    let mut table = PageTable { words: 1, ..PageTable::new(label, &caption, &columns) };
     let of = |estimate: MeanError| {
         format!("{:.2} \u{b1} {:.2} %", 100.0 * estimate.mean, 100.0 * estimate.standard_error)
     };

@@ -8,7 +8,7 @@ use granum_report::figure::palette::{COLORS, GREY, INK, PALE, color};
 use granum_report::figure::ticks::fixed;
 use granum_report::figure::{Axis, Figure, Layer, Legend, Note, Panel, Plot, SHAPES, Shape, Stroke};
 use granum_report::numbers::{percent, points};
-use granum_report::page::Table;
+use granum_report::page::PageTable;
 use granum_report::symbols::{self, STRAIN};
 
 /// Number of the figure of a mapping in the paper: F1 is Figure 3, F6 is Figure 8.
@@ -265,7 +265,7 @@ fn first_point(curve: &Curve) -> Option<[f64; 2]> {
 }
 
 /// The scores as a table: the networks, the baselines, and the networks with sensor values from other runs or states.
-pub fn score_table(label: &str, summary: &PaperSummary) -> Table {
+pub fn score_table(label: &str, summary: &PaperSummary) -> PageTable {
     let caption = "Relative RMSE of the mappings on unseen DEM runs (if there are none, on held-out states): root mean \
                    square error over the root mean square of the DEM values. Strain only: networks of the same size \
                    whose only input is strain. Ridge: linear regression on the same sensors and splines over strain. \
@@ -282,7 +282,7 @@ pub fn score_table(label: &str, summary: &PaperSummary) -> Table {
         "Another run\u{2019}s sensors",
         "Permuted sensors",
     ];
-    let mut table = Table::new(label, caption, &columns);
+    let mut table = PageTable::new(label, caption, &columns);
     let share = |value: Option<f64>| value.map_or("–".to_owned(), percent);
     for mapping in summary.mappings.values() {
         table.row(vec![
@@ -301,7 +301,7 @@ pub fn score_table(label: &str, summary: &PaperSummary) -> Table {
 }
 
 /// Table on the use of the sensors by the mappings; `None` without unseen runs.
-pub fn sensor_table(label: &str, summary: &PaperSummary) -> Option<Table> {
+pub fn sensor_table(label: &str, summary: &PaperSummary) -> Option<PageTable> {
     let runs = summary.mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max()?;
     let caption = format!(
         "Do the networks use their sensors? Use: error with another unseen run\u{2019}s sensors minus error with the run\u{2019}s \
@@ -312,7 +312,7 @@ pub fn sensor_table(label: &str, summary: &PaperSummary) -> Option<Table> {
     );
     let columns =
         ["Mapping", "Use", "Use, against permuted", "Help", "Held-out", "*R*^{2}, unseen", "Verdict"];
-    let mut table = Table::new(label, &caption, &columns);
+    let mut table = PageTable::new(label, &caption, &columns);
     for mapping in summary.mappings.values() {
         table.row(vec![
             symbols::markup(&mapping.formula),

@@ -3,7 +3,7 @@
 
 use granum_report::figure::literal;
 use granum_report::numbers::{duration, factor, whole};
-use granum_report::page::{Document, Page, Table, paragraphs, tiles};
+use granum_report::page::{Document, Page, PageTable, paragraphs, tiles};
 use granum_report::symbols;
 use maud::html;
 
@@ -18,7 +18,7 @@ pub fn page(study: &StudyReport) -> Option<Document> {
     }
     let mut page = Page::default();
     let label = page.own_table_label();
-    let mut table = Table::new(&label, "Computing times of DEM and networks.", &["", "Time"]);
+    let mut table = PageTable::new(&label, "Computing times of DEM and networks.", &["", "Time"]);
     for (name, seconds) in [
         ("One DEM test (shear)", speed.dem_seconds),
         ("Networks, for the same curves", speed.network_seconds),
@@ -34,7 +34,7 @@ pub fn page(study: &StudyReport) -> Option<Document> {
     );
     let label = page.own_table_label();
     let columns = ["Run", "Computer", "Threads", "Wall time", "Million grain-steps per second"];
-    let mut runs = Table { words: 2, ..Table::new(&label, "The DEM runs.", &columns) };
+    let mut runs = PageTable { words: 2, ..PageTable::new(&label, "The DEM runs.", &columns) };
     for run in study.runs.iter().filter(|run| run.wall_seconds() > 0.0) {
         let machine = &run.run.machine;
         runs.row(vec![

@@ -8,7 +8,7 @@ use super::{many_runs, networks, tables};
 use granum_report::case_details::case_details;
 use granum_report::figure::literal;
 use granum_report::numbers::whole;
-use granum_report::page::{Document, Page, Table, paragraphs, rich, tiles};
+use granum_report::page::{Document, Page, PageTable, paragraphs, rich, tiles};
 use granum_report::run::{SIGNS, behaviour, force_section};
 use granum_report::{sample, symbols, trust};
 
@@ -97,7 +97,7 @@ fn networks_section(page: &mut Page, study: &StudyReport) {
 }
 
 fn tables_section(page: &mut Page, study: &StudyReport) {
-    let tables: Vec<Table> =
+    let tables: Vec<PageTable> =
         study.summary.mappings.iter().filter_map(|(name, ours)| tables::table(name, ours)).collect();
     let body = html! {
         p {
@@ -178,7 +178,7 @@ fn material_sections(page: &mut Page, study: &StudyReport) {
 fn reproducibility_section(page: &mut Page, study: &StudyReport) {
     let label = page.own_table_label();
     let columns = ["Run", "Role", "Seed", "Million grain-steps", "Case digest"];
-    let mut table = Table { words: 2, ..Table::new(&label, "The DEM runs.", &columns) };
+    let mut table = PageTable { words: 2, ..PageTable::new(&label, "The DEM runs.", &columns) };
     for run in &study.runs {
         table.row(vec![
             literal(&run.name),

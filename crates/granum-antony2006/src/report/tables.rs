@@ -5,7 +5,7 @@ use crate::summary::{MappingSummary, SubModelSummary};
 use granum_learn::networks::SubModel;
 
 use granum_report::numbers::{percent, trimmed, whole};
-use granum_report::page::Table;
+use granum_report::page::PageTable;
 use granum_report::symbols;
 
 /// Number of the table of a mapping in the paper.
@@ -16,7 +16,7 @@ pub fn table_number(mapping: &str) -> Option<usize> {
 
 /// The table of a mapping in the paper, together with the results of this study; `None` for a mapping that is not in the
 /// paper.
-pub fn table(name: &str, ours: &MappingSummary) -> Option<Table> {
+pub fn table(name: &str, ours: &MappingSummary) -> Option<PageTable> {
     let paper: Mapping = paper_mappings().into_iter().find(|mapping| mapping.name == name)?;
     let label = format!("Table {}", table_number(name)?);
     let same_ranges = paper.sub_models.len() == ours.sub_models.len()
@@ -27,7 +27,7 @@ pub fn table(name: &str, ours: &MappingSummary) -> Option<Table> {
     }
     columns.extend(["Neurons", "Epochs", "Rows", "Weights in use", "Held-out", "Unseen"]);
     let caption = format!("Model for mapping {}.", symbols::markup(&ours.formula));
-    let mut table = Table::new(&label, &caption, &columns);
+    let mut table = PageTable::new(&label, &caption, &columns);
     table.groups = vec![(String::new(), 1), ("Paper".into(), 4), ("Here".into(), columns.len() - 5)];
     let count = paper.sub_models.len().max(ours.sub_models.len());
     for k in 0..count {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use granum_campaign::plan::{
-    DesignKind, DesignTable, Keep, Plan, PlanSource, Reader, SampleSeeds, Variable, VariableKind,
+    DesignKind, DesignTable, Keep, Plan, PlanSource, PlanVariable, Reader, SampleSeeds, VariableKind,
 };
 use granum_core::input::read_text;
 use granum_io::shell::ShowPath;
@@ -120,7 +120,7 @@ fn check_uses(reader: &mut Reader, plan: &Plan) {
         .flatten()
         .collect();
     let is_idle =
-        |variable: &&Variable| variable.keys.is_empty() && !expressions.contains(&variable.name.as_str());
+        |variable: &&PlanVariable| variable.keys.is_empty() && !expressions.contains(&variable.name.as_str());
     for variable in plan.variables.iter().filter(is_idle) {
         let message = format!("the variable {} changes nothing", variable.name);
         let help = "give it a key of the case, or use it in the expression of a variable that has one";
@@ -133,7 +133,7 @@ fn check_conditions(
     reader: &mut Reader,
     conditions: &[(String, TestCondition)],
     calibration: &CalibrationTable,
-    variables: &[Variable],
+    variables: &[PlanVariable],
 ) {
     let lacking = conditions.iter().find(|(_, condition)| {
         *condition == TestCondition::RelativeDensity && calibration.void_ratio_limits.is_none()

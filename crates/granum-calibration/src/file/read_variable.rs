@@ -1,6 +1,6 @@
 //! Reading the variables of a calibration: free ones with their priors, those that each test gives, and expressions.
 
-use granum_campaign::plan::{Draft, Expression, Reader, Spanned, Variable, VariableKind};
+use granum_campaign::plan::{Draft, Expression, PlanVariable, Reader, Spanned, VariableKind};
 use granum_io::Case;
 use toml::de::DeValue;
 
@@ -31,7 +31,7 @@ enum Kind {
 const KINDS: [(Kind, &str); 3] =
     [(Kind::Uniform, "uniform"), (Kind::LogUniform, "log-uniform"), (Kind::Normal, "normal")];
 
-pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option<(Variable, Role)> {
+pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option<(PlanVariable, Role)> {
     let (unit, step) = reader.unit_and_step(&draft, case)?;
     let ways: Vec<&str> =
         ["prior", "test", "expression"].into_iter().filter(|key| draft.table.contains_key(*key)).collect();
@@ -84,7 +84,7 @@ pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option
             }
         }
     };
-    Some((Variable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span }, role))
+    Some((PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span }, role))
 }
 
 fn prior(reader: &mut Reader, draft: &Draft, kind: Kind, unit: &str) -> Option<Prior> {

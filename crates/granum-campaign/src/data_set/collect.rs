@@ -99,7 +99,10 @@ fn take_in_missing(
         go_on()?;
         let runs = parallel::map(numbers.len(), 0, |k| {
             let name = &campaign.runs()[numbers[k]].name;
-            Ok::<_, granum_io::Error>((name.clone(), read_run(&campaign.folder_of(name))?))
+            Ok::<_, granum_io::Error>((
+                name.clone(),
+                read_run(&campaign.folder_of(name), campaign.vocabulary())?,
+            ))
         })?;
         writer.append(&runs)?;
     }

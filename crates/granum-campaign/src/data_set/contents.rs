@@ -8,7 +8,7 @@ use crate::status::{CampaignStatus, RunState};
 
 /// A run that is not part of the data set.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
+pub struct LeftOutRun {
     /// Its number in the plan.
     pub number: usize,
     /// `flagged`, `failed` or `unfinished`.
@@ -23,7 +23,7 @@ pub(super) struct Contents {
     /// The numbers of the runs that are part of the data set, in the order of the plan.
     pub taken: Vec<usize>,
     /// The others.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<LeftOutRun>,
 }
 
 impl Contents {
@@ -46,7 +46,7 @@ impl Contents {
                 | RunState::Lost => ("unfinished", &[][..]),
             };
             let checks = checks.iter().map(|check| check.name.clone()).collect();
-            contents.left_out.push(LeftOut { number, state, checks });
+            contents.left_out.push(LeftOutRun { number, state, checks });
         }
         Ok(contents)
     }
@@ -70,7 +70,7 @@ impl Contents {
             digest.text(&run.name);
             digest.text(&run.case_digest);
         }
-        for LeftOut { number, state, checks } in &self.left_out {
+        for LeftOutRun { number, state, checks } in &self.left_out {
             digest.text(&campaign.runs()[*number].name);
             digest.text(state);
             checks.iter().for_each(|check| digest.text(check));

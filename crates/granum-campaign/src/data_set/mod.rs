@@ -28,7 +28,7 @@ mod write;
 mod written;
 
 pub use collect::{Collected, DataSetSummary, collect};
-pub use contents::LeftOut;
+pub use contents::LeftOutRun;
 pub use grainlearning::{GrainLearning, grainlearning};
 pub use layout::{BIN_WIDTH, BINS, DATA_SET, FIRST_BIN, QUANTITY, RUN, VARIABLE};
 pub use read::{DataSet, DataSetRun};

@@ -6,7 +6,8 @@ use granum_run::derived_columns::{ARC_LENGTH, arc_length, density_name};
 use granum_sensors::{Histograms, Record};
 
 use super::layout::{COUNTED, RUN};
-use crate::campaign::{Campaign, CampaignRun};
+use crate::campaign::Campaign;
+use crate::campaign_file::CampaignRun;
 use crate::rows::{RowFiles, StoredRun, read_run};
 
 /// The results of a finished run of a campaign with its case: from its folder if it is there, or from its rows.
@@ -17,7 +18,7 @@ pub fn read_finished(campaign: &Campaign, rows: &RowFiles, run: &CampaignRun) ->
     let case = campaign.case_of(run)?;
     let folder = campaign.folder_of(&run.name);
     let stored = match folder.join("run.json").is_file() {
-        true => read_run(&folder)?,
+        true => read_run(&folder, campaign.vocabulary())?,
         false => rows.run(&run.name)?,
     };
     Ok((case, stored))

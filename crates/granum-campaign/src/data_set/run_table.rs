@@ -10,7 +10,8 @@ use granum_run::runs_table::unit_of_measure;
 use granum_sensors::Sensors;
 
 use super::layout::{BIN_WIDTH, BINS, CHECK, FIRST_BIN, LIMIT, MEASURE, QUANTITY, RUN, SETTINGS, VARIABLE};
-use crate::campaign::{Campaign, CampaignRun};
+use crate::campaign::Campaign;
+use crate::campaign_file::CampaignRun;
 use crate::plan::RunValue;
 use crate::rows::StoredRun;
 

@@ -15,7 +15,7 @@ use super::taking_in::TakingIn;
 use crate::acceptance::is_accepted;
 use crate::campaign::{Campaign, RUNS, SAMPLES, holds_finished};
 use crate::claim::{CLAIMS, Claimant};
-use crate::journal::{Event, last_events};
+use crate::journal::{JournalEvent, last_events};
 use crate::plan::Keep;
 use crate::rows::{RowFiles, StoredHead, forget_leftovers};
 
@@ -108,7 +108,9 @@ impl Coordinator<'_> {
         let (taken, all) = self.divided(&rows, replace_others)?;
         let kept = |run: &&QueuedRun| match known.get(&run.name) {
             // Another process, perhaps on another machine, may have made an end of it since.
-            Some(Event::Failed { reason, lasting: true }) if !self.again && !holds_finished(&run.folder) => {
+            Some(JournalEvent::Failed { reason, lasting: true })
+                if !self.again && !holds_finished(&run.folder) =>
+            {
                 Some((run.name.clone(), reason.clone()))
             }
             _ => None,
@@ -122,7 +124,7 @@ impl Coordinator<'_> {
         let planned = self.campaign.runs().len();
         let accept = self.campaign.accept();
         let flags = |head: &&StoredHead| match &head.event {
-            Event::Finished { flags, .. } => flags.clone(),
+            JournalEvent::Finished { flags, .. } => flags.clone(),
             _ => Vec::new(),
         };
         let flagged: Vec<_> = taken.iter().map(flags).filter(|flags| !flags.is_empty()).collect();

@@ -10,7 +10,7 @@ use granum_run::queue::{Executor, Outcome, Queue, QueueError, QueueObserver, Que
 
 use super::recorder::CampaignObserver;
 use crate::campaign::Campaign;
-use crate::journal::{Event, LineWriter};
+use crate::journal::{JournalEvent, LineWriter};
 
 /// Executes runs and samples of a campaign by their names, so many at once, with the samples that they need. What happens is noted in a
 /// journal that this process alone writes. Returns the runs that failed, with their reasons; `None` in place of a reason is a run that was
@@ -68,7 +68,7 @@ struct Noting<'a> {
 }
 
 impl Noting<'_> {
-    fn note(&self, run: usize, event: Event) {
+    fn note(&self, run: usize, event: JournalEvent) {
         let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
         // What cannot be noted is found in the folder of the run.
         if let Err(error) = journal.note(&self.queue.runs()[run].name, event) {
@@ -79,7 +79,7 @@ impl Noting<'_> {
 
 impl QueueObserver for Noting<'_> {
     fn begins(&self, run: usize) {
-        self.note(run, Event::Begun);
+        self.note(run, JournalEvent::Begun);
     }
 
     fn warn(&self, run: usize, text: &str) {
@@ -87,7 +87,7 @@ impl QueueObserver for Noting<'_> {
     }
 
     fn ends(&self, run: usize, outcome: &Outcome) {
-        if let Some(event) = Event::of_outcome(outcome) {
+        if let Some(event) = JournalEvent::of_outcome(outcome) {
             self.note(run, event);
         }
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use granum_dem::observer::{Flow, Progress};
 use granum_dem::preparation::Phase;
-use granum_io::{OutputFolder, Reading, Result};
+use granum_io::{OutputFolder, Result};
 use granum_run::Laboratory;
 use granum_run::LaboratoryError;
 use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, RunKind, Shares};
@@ -37,8 +37,7 @@ pub fn execute_run(
     flow: &(dyn Fn() -> Flow + Sync),
     tell: &(dyn Fn(&Message) + Sync),
 ) -> Result<End> {
-    let reading = Reading::recorded().with_vocabulary(&laboratory.registry.vocabulary);
-    let campaign = Campaign::read_as(folder, reading)?.ok_or_else(|| {
+    let campaign = Campaign::read(folder, &laboratory.registry.vocabulary)?.ok_or_else(|| {
         let message = "there is no campaign.json: the folder holds no campaign";
         granum_io::Error::content(folder, message)
     })?;

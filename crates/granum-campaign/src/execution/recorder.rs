@@ -12,7 +12,7 @@ use granum_run::queue::{Outcome, Queue, QueueObserver, RunKind, Shares};
 use super::taking_in::TakingIn;
 use crate::acceptance::is_accepted;
 use crate::clock::readable;
-use crate::journal::{Event, JOURNAL, LineWriter};
+use crate::journal::{JOURNAL, JournalEvent, LineWriter};
 use crate::plan::Condition;
 
 /// The file to which a line is added every minute.
@@ -100,7 +100,7 @@ pub(super) struct Recorder<'a> {
     observer: &'a dyn CampaignObserver,
     accept: Vec<Condition>,
     /// What the journal already knows.
-    known: BTreeMap<String, Event>,
+    known: BTreeMap<String, JournalEvent>,
     /// Takes runs in whose folders are to go.
     taking_in: Option<TakingIn>,
     elapsed: Elapsed,
@@ -162,7 +162,7 @@ impl<'a> Recorder<'a> {
         queue: &'a Queue,
         folder: &Path,
         accept: Vec<Condition>,
-        known: BTreeMap<String, Event>,
+        known: BTreeMap<String, JournalEvent>,
         counts: CampaignProgress,
         stop_after: Option<Duration>,
         elapsed: Elapsed,
@@ -216,8 +216,8 @@ impl<'a> Recorder<'a> {
     /// Takes in a finished test that is part of the data set.
     fn take_in(&self, run: usize, outcome: &Outcome) {
         let (Some(taking_in), Outcome::Finished { record, .. }) = (&self.taking_in, outcome) else { return };
-        let is_part = match Event::finished(record) {
-            Event::Finished { flags, .. } => is_accepted(&flags, &self.accept),
+        let is_part = match JournalEvent::finished(record) {
+            JournalEvent::Finished { flags, .. } => is_accepted(&flags, &self.accept),
             _ => false,
         };
         if is_part
@@ -229,7 +229,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn note(&self, held: &mut Held, run: usize, event: Event) {
+    fn note(&self, held: &mut Held, run: usize, event: JournalEvent) {
         let result = held.journal.note(&self.queue.runs()[run].name, event);
         self.warn_once(held, JOURNAL, result);
     }
@@ -290,7 +290,7 @@ impl QueueObserver for Recorder<'_> {
         let mut held = self.lock();
         self.begin(&mut held);
         held.counts.running += 1;
-        self.note(&mut held, run, Event::Begun);
+        self.note(&mut held, run, JournalEvent::Begun);
         self.follow(&mut held);
     }
 
@@ -320,21 +320,21 @@ impl QueueObserver for Recorder<'_> {
         held.shares.end(run, outcome);
         let is_new = !matches!(outcome, Outcome::Finished { reused: true, .. } | Outcome::NotNeeded);
         held.counts.running -= usize::from(is_new && held.counts.running > 0);
-        let event = Event::of_outcome(outcome);
+        let event = JournalEvent::of_outcome(outcome);
         let name = &self.queue.runs()[run].name;
         if self.is_test(run) {
             match &event {
-                Some(Event::Finished { flags, .. }) => {
+                Some(JournalEvent::Finished { flags, .. }) => {
                     held.counts.finished += 1;
                     held.counts.flagged += usize::from(!flags.is_empty());
                     held.counts.refused += usize::from(!is_accepted(flags, &self.accept));
                 }
-                Some(Event::Failed { .. }) => held.counts.failed += 1,
+                Some(JournalEvent::Failed { .. }) => held.counts.failed += 1,
                 _ => {}
             }
         }
         if let Some(event) = event.filter(|event| is_new || self.known.get(name) != Some(event)) {
-            if let Event::Failed { reason, .. } = &event {
+            if let JournalEvent::Failed { reason, .. } = &event {
                 self.observer.warn(&format!("{name}: failed: {reason}"));
             }
             self.note(&mut held, run, event);

@@ -38,7 +38,7 @@ impl TakingIn {
     /// If the rows cannot be written or a folder cannot be removed; both are then tried again when the runs are collected.
     pub(super) fn take(&self, queue: &Queue, number: usize) -> Result<()> {
         let run = &queue.runs()[number];
-        let stored = read_run(&run.folder)?;
+        let stored = read_run(&run.folder, &run.case.vocabulary)?;
         let is_last = {
             let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
             // Its rows are on the disk before its folder goes.

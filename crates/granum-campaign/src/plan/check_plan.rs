@@ -7,7 +7,7 @@ use granum_io::Case;
 use granum_run::Engines;
 use granum_run::engine::CHECKS;
 
-use super::definition::{DesignKind, Plan, Row, SampleSeeds, Spanned, Variable, VariableKind};
+use super::definition::{DesignKind, Plan, PlanRow, PlanVariable, SampleSeeds, Spanned, VariableKind};
 use super::design::MOST_AXES;
 use super::reader::Reader;
 
@@ -76,7 +76,8 @@ impl Reader {
 
     /// Checks that the design and the variables fit together.
     pub(super) fn check_design(&mut self, plan: &Plan) {
-        let seeds = |variable: &Variable| variable.keys.iter().any(|key| key.value == granum_io::case::SEED);
+        let seeds =
+            |variable: &PlanVariable| variable.keys.iter().any(|key| key.value == granum_io::case::SEED);
         let has_seeds = plan.design.replicates > 1 || plan.design.sample_seeds == SampleSeeds::Different;
         if let Some(variable) = plan.variables.iter().find(|variable| seeds(variable) && has_seeds) {
             let message = "preparation.seed is set by a variable and by the design";
@@ -113,7 +114,7 @@ impl Reader {
         }
     }
 
-    pub(super) fn check_rows(&mut self, plan: &Plan, rows: &[Row]) {
+    pub(super) fn check_rows(&mut self, plan: &Plan, rows: &[PlanRow]) {
         for row in rows {
             let known = |name: &str| {
                 plan.variables.iter().any(|variable| variable.name == name && variable.kind.is_free())
@@ -141,10 +142,10 @@ impl Reader {
 }
 
 /// The first variable whose expression depends on itself, directly or through others.
-fn in_a_circle(variables: &[Variable]) -> Option<&Variable> {
-    let by_name: BTreeMap<&str, &Variable> =
+fn in_a_circle(variables: &[PlanVariable]) -> Option<&PlanVariable> {
+    let by_name: BTreeMap<&str, &PlanVariable> =
         variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
-    let reaches = |start: &Variable| {
+    let reaches = |start: &PlanVariable| {
         let (mut open, mut seen) = (vec![start], BTreeSet::new());
         while let Some(variable) = open.pop() {
             let VariableKind::Expression(expression) = &variable.kind else { continue };

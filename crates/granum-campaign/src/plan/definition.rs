@@ -39,7 +39,7 @@ pub struct Plan {
     /// Keys that every run has in addition to those of the base case.
     pub fixed: Vec<FixedKey>,
     /// The variables, in the order of the plan.
-    pub variables: Vec<Variable>,
+    pub variables: Vec<PlanVariable>,
     /// The design.
     pub design: DesignTable,
     /// What every run must fulfil.
@@ -113,7 +113,7 @@ pub struct FixedKey {
 
 /// A variable of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Variable {
+pub struct PlanVariable {
     /// Its name, by which expressions, constraints, tables and reports know it.
     pub name: String,
     /// The keys that take its value; none for one that only expressions use.
@@ -206,12 +206,12 @@ pub enum DesignKind {
     /// All combinations.
     FullFactorial,
     /// Rows that the plan lists, or those of a CSV file.
-    Rows(Vec<Row>),
+    Rows(Vec<PlanRow>),
 }
 
 /// A row of a listed design: names of variables with the texts of their values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct PlanRow {
     /// Names and values.
     pub cells: Vec<(String, String)>,
     /// Where the row stands: in the plan, or in a CSV file.
@@ -241,7 +241,7 @@ impl Plan {
     }
 }
 
-impl Variable {
+impl PlanVariable {
     /// True if it is spread on a logarithmic scale.
     pub fn is_logarithmic(&self) -> bool {
         matches!(self.kind, VariableKind::Range { logarithmic: true, .. })

@@ -43,13 +43,13 @@ mod units;
 mod values;
 
 pub use definition::{
-    Choice, DesignKind, DesignTable, FixedKey, Keep, Plan, PlanSource, Row, RowPlace, SampleSeeds, Spanned,
-    Variable, VariableKind,
+    Choice, DesignKind, DesignTable, FixedKey, Keep, Plan, PlanRow, PlanSource, PlanVariable, RowPlace,
+    SampleSeeds, Spanned, VariableKind,
 };
 pub use expression::{Condition, Expression};
 pub use read_variables::Draft;
 pub use reader::{Node, Reader};
-pub use runs::{PlannedRun, PlannedRuns, apply_settings};
+pub use runs::{PlanRun, PlannedRuns, apply_settings};
 pub use values::RunValue;
 
 #[cfg(test)]

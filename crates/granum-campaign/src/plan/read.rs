@@ -10,7 +10,7 @@ use granum_io::{Case, Error, Reading, Result, named_file};
 use granum_run::engine::{LAMMPS, LammpsStart};
 use toml::de::DeTable;
 
-use super::definition::{Keep, Plan, PlanSource, Spanned, Variable};
+use super::definition::{Keep, Plan, PlanSource, PlanVariable, Spanned};
 use super::expression::Condition;
 use super::read_design::KINDS;
 use super::read_variables::VARIABLE_KEYS;
@@ -64,7 +64,7 @@ impl Reader {
         let drafts = self.drafts(table.get("variable"), &VARIABLE_KEYS);
         let names: Vec<String> = drafts.iter().map(|draft| draft.name.clone()).collect();
         let Some(reference) = self.reference(&case, &fixed, &drafts) else { return Ok(None) };
-        let variables: Vec<Variable> =
+        let variables: Vec<PlanVariable> =
             drafts.into_iter().filter_map(|draft| self.variable(draft, &reference)).collect();
         let constraints = self.conditions(table, "constraints");
         let accept = self.conditions(table, "accept");

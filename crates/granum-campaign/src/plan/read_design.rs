@@ -6,7 +6,7 @@ use granum_io::{Result, named_file};
 use toml::Spanned as TomlSpanned;
 use toml::de::{DeTable, DeValue};
 
-use super::definition::{DesignKind, DesignTable, Row, RowPlace, SampleSeeds};
+use super::definition::{DesignKind, DesignTable, PlanRow, RowPlace, SampleSeeds};
 use super::design::{MOST_POINTS, rows};
 use super::reader::{Node, Reader};
 
@@ -89,7 +89,7 @@ impl Reader {
         Ok(Some(DesignTable { kind, points, seed, replicates, sample_seeds, span: kind_node.span() }))
     }
 
-    pub(super) fn listed_rows(&mut self, design: &Node, table: &DeTable) -> Option<Vec<Row>> {
+    pub(super) fn listed_rows(&mut self, design: &Node, table: &DeTable) -> Option<Vec<PlanRow>> {
         let Some(node) = table.get("rows") else {
             let help = "write rows = [{ friction = 0.2 }, { friction = 0.4 }]";
             self.error(design.span(), "a design of kind list needs rows", help);
@@ -106,7 +106,7 @@ impl Reader {
                 Some((key.to_string(), self.scalar(node, key)?))
             };
             let cells = cells.iter().map(cell).collect::<Option<Vec<_>>>()?;
-            rows.push(Row { cells, place: RowPlace::Plan(item.span()) });
+            rows.push(PlanRow { cells, place: RowPlace::Plan(item.span()) });
         }
         if rows.is_empty() {
             self.error(node.span(), "rows must have one row or more", "");
@@ -115,7 +115,7 @@ impl Reader {
         Some(rows)
     }
 
-    pub(super) fn csv_rows(&mut self, design: &Node, table: &DeTable) -> Result<Option<Vec<Row>>> {
+    pub(super) fn csv_rows(&mut self, design: &Node, table: &DeTable) -> Result<Option<Vec<PlanRow>>> {
         let Some(node) = table.get("file") else {
             self.error(design.span(), "a design of kind csv needs file, the name of a CSV file", "");
             return Ok(None);

@@ -7,7 +7,7 @@ use granum_io::{Case, Error};
 use toml::Spanned as TomlSpanned;
 use toml::de::{DeTable, DeValue};
 
-use super::definition::{Choice, FixedKey, PATH, Spanned, Variable, VariableKind};
+use super::definition::{Choice, FixedKey, PATH, PlanVariable, Spanned, VariableKind};
 use super::expression::Expression;
 use super::reader::{Node, Reader};
 use super::units;
@@ -108,10 +108,10 @@ impl Reader {
         (self.errors.len() == before).then_some(case)
     }
 
-    pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<Variable> {
+    pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
         let (unit, step) = self.unit_and_step(&draft, case)?;
         let kind = self.kind(&draft, &unit)?;
-        Some(Variable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
+        Some(PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
     }
 
     /// The unit of the keys of a variable, and the step to which its numbers are rounded, if there is one.

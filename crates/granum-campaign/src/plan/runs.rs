@@ -6,7 +6,7 @@ use std::ops::Range;
 use granum_io::case::{SEED, SetKey};
 use granum_io::{Case, Error, InputError, Result};
 
-use super::definition::{DesignKind, PATH, Plan, Row, RowPlace, SampleSeeds, Variable, VariableKind};
+use super::definition::{DesignKind, PATH, Plan, PlanRow, PlanVariable, RowPlace, SampleSeeds, VariableKind};
 use super::design::{Axis, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
 use super::units;
 use super::values::{Chosen, RunValue, axis, chosen, given, levels, rounded};
@@ -22,7 +22,7 @@ const FIRST_STAGE: &str = "stage.1.";
 
 /// A run of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlannedRun {
+pub struct PlanRun {
     /// Its name, made of the digest of its case: the same case has the same name in every plan.
     pub name: String,
     /// The values of the variables, in their order.
@@ -37,7 +37,7 @@ pub struct PlannedRun {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedRuns {
     /// The runs, in the order of the design; replicates follow each other.
-    pub runs: Vec<PlannedRun>,
+    pub runs: Vec<PlanRun>,
     /// Number of points that the constraints left out.
     pub left_out: usize,
     /// Number of runs whose case another run already has.
@@ -117,7 +117,7 @@ impl Plan {
                 };
                 let name = digest[..DIGITS.min(digest.len())].to_string();
                 if names.insert(name.clone()) {
-                    runs.push(PlannedRun { name, values: valued.values.clone(), settings, case });
+                    runs.push(PlanRun { name, values: valued.values.clone(), settings, case });
                 } else {
                     repeated += 1;
                 }
@@ -154,8 +154,9 @@ impl Plan {
         &self,
         left_out: &mut usize,
         mistakes: &mut Vec<Mistake>,
-    ) -> Result<Vec<(Valued, Option<&Row>)>> {
-        let free: Vec<&Variable> = self.variables.iter().filter(|variable| variable.kind.is_free()).collect();
+    ) -> Result<Vec<(Valued, Option<&PlanRow>)>> {
+        let free: Vec<&PlanVariable> =
+            self.variables.iter().filter(|variable| variable.kind.is_free()).collect();
         let axes: Vec<Axis> = free.iter().map(|variable| axis(variable)).collect();
         let mut found = Vec::new();
         let mut take = |valued: std::result::Result<Valued, Refusal>, row: Option<&RowPlace>| match valued {
@@ -240,7 +241,7 @@ impl Plan {
         }
     }
 
-    fn of_point(&self, free: &[&Variable], point: &Point) -> std::result::Result<Valued, Refusal> {
+    fn of_point(&self, free: &[&PlanVariable], point: &Point) -> std::result::Result<Valued, Refusal> {
         let mut values = BTreeMap::new();
         for (variable, coordinate) in free.iter().zip(point) {
             values.insert(variable.name.as_str(), chosen(variable, *coordinate));
@@ -248,7 +249,7 @@ impl Plan {
         self.valued(values)
     }
 
-    fn of_row(&self, row: &Row) -> std::result::Result<Valued, Refusal> {
+    fn of_row(&self, row: &PlanRow) -> std::result::Result<Valued, Refusal> {
         let mut values = BTreeMap::new();
         for variable in self.variables.iter().filter(|variable| variable.kind.is_free()) {
             let Some((_, text)) = row.cells.iter().find(|(name, _)| *name == variable.name) else { continue };
@@ -263,7 +264,7 @@ impl Plan {
     /// Adds the values of expressions, and compares the constraints.
     fn valued<'a>(&'a self, mut values: BTreeMap<&'a str, Chosen>) -> std::result::Result<Valued, Refusal> {
         let case_number = |name: &str| self.case_number(name);
-        let mut open: Vec<&Variable> =
+        let mut open: Vec<&PlanVariable> =
             self.variables.iter().filter(|variable| !variable.kind.is_free()).collect();
         while !open.is_empty() {
             let known: BTreeMap<&str, Option<f64>> =
@@ -316,14 +317,14 @@ impl Plan {
     }
 
     fn ordered(&self, values: &BTreeMap<&str, Chosen>) -> Vec<(String, RunValue)> {
-        let of = |variable: &Variable| {
+        let of = |variable: &PlanVariable| {
             values.get(variable.name.as_str()).map(|chosen| (variable.name.clone(), chosen.value.clone()))
         };
         self.variables.iter().filter_map(of).collect()
     }
 
     /// Refuses numbers without a unit that the plan has for stresses and strains and that are probably meant in another one.
-    fn check_bare_numbers(&self, first: Option<&(Valued, Option<&Row>)>) -> Result<()> {
+    fn check_bare_numbers(&self, first: Option<&(Valued, Option<&PlanRow>)>) -> Result<()> {
         let Some((valued, _)) = first else { return Ok(()) };
         // What is wrong with the run itself is told with all runs.
         let Ok(case) = apply_settings(&self.case, &valued.settings) else { return Ok(()) };
@@ -354,7 +355,7 @@ impl Plan {
     }
 
     /// The mistake of a run whose case is refused, at the variable that sets the key in question if that is known.
-    fn mistake(&self, valued: &Valued, row: Option<&Row>, error: &Error) -> Mistake {
+    fn mistake(&self, valued: &Valued, row: Option<&PlanRow>, error: &Error) -> Mistake {
         let values = shown(&valued.values);
         if let Some(row) = row {
             return Mistake { error: row.place.error(&self.source, error.to_string()), values };
@@ -363,7 +364,7 @@ impl Plan {
             Error::Value { name, .. } => Some(name.as_str()),
             _ => None,
         };
-        let sets = |variable: &&Variable, key: &str| {
+        let sets = |variable: &&PlanVariable, key: &str| {
             let by_choice = match &variable.kind {
                 VariableKind::Choice(choices) => {
                     choices.iter().any(|choice| choice.set.iter().any(|(own, _)| own == key))

@@ -32,7 +32,7 @@ fn error(text: &str) -> String {
     read(folder().path(), text).unwrap_err().to_string()
 }
 
-fn number(run: &PlannedRun, name: &str) -> f64 {
+fn number(run: &PlanRun, name: &str) -> f64 {
     run.values.iter().find(|(own, _)| own == name).unwrap().1.number().unwrap()
 }
 
@@ -144,9 +144,8 @@ fn the_path_of_the_test_can_vary() {
                 values = [0.05, 0.1]\n";
     let found = runs(text);
     assert_eq!(found.runs.len(), 4);
-    let path = |run: &PlannedRun| {
-        run.case.parameters().into_iter().find(|found| found.key == "stage.1.path").unwrap()
-    };
+    let path =
+        |run: &PlanRun| run.case.parameters().into_iter().find(|found| found.key == "stage.1.path").unwrap();
     assert_eq!(
         path(&found.runs[3]).value,
         granum_io::case::ParameterValue::Word("undrained-triaxial".into())

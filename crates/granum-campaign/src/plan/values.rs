@@ -4,7 +4,7 @@ use granum_core::quantity::format_number;
 use granum_simd::power;
 use serde::{Deserialize, Serialize};
 
-use super::definition::{Choice, Variable, VariableKind};
+use super::definition::{Choice, PlanVariable, VariableKind};
 use super::design::{Axis, Coordinate};
 use super::units;
 
@@ -60,7 +60,7 @@ impl Chosen {
 }
 
 /// How a design chooses the value of a variable.
-pub(super) fn axis(variable: &Variable) -> Axis {
+pub(super) fn axis(variable: &PlanVariable) -> Axis {
     match &variable.kind {
         VariableKind::Choice(choices) => Axis::Levels(choices.len()),
         _ => Axis::Continuous,
@@ -68,7 +68,7 @@ pub(super) fn axis(variable: &Variable) -> Axis {
 }
 
 /// Number of values in a full factorial design.
-pub(super) fn levels(variable: &Variable) -> usize {
+pub(super) fn levels(variable: &PlanVariable) -> usize {
     match &variable.kind {
         VariableKind::Choice(choices) => choices.len(),
         VariableKind::Range { levels, .. } => levels.unwrap_or(1),
@@ -77,7 +77,7 @@ pub(super) fn levels(variable: &Variable) -> usize {
 }
 
 /// The value of a variable at a place on its axis.
-pub(super) fn chosen(variable: &Variable, at: Coordinate) -> Chosen {
+pub(super) fn chosen(variable: &PlanVariable, at: Coordinate) -> Chosen {
     match (&variable.kind, at) {
         (VariableKind::Choice(choices), Coordinate::Level(level)) => {
             choices.get(level).map_or_else(|| Chosen::number(f64::NAN), Chosen::of_choice)
@@ -113,7 +113,7 @@ pub(super) fn rounded(number: f64, step: Option<f64>) -> f64 {
 }
 
 /// The value that a row gives to a variable.
-pub(super) fn given(variable: &Variable, text: &str) -> std::result::Result<Chosen, String> {
+pub(super) fn given(variable: &PlanVariable, text: &str) -> std::result::Result<Chosen, String> {
     if let VariableKind::Choice(choices) = &variable.kind {
         let found = choices.iter().find(|choice| choice.name == text);
         return found.map(Chosen::of_choice).ok_or_else(|| {

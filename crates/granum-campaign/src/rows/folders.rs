@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use granum_io::case::Vocabulary;
 use granum_io::{Error, Result, Run, RunFolder};
 use granum_run::digest;
 use granum_run::record::read_record;
@@ -12,12 +13,13 @@ use super::stored_run::StoredRun;
 /// Folder into which the folders of runs are moved before they are removed.
 const REMOVED: &str = ".granum-removed";
 
-/// Reads what is kept of a finished run from its folder, whose files are compared with their SHA-256.
+/// Reads what is kept of a finished run from its folder, whose files are compared with their SHA-256 and whose case can name these
+/// laws, paths and sensors.
 ///
 /// # Errors
 /// If a file of the run is missing, changed or damaged.
-pub fn read_run(folder: &Path) -> Result<StoredRun> {
-    let run = Run::at(folder)?;
+pub fn read_run(folder: &Path, vocabulary: &Vocabulary) -> Result<StoredRun> {
+    let run = Run::at(folder)?.with_vocabulary(vocabulary);
     Ok(StoredRun { record: run.record()?, digest: digest::of_run(&run)?, measured: read_record(&run)? })
 }
 

@@ -10,7 +10,7 @@ use granum_io::{Error, Result, RunRecord};
 use serde::{Deserialize, Serialize};
 
 use super::stored_run::StoredRun;
-use crate::journal::Event;
+use crate::journal::JournalEvent;
 
 /// Folder of the files.
 pub(super) const ROWS: &str = "rows";
@@ -34,7 +34,7 @@ pub struct StoredHead {
     pub engine: String,
     /// How it ended, with the checks that it did not pass.
     #[serde(flatten)]
-    pub event: Event,
+    pub event: JournalEvent,
     /// SHA-256 of its rows.
     pub sha256: String,
 }
@@ -47,7 +47,7 @@ impl StoredHead {
             case_digest: record.case_digest.clone(),
             granum_version: record.granum_version.clone(),
             engine: record.engine.clone(),
-            event: Event::finished(record),
+            event: JournalEvent::finished(record),
             sha256: sha256(rows),
         }
     }

@@ -1,10 +1,11 @@
 //! Energy channels that laws of a caller declare, in the engine.
 
+use granum_core::RegistrationError;
 use granum_dem::Isa;
 use granum_dem::assembly::EnergyBalance;
 use granum_dem::config::{AdhesionKind, ContactModel, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::adhesion::CapillaryBridge;
-use granum_dem::contact::choice::registry::{LawRegistrationError, Laws};
+use granum_dem::contact::choice::registry::Laws;
 use granum_dem::contact::rolling::ElasticPlasticRolling;
 use granum_dem::contact::tangential::NoSlip;
 use granum_dem::contact::{
@@ -330,9 +331,10 @@ fn channels_with_bad_keys_are_refused() {
     for (law, key) in
         [(NormalKind::new(&SameKey), "plastic_loss"), (NormalKind::new(&TakenKey), "friction_loss")]
     {
-        assert_eq!(refused(law), LawRegistrationError::ChannelTaken { key });
+        let (what, name) = ("normal law", law.name());
+        assert_eq!(refused(law), RegistrationError::key_taken(what, name, "energy channel", key));
     }
     let error = refused(NormalKind::new(&BadKey));
-    assert_eq!(error, LawRegistrationError::ChannelKey { key: "fracture_loss" });
+    assert!(matches!(&error, RegistrationError::Key { key, .. } if key == "fracture_loss"), "{error}");
     assert!(error.to_string().contains("\"energy\" where it is stored"), "{error}");
 }

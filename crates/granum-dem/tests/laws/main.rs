@@ -4,11 +4,12 @@ mod channels;
 #[path = "../common/mod.rs"]
 mod common;
 
+use granum_core::RegistrationError;
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
 use granum_dem::config::{ContactModel, Material, NormalKind, RollingKind, TangentialKind};
-use granum_dem::contact::choice::registry::{LawRegistrationError, Laws};
+use granum_dem::contact::choice::registry::Laws;
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::normal::hertz::HertzConstants;
 use granum_dem::contact::{LawDescription, LawParameter, Normal, NormalLaw, PairProperties, Unit};
@@ -308,5 +309,5 @@ fn names_stand_for_one_law() {
     let impostor = NormalKind::new(&Impostor);
     assert_ne!(impostor, NormalKind::HERTZ);
     let taken = Laws::standard().with(impostor).unwrap_err();
-    assert_eq!(taken, LawRegistrationError::NameTaken { what: "normal law", name: "hertz" });
+    assert_eq!(taken, RegistrationError::name_taken("normal law", "hertz"));
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use granum_dem::contact::choice::check;
-use granum_dem::contact::choice::check::LawError;
+use granum_dem::contact::choice::law_error::LawError;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

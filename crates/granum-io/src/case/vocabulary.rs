@@ -2,9 +2,10 @@
 
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::contact::choice::registry::{Law, LawRegistrationError, Laws};
-use granum_dem::loading::preset::{PathRegistrationError, Paths, Preset};
-use granum_sensors::{Sensor, SensorError, Sensors};
+use granum_core::RegistrationError;
+use granum_dem::contact::choice::registry::{Law, Laws};
+use granum_dem::loading::preset::{Paths, Preset};
+use granum_sensors::{Sensor, Sensors};
 
 /// The laws, paths and sensors that the words of a case file stand for: those of granum, and those that a program adds. Cases are
 /// read with it ([`Reading::with_vocabulary`](super::Reading::with_vocabulary)), and remember it.
@@ -76,12 +77,13 @@ impl Vocabulary {
     ///
     /// # Errors
     /// As [`Laws::with`]; also if a sensor has a column with the key of a channel.
-    pub fn with_law(&self, law: impl Into<Law>) -> Result<Vocabulary, LawRegistrationError> {
+    pub fn with_law(&self, law: impl Into<Law>) -> Result<Vocabulary, RegistrationError> {
         let law = law.into();
         let laws = self.laws().clone().with(law)?;
         let mut sensors = self.sensors().clone();
         for channel in law.channels() {
-            let taken = |_| LawRegistrationError::ChannelTaken { key: channel.key };
+            let (what, name, key) = (law.what(), law.description().name, channel.key);
+            let taken = |_| RegistrationError::key_taken(what, name, "energy channel", key);
             sensors = sensors.with_channels(&[*channel]).map_err(taken)?;
         }
         Ok(self.changed(|words| (words.laws, words.sensors) = (laws, sensors)))
@@ -91,7 +93,7 @@ impl Vocabulary {
     ///
     /// # Errors
     /// As [`Paths::with`].
-    pub fn with_path(&self, path: &'static Preset) -> Result<Vocabulary, PathRegistrationError> {
+    pub fn with_path(&self, path: &'static Preset) -> Result<Vocabulary, RegistrationError> {
         let paths = self.paths().clone().with(path)?;
         Ok(self.changed(|words| words.paths = paths))
     }
@@ -100,7 +102,7 @@ impl Vocabulary {
     ///
     /// # Errors
     /// As [`Sensors::with`].
-    pub fn with_sensor(&self, sensor: impl Sensor + 'static) -> Result<Vocabulary, SensorError> {
+    pub fn with_sensor(&self, sensor: impl Sensor + 'static) -> Result<Vocabulary, RegistrationError> {
         let sensors = self.sensors().clone().with(sensor)?;
         Ok(self.changed(|words| words.sensors = sensors))
     }

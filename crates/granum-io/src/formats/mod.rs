@@ -11,7 +11,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use granum_core::Table;
+use granum_core::{RegistrationError, Table};
 
 use self::beginning::{extension, head};
 use crate::error::{Error, Result};
@@ -100,21 +100,48 @@ impl Formats {
     }
 
     /// The same formats and one more for tables.
-    pub fn with_table(mut self, format: impl TableFormat + 'static) -> Formats {
+    ///
+    /// # Errors
+    /// [`RegistrationError`] if there is already a format of tables of the same name, or one of its extensions belongs to another.
+    pub fn with_table(
+        mut self,
+        format: impl TableFormat + 'static,
+    ) -> std::result::Result<Formats, RegistrationError> {
+        let (names, taken) =
+            (self.tables().map(|known| known.name()), self.tables().flat_map(|known| known.extensions()));
+        check_format("format of tables", format.name(), format.extensions(), names, taken)?;
         self.tables.push(Arc::new(format));
-        self
+        Ok(self)
     }
 
     /// The same formats and one more for packings.
-    pub fn with_packing(mut self, format: impl PackingFormat + 'static) -> Formats {
+    ///
+    /// # Errors
+    /// [`RegistrationError`] if there is already a format of packings of the same name, or one of its extensions belongs to another.
+    pub fn with_packing(
+        mut self,
+        format: impl PackingFormat + 'static,
+    ) -> std::result::Result<Formats, RegistrationError> {
+        let (names, taken) =
+            (self.packings().map(|known| known.name()), self.packings().flat_map(|known| known.extensions()));
+        check_format("format of packings", format.name(), format.extensions(), names, taken)?;
         self.packings.push(Arc::new(format));
-        self
+        Ok(self)
     }
 
     /// The same formats and one more for results of other programs.
-    pub fn with_result(mut self, format: impl ResultFormat + 'static) -> Formats {
+    ///
+    /// # Errors
+    /// [`RegistrationError`] if there is already a format of results of the same name, or an extension has a form that none can have. Formats of results may share
+    /// an extension, since files are told apart by how they begin.
+    pub fn with_result(
+        mut self,
+        format: impl ResultFormat + 'static,
+    ) -> std::result::Result<Formats, RegistrationError> {
+        let (names, taken) = (self.results().map(|known| known.name()), []);
+        check_format("format of results", format.name(), format.extensions(), names, taken)?;
         self.results.push(Arc::new(format));
-        self
+        Ok(self)
     }
 
     /// The formats of results of other programs.
@@ -306,6 +333,35 @@ impl Formats {
     }
 }
 
+/// Refuses a format whose name or extension belongs to another, or which has none, or an extension that is never looked for.
+fn check_format<'n>(
+    what: &'static str,
+    name: &str,
+    extensions: &[&str],
+    mut names: impl Iterator<Item = &'n str>,
+    taken: impl IntoIterator<Item = &'n &'static str>,
+) -> std::result::Result<(), RegistrationError> {
+    if names.any(|known| short_name(known) == short_name(name)) {
+        return Err(RegistrationError::name_taken(what, name));
+    }
+    // A name may have blanks: it is chosen on the command line with hyphens for them.
+    RegistrationError::check_name(what, &short_name(name), []).map_err(|_| RegistrationError::Name {
+        what,
+        name: name.into(),
+        reason: "its name is not one of letters, digits and blanks",
+    })?;
+    let taken: Vec<&str> = taken.into_iter().copied().collect();
+    for extension in extensions {
+        if *extension != extension.to_lowercase() {
+            let (name, part, key) = (name.into(), "extension", extension.to_string());
+            let reason = "is not in lower case";
+            return Err(RegistrationError::Key { what, name, part, key, reason });
+        }
+        RegistrationError::check_key(what, name, "extension", extension, taken.contains(extension))?;
+    }
+    Ok(())
+}
+
 /// A name without capitals and blanks: "LAMMPS data" and "lammps-data" are one.
 fn short_name(name: &str) -> String {
     name.to_lowercase().replace([' ', '_'], "-")
@@ -422,7 +478,9 @@ mod tests {
             error.contains("data.pack: is not a known packing format: its name should end in .csv, .dump"),
             "{error}"
         );
-        let formats = Formats::standard().with_packing(Pair);
+        let formats = Formats::standard().with_packing(Pair).unwrap();
         assert_eq!(formats.read_packing(&file).unwrap().grains.len(), 2);
+        let twice = formats.with_packing(Pair).err();
+        assert_eq!(twice, Some(RegistrationError::name_taken("format of packings", "pair")));
     }
 }

@@ -38,8 +38,9 @@ use crate::shell::ShowPath;
 ///     }
 /// }
 ///
-/// let formats = Formats::standard().with_result(Bare);
+/// let formats = Formats::standard().with_result(Bare)?;
 /// assert!(formats.results().any(|format| format.name() == "bare"));
+/// # Ok::<(), granum_core::RegistrationError>(())
 /// ```
 pub trait ResultFormat: Send + Sync {
     /// Its name, e.g. "LAMMPS dump".

@@ -1,7 +1,6 @@
 //! A data set: the states of its runs, by the names of their columns.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use granum_core::digest::Digest;
 use granum_core::names::suggestion;
@@ -64,17 +63,15 @@ impl Dataset {
         Ok(Dataset { runs })
     }
 
-    /// The data set of run folders: their measurements, with every resolved key of their case files and the measures of their samples
-    /// as parameters. The name of a run is that of its folder as given here.
+    /// The data set of runs: their measurements, with every resolved key of their case files and the measures of their samples
+    /// as parameters. The name of a run is its folder as it was opened; `Registry::run_at` opens one whose case names laws, paths or sensors
+    /// of a program.
     ///
     /// # Errors
-    /// If a folder contains no record of a test, and as [`Dataset::new`].
-    pub fn read<P: AsRef<Path>>(folders: &[P]) -> Result<Dataset> {
-        let read = |folder: &P| {
-            let folder = folder.as_ref();
-            RunStates::read(&folder.shown(), &Run::at(folder)?)
-        };
-        Dataset::new(folders.iter().map(read).collect::<Result<_>>()?)
+    /// If a run has no record of a test, and as [`Dataset::new`].
+    pub fn read(runs: &[Run]) -> Result<Dataset> {
+        let read = |run: &Run| RunStates::read(&run.path().shown(), run);
+        Dataset::new(runs.iter().map(read).collect::<Result<_>>()?)
     }
 
     /// The runs.

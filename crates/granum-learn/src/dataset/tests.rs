@@ -3,7 +3,7 @@
 use granum_io::RunKind;
 
 use granum_core::{Column, Table};
-use granum_io::{Case, Machine, RunFolder, RunRecord};
+use granum_io::{Case, Machine, Run, RunFolder, RunRecord};
 use granum_sensors::Record;
 
 use super::*;
@@ -165,7 +165,7 @@ fn a_run_folder_gives_its_case_as_parameters() {
     folder.write_record(&RunRecord::new(RunKind::Test, "0.1.0", &case, Machine::here("avx2", 1))).unwrap();
     granum_run::record::write_record(&folder, &record).unwrap();
 
-    let dataset = Dataset::read(&[&path]).unwrap();
+    let dataset = Dataset::read(&[Run::at(&path).unwrap()]).unwrap();
     assert_eq!(dataset.column("grains.material.friction").unwrap(), [0.45; 9]);
     assert_eq!(dataset.variable("grains.material.youngs_modulus").unwrap().unit, "Pa");
     assert_eq!(dataset.runs()[0].parameter("preparation.seed"), Some(case.preparation.seed as f64));

@@ -14,7 +14,7 @@ use super::content::Content;
 use super::prediction::{Cause, Estimate, Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
-use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
 use crate::curve::{increases, interpolated};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
@@ -85,10 +85,15 @@ impl SurrogateMethod for MeanCurve {
         "the mean of the runs at the coordinate"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
         let mut columns = spec.columns(dataset)?;
         let Some(place) = spec.place_of_coordinate(&columns) else {
-            let fitted = overall_mean(dataset, &columns)?;
+            let fitted = overall_mean(dataset, &columns, observer)?;
             return Ok(Box::new(FittedCurve { columns, fitted }));
         };
         columns.inputs = vec![columns.inputs[place].clone()];
@@ -97,12 +102,17 @@ impl SurrogateMethod for MeanCurve {
         let at = |output: usize, x: f64| -> Vec<f64> {
             runs.iter().map(|(xs, curves)| interpolated(x, xs, &curves[output])).collect()
         };
-        let over = |value: &dyn Fn(&[f64]) -> f64| -> Vec<Vec<f64>> {
-            let curve = |k: usize| coordinates.iter().map(|x| value(&at(k, *x))).collect();
-            (0..columns.outputs.len()).map(curve).collect()
-        };
-        let means = over(&mean);
-        let deviations = if runs.len() > 1 { over(&deviation) } else { Vec::new() };
+        let (mut means, mut deviations) = (Vec::new(), Vec::new());
+        for output in 0..columns.outputs.len() {
+            report_output(observer, &columns.outputs, output)?;
+            let over = |value: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
+                coordinates.iter().map(|x| value(&at(output, *x))).collect()
+            };
+            means.push(over(&mean));
+            if runs.len() > 1 {
+                deviations.push(over(&deviation));
+            }
+        }
         let fitted = Fitted { along_coordinate: true, runs: runs.len(), coordinates, means, deviations };
         fitted.check(&columns)?;
         Ok(Box::new(FittedCurve { columns, fitted }))
@@ -115,10 +125,12 @@ impl SurrogateMethod for MeanCurve {
     }
 }
 
-fn overall_mean(dataset: &Dataset, columns: &Columns) -> Result<Fitted> {
-    let names = columns.output_names();
-    let means = names.iter().map(|name| Ok(vec![mean(&dataset.values(&[name])?)]));
-    let means = means.collect::<Result<_>>()?;
+fn overall_mean(dataset: &Dataset, columns: &Columns, observer: &mut dyn Observer) -> Result<Fitted> {
+    let mut means = Vec::new();
+    for (done, output) in columns.outputs.iter().enumerate() {
+        report_output(observer, &columns.outputs, done)?;
+        means.push(vec![mean(&dataset.values(&[&output.name])?)]);
+    }
     let runs = dataset.runs().len();
     Ok(Fitted { along_coordinate: false, runs, coordinates: vec![0.0], means, deviations: Vec::new() })
 }

@@ -108,6 +108,41 @@ fn threads_change_no_bit_of_a_recurrent_fit() {
     assert_eq!(text, "recurrent: the number of networks must be 1 or more, not 0");
 }
 
+/// Every method hears its observer at least once, says nothing else when it is heard, and ends when the observer asks for it.
+#[test]
+fn every_method_can_be_followed_and_stopped() {
+    let run = |k: usize| {
+        let strain: Vec<f64> = (0..24).map(|state| 0.01 * state as f64).collect();
+        let stress = strain.iter().map(|strain| (1.0 + 0.2 * k as f64) * strain / (0.05 + strain)).collect();
+        let columns = vec![Column::new("strain", "", strain), Column::new("stress", "", stress)];
+        RunStates::new(&format!("run-{k}"), Table::new(columns)?)?.with_parameter("friction", "", k as f64)
+    };
+    let dataset = Dataset::new((0..6).map(run).collect::<Result<_>>().unwrap()).unwrap();
+    let trainer = Adam { epochs: 3, ..Adam::default() }.into();
+    let small = FeedForward { hidden: vec![2], ..FeedForward::default() };
+    let methods = SurrogateMethods::standard().replaced_by(small);
+    let methods = methods.replaced_by(Recurrent { hidden: 2, networks: 2, trainer });
+    for method in methods.all() {
+        let spec = FitSpec::new(["strain", "friction"], ["stress"]).with_coordinate("strain");
+        let spec = spec.with_threads(1);
+        let fit = |observer: &mut dyn Observer| method.fit(&dataset, &spec, observer);
+        let mut listener = Stopper::default();
+        let listened = match fit(&mut listener) {
+            Ok(listened) => listened,
+            Err(error) => panic!("{}: {error}", method.name()),
+        };
+        let silent = fit(&mut NoObserver).unwrap();
+        assert_eq!(to_json(listened.as_ref()).unwrap(), to_json(silent.as_ref()).unwrap());
+        assert!(!listener.reports.is_empty(), "{} says nothing", method.name());
+        for after in [1, listener.reports.len()] {
+            let mut stopper = Stopper { after, ..Stopper::default() };
+            let stopped = fit(&mut stopper).err();
+            assert!(matches!(stopped, Some(LearnError::Stopped { .. })), "{} after {after}", method.name());
+            assert_eq!(stopper.reports.len(), after, "{} goes on after it was stopped", method.name());
+        }
+    }
+}
+
 /// Stops a fit after a number of reports.
 #[derive(Default)]
 struct Stopper {

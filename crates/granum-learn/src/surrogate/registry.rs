@@ -3,15 +3,19 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::boosted_trees::BoostedTrees;
+use super::cascade::Cascade;
 use super::curve_process::GaussianProcessOfCurves;
 use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::mean_curve::MeanCurve;
+use super::nearest_run::NearestRun;
 use super::recurrent::Recurrent;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
 use crate::networks::{NetworkSettings, NetworksBySubModel};
+use granum_core::RegistrationError;
 use granum_io::shell::ShowPath;
 
 /// A registry of methods by name, for fitting and for reading files.
@@ -20,7 +24,9 @@ use granum_io::shell::ShowPath;
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "gaussian-process", "recurrent", "sub-models"]);
+/// assert_eq!(methods.names(), [
+///     "feed-forward", "ridge", "mean-curve", "nearest-run", "boosted-trees", "gaussian-process", "cascade", "recurrent", "sub-models",
+/// ]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert_eq!(error, "there is no surrogate method `rigde`; did you mean ridge?");
 /// ```
@@ -49,7 +55,10 @@ impl SurrogateMethods {
                 Arc::new(FeedForward::default()),
                 Arc::new(RidgeRegression::default()),
                 Arc::new(MeanCurve),
+                Arc::new(NearestRun),
+                Arc::new(BoostedTrees::default()),
                 Arc::new(GaussianProcessOfCurves::default()),
+                Arc::new(Cascade::default()),
                 Arc::new(Recurrent::default()),
                 Arc::new(NetworksBySubModel::default()),
             ],
@@ -67,8 +76,20 @@ impl SurrogateMethods {
         Ok(SurrogateMethods { methods: self.methods.iter().map(set).collect::<Result<_>>()? })
     }
 
-    /// Adds a method, which replaces an existing one of the same name.
-    pub fn with(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
+    /// Adds a method.
+    ///
+    /// # Errors
+    /// [`RegistrationError::Name`] if there is already a method of the same name, or the name is not a word.
+    pub fn with(
+        self,
+        method: impl SurrogateMethod + 'static,
+    ) -> std::result::Result<SurrogateMethods, RegistrationError> {
+        RegistrationError::check_name("surrogate method", method.name(), self.names())?;
+        Ok(self.replaced_by(method))
+    }
+
+    /// The same methods, with this one in place of that of its name, as to give it other settings.
+    pub fn replaced_by(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
         self.methods.retain(|known| known.name() != method.name());
         self.methods.push(Arc::new(method));
         self

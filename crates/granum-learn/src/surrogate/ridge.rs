@@ -28,7 +28,7 @@ use super::content::Content;
 use super::prediction::{Cause, Estimate, Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
-use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::cholesky::Cholesky;
@@ -164,7 +164,12 @@ impl SurrogateMethod for RidgeRegression {
         "ridge regression, linear in the inputs along a curve"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Err(failed(format!("the penalty must be a positive number, not {}", self.penalty)));
         }
@@ -189,7 +194,8 @@ impl SurrogateMethod for RidgeRegression {
         let regression = Regression::new(&functions, &others, &|_, _| penalty).ok_or_else(unsolved)?;
         let scatter = Scatter::new(self.penalty, &regression);
         let runs = dataset.run_of_rows();
-        for output in &columns.outputs {
+        for (done, output) in columns.outputs.iter().enumerate() {
+            report_output(observer, &columns.outputs, done)?;
             let targets = dataset.values(&[&output.name])?;
             fitted.outputs.push(scatter.output(&targets, &runs).ok_or_else(unsolved)?);
         }

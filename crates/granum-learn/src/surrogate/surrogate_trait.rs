@@ -3,13 +3,13 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use granum_core::observer::Observer;
+use granum_core::observer::{Flow, Observer, Progress};
 
 use super::content::Content;
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
 use crate::networks::{NetworkCheckpoints, NetworkSettings};
 
@@ -80,6 +80,23 @@ pub trait SurrogateMethod: Send + Sync {
     /// # Errors
     /// If the content is not that of such a surrogate with these columns; the message gives the reason.
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>>;
+}
+
+/// Reports to the observer that the next of some outputs is fitted, for a method that fits one after the other.
+///
+/// # Errors
+/// [`LearnError::Stopped`] if the observer requests the end.
+pub(super) fn report_output(observer: &mut dyn Observer, outputs: &[Variable], done: usize) -> Result<()> {
+    let total = outputs.len();
+    let progress = Progress::new("training", "outputs", done as u64).out_of(total as u64);
+    let progress = match outputs.get(done) {
+        Some(output) => progress.part(&output.name),
+        None => progress,
+    };
+    match observer.progress(&progress) {
+        Flow::Continue => Ok(()),
+        Flow::Stop => Err(LearnError::Stopped { done, total }),
+    }
 }
 
 /// A fitted model, which predicts outputs from inputs. The documentation of [this module](super) contains a complete example.

@@ -12,12 +12,6 @@ pub enum EngineError {
         /// The nearest name, or all existing names.
         suggestion: String,
     },
-    /// There is already an engine of the same name.
-    #[error("there is already an engine {name:?}: give the new one another name")]
-    NameTaken {
-        /// The name.
-        name: &'static str,
-    },
     /// The engine cannot execute this case, or does not find what it needs; nothing has been written.
     #[error("the engine {engine}: {what}")]
     Refused {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use granum_core::RegistrationError;
 use granum_core::names::suggestion;
 
 use super::engine_error::EngineError;
@@ -29,12 +30,9 @@ impl Engines {
     /// Adds an engine.
     ///
     /// # Errors
-    /// [`EngineError::NameTaken`] if there is already an engine of the same name.
-    pub fn with(mut self, engine: impl Engine + 'static) -> Result<Engines, EngineError> {
-        let name = engine.name();
-        if self.names().any(|known| known == name) {
-            return Err(EngineError::NameTaken { name });
-        }
+    /// [`RegistrationError::Name`] if there is already an engine of the same name, or the name is not a word.
+    pub fn with(mut self, engine: impl Engine + 'static) -> Result<Engines, RegistrationError> {
+        RegistrationError::check_name("engine", engine.name(), self.names())?;
         self.0.push(Arc::new(engine));
         Ok(self)
     }

@@ -68,7 +68,7 @@ fn an_engine_of_ones_own_runs_the_cases_of_a_laboratory() {
     let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();
     assert_eq!(message, "there is no engine \"clerk\"; there are: granum, lammps");
     let taken = laboratory.registry.with_engine(Clerk).err();
-    assert_eq!(taken, Some(EngineError::NameTaken { name: "clerk" }.into()));
+    assert_eq!(taken, Some(granum_core::RegistrationError::name_taken("engine", "clerk")));
 }
 
 #[test]

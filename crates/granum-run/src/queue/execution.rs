@@ -48,7 +48,7 @@ impl Held {
         if !run.folder.join("run.json").is_file() {
             return Ok(Held::Nothing);
         }
-        let held = Run::at(&run.folder)?;
+        let held = Run::at(&run.folder)?.with_vocabulary(&run.case.vocabulary);
         let record = Box::new(held.record()?);
         Ok(match (is_of(&record, run, laboratory)?, record.status) {
             (false, _) => Held::Other(record),

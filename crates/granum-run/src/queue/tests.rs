@@ -97,7 +97,7 @@ fn a_shared_sample_gives_the_same_results_and_is_used_again() {
     assert!(!left.exists());
 
     // The strength of a run of an earlier version, whose record does not tell it, is found from its series.
-    let entry = crate::runs_table::RunEntry::read(&folder.join("strain=0.02")).unwrap();
+    let entry = crate::runs_table::RunEntry::from_run(&Run::at(folder.join("strain=0.02")).unwrap()).unwrap();
     let mut old = entry.clone();
     old.record.measures.clear();
     let found = old.with_strength().unwrap().record.measures;

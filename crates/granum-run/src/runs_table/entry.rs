@@ -2,7 +2,7 @@
 
 use granum_io::RunKind;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Result, Run, RunRecord};
@@ -39,18 +39,10 @@ impl RunEntry {
         RunEntry { name: name.into(), folder: folder.into(), case, record, digest: None }
     }
 
-    /// Reads the folder of a run; its name is that of the folder.
+    /// Reads a run; its name is that of its folder.
     ///
     /// # Errors
     /// If the case or the record cannot be read; the message names the file.
-    pub fn read(folder: &Path) -> Result<RunEntry> {
-        RunEntry::from_run(&Run::at(folder)?)
-    }
-
-    /// As [`RunEntry::read`], for a run whose case can name laws, paths and sensors of its own.
-    ///
-    /// # Errors
-    /// As [`RunEntry::read`].
     pub fn from_run(run: &Run) -> Result<RunEntry> {
         let (folder, case, record) = (run.path(), run.case()?, run.record()?);
         let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
@@ -79,7 +71,7 @@ impl RunEntry {
     /// # Errors
     /// As [`crate::digest::of_run`].
     pub fn with_digest(self) -> Result<RunEntry> {
-        let digest = crate::digest::of_run(&Run::at(&self.folder)?)?;
+        let digest = crate::digest::of_run(&Run::at(&self.folder)?.with_vocabulary(&self.case.vocabulary))?;
         Ok(RunEntry { digest: Some(digest), ..self })
     }
 }

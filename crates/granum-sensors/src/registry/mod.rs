@@ -5,9 +5,9 @@ mod measuring;
 
 use std::sync::{Arc, LazyLock};
 
-use granum_core::Assembly;
 use granum_core::assembly::Vector;
 use granum_core::names::suggestion;
+use granum_core::{Assembly, RegistrationError};
 use granum_dem::config::{RecordedColumns, Recording};
 use granum_dem::contact::EnergyChannel;
 use granum_dem::contact::choice::registry::Laws;
@@ -51,18 +51,6 @@ pub enum SensorError {
         /// The nearest name, or all existing names.
         suggestion: String,
     },
-    /// The name of a sensor, a column or a histogram is taken.
-    #[error(
-        "the sensor {sensor:?} has the {what} {name:?}, which is in use or not a plain word: choose another name"
-    )]
-    NameTaken {
-        /// The sensor.
-        sensor: &'static str,
-        /// The kind of the name: `name`, `column`, `histogram` or `parameter`.
-        what: &'static str,
-        /// The name.
-        name: &'static str,
-    },
     /// The recording names it, but lacks a parameter that it needs.
     #[error("the sensor {sensor:?}: {what}")]
     Lacks {
@@ -70,18 +58,6 @@ pub enum SensorError {
         sensor: &'static str,
         /// The parameter that it needs, and how to set it.
         what: String,
-    },
-    /// It measures another number of values than it has columns.
-    #[error(
-        "the sensor {sensor:?} has {columns} columns but measures {values} values: give one value for each column"
-    )]
-    Values {
-        /// The sensor.
-        sensor: &'static str,
-        /// Its columns.
-        columns: usize,
-        /// Its values.
-        values: usize,
     },
 }
 
@@ -180,8 +156,8 @@ impl Sensors {
     /// The same sensors and one more for each of these energy channels of a contact law, which every test records.
     ///
     /// # Errors
-    /// [`SensorError::NameTaken`] if the column of another sensor has the key of a channel.
-    pub fn with_channels(mut self, channels: &[EnergyChannel]) -> Result<Sensors, SensorError> {
+    /// [`RegistrationError::Key`] if the column of another sensor has the key of a channel.
+    pub fn with_channels(mut self, channels: &[EnergyChannel]) -> Result<Sensors, RegistrationError> {
         for channel in channels {
             let sensor = ChannelEnergy(*channel);
             let description = sensor.description();
@@ -198,8 +174,8 @@ impl Sensors {
     /// are read with these sensors can give the parameters that it declares, as keys of `[recording]`.
     ///
     /// # Errors
-    /// [`SensorError`] if a name is taken, or it measures another number of values than it has columns.
-    pub fn with(mut self, sensor: impl Sensor + 'static) -> Result<Sensors, SensorError> {
+    /// [`RegistrationError`] if a name is taken, or it measures another number of values than it has columns.
+    pub fn with(mut self, sensor: impl Sensor + 'static) -> Result<Sensors, RegistrationError> {
         self.check(&sensor)?;
         self.add(Recorded::WhereNamed, sensor);
         Ok(self)
@@ -211,38 +187,37 @@ impl Sensors {
     }
 
     /// Refuses a sensor whose names are taken, or which measures another number of values than it has columns.
-    fn check(&self, sensor: &dyn Sensor) -> Result<(), SensorError> {
+    fn check(&self, sensor: &dyn Sensor) -> Result<(), RegistrationError> {
         let description = sensor.description();
+        let (what, name) = ("sensor", description.name);
         let bins = sensor.histograms(&Recording::default());
-        let taken = |what, name| SensorError::NameTaken { sensor: description.name, what, name };
-        if !is_word(description.name) || self.0.iter().any(|known| known.description.name == description.name)
-        {
-            return Err(taken("name", description.name));
-        }
+        let names = self.descriptions().map(|known| known.name);
+        RegistrationError::check_name(what, name, names)?;
         let declared = self.declared_parameters();
         for parameter in &description.parameters {
             let is_other = |known: &DeclaredParameter| {
                 known.parameter.key == parameter.key && known.parameter != *parameter
             };
-            let is_own = OWN_KEYS.contains(&parameter.key);
-            if !is_word(parameter.key) || is_own || declared.iter().any(is_other) {
-                return Err(taken("parameter", parameter.key));
-            }
+            let is_taken = OWN_KEYS.contains(&parameter.key) || declared.iter().any(is_other);
+            RegistrationError::check_key(what, name, "parameter", parameter.key, is_taken)?;
         }
         let mut columns: Vec<&str> = self.columns().map(|column| column.name).collect();
         columns.extend(["stage", "state", "observations"]);
         for column in &description.columns {
-            if !is_word(column.name) || columns.contains(&column.name) {
-                return Err(taken("column", column.name));
-            }
+            RegistrationError::check_key(what, name, "column", column.name, columns.contains(&column.name))?;
             columns.push(column.name);
         }
         let mut histograms: Vec<&str> =
             self.bins(&Recording::default()).iter().map(|bins| bins.name).collect();
         for bins in &bins {
-            if !is_word(bins.name) || !is_word(bins.quantity) || histograms.contains(&bins.name) {
-                return Err(taken("histogram", bins.name));
-            }
+            RegistrationError::check_key(
+                what,
+                name,
+                "histogram",
+                bins.name,
+                histograms.contains(&bins.name),
+            )?;
+            RegistrationError::check_key(what, name, "quantity of a histogram", bins.quantity, false)?;
             histograms.push(bins.name);
         }
         let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
@@ -252,8 +227,13 @@ impl Sensors {
             &mut Memory::new(),
             &mut Values::new(&mut row, &mut counts),
         );
-        let (sensor, columns, values) = (description.name, description.columns.len(), row.len());
-        if values == columns { Ok(()) } else { Err(SensorError::Values { sensor, columns, values }) }
+        let (columns, values) = (description.columns.len(), row.len());
+        if values == columns {
+            return Ok(());
+        }
+        let reason =
+            format!("it has {columns} columns but measures {values} values; give one value for each column");
+        Err(RegistrationError::Declaration { what, name: name.into(), reason })
     }
 
     /// Every parameter that these sensors declare, granum's first.
@@ -342,11 +322,6 @@ impl std::fmt::Debug for Sensors {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_list().entries(self.descriptions().map(|description| description.name)).finish()
     }
-}
-
-/// True for a name that can be used in a case file and as the name of a file.
-fn is_word(name: &str) -> bool {
-    !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_' || c == b'-')
 }
 
 fn always() -> impl Iterator<Item = &'static Arc<Known>> {

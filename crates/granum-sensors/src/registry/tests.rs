@@ -145,10 +145,13 @@ impl Sensor for Bad {
 fn sensors_that_would_break_a_series_are_refused() {
     let message =
         |bad: Bad| Sensors::standard().with(bad).err().map(|error| error.to_string()).unwrap_or_default();
-    assert!(message(Bad("stress", "own", 1)).contains("has the name \"stress\", which is in use"));
-    assert!(message(Bad("own", "time", 1)).contains("has the column \"time\""));
-    assert!(message(Bad("own", "observations", 1)).contains("has the column \"observations\""));
-    assert!(message(Bad("a/b", "own", 1)).contains("not a plain word"));
+    assert!(
+        message(Bad("stress", "own", 1))
+            .contains("sensor \"stress\" cannot be registered: there is already another")
+    );
+    assert!(message(Bad("own", "time", 1)).contains("its column \"time\""));
+    assert!(message(Bad("own", "observations", 1)).contains("its column \"observations\""));
+    assert!(message(Bad("a/b", "own", 1)).contains("not a word"));
     assert!(message(Bad("own", "own", 2)).contains("has 1 columns but measures 2 values"));
     assert_eq!(message(Bad("own", "own", 1)), "");
     let error = STANDARD.named("fabrik").unwrap_err().to_string();
@@ -200,11 +203,9 @@ fn a_sensor_declares_its_parameters() {
         (vec!["bin_width", "largest_force"], 2)
     );
     let error = |sensor: Counting| Sensors::standard().with(sensor).map(drop).unwrap_err().to_string();
-    assert!(error(Counting("counting", parameter("states", 0.1))).contains("has the parameter \"states\""));
-    assert!(
-        error(Counting("counting", parameter("bin_width", 0.1))).contains("has the parameter \"bin_width\"")
-    );
-    assert!(error(Counting("counting", parameter("a b", 0.1))).contains("not a plain word"));
+    assert!(error(Counting("counting", parameter("states", 0.1))).contains("its parameter \"states\""));
+    assert!(error(Counting("counting", parameter("bin_width", 0.1))).contains("its parameter \"bin_width\""));
+    assert!(error(Counting("counting", parameter("a b", 0.1))).contains("not a word"));
     let sensors = Sensors::standard().with(Counting("counting", parameter("counting_reach", 0.1))).unwrap();
     assert_eq!((keys_of(&sensors, "counting"), keys("counting")), (vec!["counting_reach"], vec![]));
     let declared = sensors.declared_parameters();

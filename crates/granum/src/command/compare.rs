@@ -109,7 +109,7 @@ impl Compare {
             let message = format!("{}: is a file, not a run; the laboratory's file comes last", file.shown());
             return Err(Failure::new(message));
         }
-        let folders = run_folders(&self.files)?;
+        let folders = run_folders(context, &self.files)?;
         let entries = entries(context, &folders)?;
         if let Some(sample) = entries.iter().find(|entry| entry.record.kind == RunKind::Sample) {
             return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.shown())));

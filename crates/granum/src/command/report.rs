@@ -79,7 +79,7 @@ impl Report {
         let file = if page { out.to_path_buf() } else { out.join("report.html") };
         check_output_file(&file, context.force)?;
         if !page {
-            self.check_place(out)?;
+            self.check_place(context, out)?;
         }
         // The page and its figures are several files, whose writing is not cut off.
         let (document, study) = {
@@ -107,10 +107,10 @@ impl Report {
     }
 
     /// Refuses an output folder that already holds other results, since it would then contain two reports, or the wrong one.
-    fn check_place(&self, out: &Path) -> Result<(), Failure> {
+    fn check_place(&self, context: &Context, out: &Path) -> Result<(), Failure> {
         let same =
             |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let contents = Contents::read(out)?;
+        let contents = Contents::read(out, context.vocabulary())?;
         let its_own = matches!(&self.data[..], [one] if same(out, one));
         if contents.kind().is_none() || its_own {
             return Ok(());
@@ -136,7 +136,7 @@ impl Report {
             return Err(Failure::new(format!("{flag}: it belongs to files of another program, not to runs")));
         }
         let campaign = match &self.data[..] {
-            [one] => Campaign::read(one)?,
+            [one] => Campaign::read(one, context.vocabulary())?,
             _ => None,
         };
         if let Some(campaign) = campaign {
@@ -146,7 +146,7 @@ impl Report {
             return Err(Failure::new("--colour: it belongs to the report of a campaign"));
         }
         match &self.data[..] {
-            [one] if !is_of_several(one)? => document(context, one),
+            [one] if !is_of_several(context, one)? => document(context, one),
             folders => over_each_other(context, folders),
         }
     }
@@ -178,8 +178,8 @@ impl Report {
 }
 
 /// True for a folder that is no run itself and contains several.
-fn is_of_several(folder: &Path) -> Result<bool, Failure> {
-    Ok(match Contents::read(folder)? {
+fn is_of_several(context: &Context, folder: &Path) -> Result<bool, Failure> {
+    Ok(match Contents::read(folder, context.vocabulary())? {
         Contents::Runs { .. } | Contents::Campaign(_) => true,
         Contents::Other => find_runs(&[folder.to_path_buf()]).is_ok(),
         _ => false,
@@ -191,7 +191,7 @@ fn over_each_other(
     context: &Context,
     folders: &[PathBuf],
 ) -> Result<(Document, Option<StudyReport>), Failure> {
-    let found = run_folders(folders)?;
+    let found = run_folders(context, folders)?;
     let mut runs = Vec::new();
     for folder in &found {
         let run = open_run(context, folder)?;
@@ -223,6 +223,23 @@ fn over_each_other(
     }
 }
 
+/// What each soft sensor is worth, if the folder of a study has it.
+fn worth_in(folder: &Path) -> Result<Option<granum_learn::worth::Worth>, Failure> {
+    let file = folder.join("worth.json");
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let text =
+        granum_core::input::read_text(&file, 1 << 26).map_err(granum_io::Error::file("read", &file))?;
+    let read = serde_json::from_str(&text);
+    let name = file.shown();
+    read.map(Some).map_err(|error| {
+        Failure::new(format!(
+            "{name}: it is not what `granum worth` writes ({error}); write it again or remove it"
+        ))
+    })
+}
+
 /// The report of a folder, and the study from which it was made where it is a reproduction.
 fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
@@ -230,7 +247,7 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
         let study = study(context, folder, &runs, &models)?;
         return Ok((study_report(&study), Some(study)));
     }
-    let contents = Contents::read(folder)?;
+    let contents = Contents::read(folder, context.vocabulary())?;
     if contents.kind() == Some(FolderKind::Reproduction) {
         let (name, next) = (folder.shown(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
@@ -238,7 +255,8 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
     if granum_learn::study::is_study(folder) {
         let stored = granum_learn::study::load(folder, context.methods())?;
         let name = folder.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy());
-        return Ok((surrogate_study_report(&stored, &name), None));
+        let worth = worth_in(folder)?;
+        return Ok((surrogate_study_report(&stored, &name, worth.as_ref()), None));
     }
     if folder.join(granum_learn::study::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(

@@ -41,7 +41,7 @@ impl Resume {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         // A resumed run continues from the contents of its folder and must not replace anything.
         let context = &context.without_force();
-        match Contents::read(&self.folder)? {
+        match Contents::read(&self.folder, context.vocabulary())? {
             Contents::Reproduction { of: Some(of), .. } => {
                 let (checkpoints, hardware) = (self.checkpoints.clone(), self.hardware.clone());
                 Reproduce::resumed(&self.folder, of.options, checkpoints, hardware).run(context)

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 pub fn run_entries(context: &Context, folders: &[PathBuf], digest: bool) -> Result<Vec<RunEntry>, Failure> {
     let mut entries = Vec::new();
     for folder in folders {
-        match (Campaign::read(folder)?, DataSet::is_in(folder)) {
+        match (Campaign::read(folder, context.vocabulary())?, DataSet::is_in(folder)) {
             (Some(campaign), _) if campaign.keep() == Keep::Dataset => {
                 let begun = |run: &&CampaignRun| campaign.folder_of(&run.name).join("run.json").is_file();
                 let rows = campaign.rows_kept()?;
@@ -35,7 +35,7 @@ pub fn run_entries(context: &Context, folders: &[PathBuf], digest: bool) -> Resu
                 }
             }
             _ => {
-                let runs = run_folders(std::slice::from_ref(folder))?;
+                let runs = run_folders(context, std::slice::from_ref(folder))?;
                 let known: BTreeSet<PathBuf> =
                     entries.iter().map(|entry: &RunEntry| entry.folder.clone()).collect();
                 let new: Vec<PathBuf> = runs.into_iter().filter(|run| !known.contains(run)).collect();
@@ -75,10 +75,10 @@ fn of_folder(context: &Context, folder: &Path, digest: bool) -> Result<RunEntry,
 
 /// The runs in the given folders, as [`find_runs`] finds them. Those of a campaign come in the order of its plan, as far as they have been
 /// begun; runs that are no longer in the plan are left out.
-pub fn run_folders(folders: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+pub fn run_folders(context: &Context, folders: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut found: Vec<PathBuf> = Vec::new();
     for folder in folders {
-        let inside = match Campaign::read(folder)? {
+        let inside = match Campaign::read(folder, context.vocabulary())? {
             Some(campaign) => {
                 let all = campaign.runs().iter().map(|run| campaign.folder_of(&run.name));
                 let begun: Vec<PathBuf> = all.filter(|path| path.join("run.json").is_file()).collect();

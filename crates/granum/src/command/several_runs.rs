@@ -32,7 +32,7 @@ pub fn run(
     source: &Source,
     out: &Path,
 ) -> Result<(), Failure> {
-    check_free(out, FolderKind::Runs, true)?;
+    check_free(out, FolderKind::Runs, true, context.vocabulary())?;
     let runs = cases.into_iter().map(|case| planned(kind, case, source, out)).collect();
     let queue = Queue::with_shared_samples(runs, &out.join(SAMPLES))?;
     // A mistake in any run leaves nothing behind.

@@ -173,7 +173,7 @@ fn folder(context: &Context, out: &Path, plan: &StudyPlan) -> Result<OutputFolde
             quoted_path(out)
         )));
     }
-    check_free(out, FolderKind::Training, context.force)?;
+    check_free(out, FolderKind::Training, context.force, context.vocabulary())?;
     let folder = OutputFolder::create(out, context.force)?;
     let known = StudyPlan::read(folder.path()).ok();
     let mut old = plan.files_in(folder.path());

@@ -26,7 +26,7 @@ pub fn run(
         RunKind::Sample => FolderKind::Sample,
         RunKind::Test => FolderKind::Test,
     };
-    check_free(out, wanted, context.force)?;
+    check_free(out, wanted, context.force, context.vocabulary())?;
     // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
     // not delete an older run.
     let mut show = Show::new(context);

@@ -35,7 +35,7 @@ pub struct Status {
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("checking the files"));
-        match Contents::read(&self.folder)? {
+        match Contents::read(&self.folder, context.vocabulary())? {
             Contents::Campaign(of) => campaign::print_status(context, &of),
             Contents::Training { finished } => self.training(context, finished),
             contents @ (Contents::Reproduction { .. } | Contents::Runs { .. }) => {
@@ -55,7 +55,7 @@ impl Status {
         let (mut all, mut lines) = (Vec::new(), Vec::new());
         let mut faults = whole::faults(context, &self.folder, contents)?;
         for folder in contents.runs(&self.folder) {
-            if Contents::read(&folder)? == Contents::Nothing {
+            if Contents::read(&folder, context.vocabulary())? == Contents::Nothing {
                 all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
                 lines.push(format!("{}: not begun", folder.shown()));
                 continue;

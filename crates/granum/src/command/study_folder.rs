@@ -13,7 +13,7 @@ use crate::failure::Failure;
 /// Reads the study in a folder; a folder of another kind is refused with what it holds and what to do.
 pub fn load(context: &Context, folder: &Path) -> Result<Study, Failure> {
     if folder.is_dir() && !folder.join(STUDY_FILE).is_file() {
-        let contents = Contents::read(folder)?;
+        let contents = Contents::read(folder, context.vocabulary())?;
         let quoted = quoted_path(folder);
         let next = match &contents {
             Contents::Run(_) => format!("networks are trained on runs: granum train {quoted} --out study"),

@@ -6,7 +6,7 @@ use granum_core::input::read_text;
 use granum_io::shell::ShowPath;
 use granum_io::{Error, InputError, Result};
 
-use super::super::definition::{Row, RowPlace};
+use super::super::definition::{PlanRow, RowPlace};
 
 /// A larger file is something else.
 const LARGEST_FILE: u64 = 1 << 26;
@@ -15,7 +15,7 @@ const LARGEST_FILE: u64 = 1 << 26;
 ///
 /// # Errors
 /// If the file cannot be read, has no rows, or a row has more or fewer cells than the first line; the message names the line.
-pub(in crate::plan) fn read_csv(path: &Path) -> Result<Vec<Row>> {
+pub(in crate::plan) fn read_csv(path: &Path) -> Result<Vec<PlanRow>> {
     let text = read_text(path, LARGEST_FILE).map_err(Error::file("read", path))?;
     let file = path.shown();
     let mut lines = text.lines().enumerate().filter(|(_, line)| {
@@ -38,7 +38,7 @@ pub(in crate::plan) fn read_csv(path: &Path) -> Result<Vec<Row>> {
             return Err(wrong(number, line, message));
         }
         let place = RowPlace::Csv { file: file.clone(), line: number + 1, text: line.to_string() };
-        rows.push(Row { cells: names.iter().cloned().zip(cells).collect(), place });
+        rows.push(PlanRow { cells: names.iter().cloned().zip(cells).collect(), place });
     }
     if rows.is_empty() {
         return Err(Error::content(path, "has no rows below the names of variables"));

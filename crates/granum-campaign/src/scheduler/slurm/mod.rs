@@ -26,7 +26,7 @@ use crate::campaign::{Campaign, RUNS, SAMPLES, holds_finished};
 use crate::claim::{CLAIMS, Claimant};
 use crate::data_set::{self, Collected};
 use crate::execution::{CAMPAIGN_CLAIM, CampaignObserver};
-use crate::journal::{Event, last_events, last_events_in};
+use crate::journal::{JournalEvent, last_events, last_events_in};
 
 /// Its entry in the registry.
 pub(super) const KIND: SchedulerKind = SchedulerKind {
@@ -203,9 +203,9 @@ impl Slurm {
             for k in 0..record.elements.len() {
                 // Interruptions are no news: the folder of the run tells them.
                 let ended = last_events_in(&element_journal(folder, record.number, k)).into_iter();
-                events.extend(
-                    ended.filter(|(_, event)| matches!(event, Event::Finished { .. } | Event::Failed { .. })),
-                );
+                events.extend(ended.filter(|(_, event)| {
+                    matches!(event, JournalEvent::Finished { .. } | JournalEvent::Failed { .. })
+                }));
             }
             if known.is_empty() {
                 over.push(record);
@@ -225,7 +225,8 @@ impl Slurm {
         let journal = last_events(folder);
         for mut record in over {
             let is_done = |name: &String| {
-                name.starts_with("sample ") || matches!(journal.get(name), Some(Event::Finished { .. }))
+                name.starts_with("sample ")
+                    || matches!(journal.get(name), Some(JournalEvent::Finished { .. }))
             };
             if record.elements.iter().flatten().all(is_done) {
                 record.remove(folder);
@@ -301,14 +302,14 @@ fn names_in(record: &JobRecord, elements: &BTreeMap<usize, Place>) -> Vec<String
     elements.keys().filter_map(|k| record.elements.get(*k)).flatten().cloned().collect()
 }
 
-fn finished_in(events: &BTreeMap<String, Event>) -> usize {
-    events.values().filter(|event| matches!(event, Event::Finished { .. })).count()
+fn finished_in(events: &BTreeMap<String, JournalEvent>) -> usize {
+    events.values().filter(|event| matches!(event, JournalEvent::Finished { .. })).count()
 }
 
 /// True if the journal of an element tells that all of its runs are finished.
 fn is_whole(campaign: &Campaign, names: &[String], job: usize, element: usize) -> bool {
     let events = last_events_in(&element_journal(campaign.folder(), job, element));
-    names.iter().all(|name| matches!(events.get(name), Some(Event::Finished { .. })))
+    names.iter().all(|name| matches!(events.get(name), Some(JournalEvent::Finished { .. })))
 }
 
 /// Why an element ended, as Slurm wrote it into its log, or otherwise the last line there.
@@ -331,7 +332,7 @@ struct Left {
 fn left(campaign: &Campaign, again: bool, given: &BTreeSet<String>) -> Result<Left, SchedulerError> {
     let (known, rows) = (last_events(campaign.folder()), campaign.rows_kept()?);
     let is_lasting =
-        |name: &str| !again && matches!(known.get(name), Some(Event::Failed { lasting: true, .. }));
+        |name: &str| !again && matches!(known.get(name), Some(JournalEvent::Failed { lasting: true, .. }));
     let (mut tests, mut samples) = (Vec::new(), BTreeMap::new());
     for run in campaign.runs() {
         if given.contains(&run.name) || is_lasting(&run.name) || campaign.is_finished(run, &rows) {

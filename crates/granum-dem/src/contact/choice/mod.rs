@@ -3,5 +3,6 @@
 pub mod check;
 pub mod contact_model;
 pub mod kind;
+pub mod law_error;
 pub mod parameters;
 pub mod registry;

@@ -1,5 +1,6 @@
 //! The laws that names in files refer to: granum's own, and those that a program adds with [`Laws::with`].
 
+use granum_core::RegistrationError;
 use serde::de::{Deserialize, Deserializer, Error};
 
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
@@ -15,43 +16,6 @@ pub(super) const TANGENTIAL: &[TangentialKind] = TangentialKind::OWN;
 pub(super) const ROLLING: &[RollingKind] = RollingKind::OWN;
 /// granum's additional adhesion laws.
 pub(super) const ADHESION: &[AdhesionKind] = AdhesionKind::OWN;
-
-/// A law that cannot be registered.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LawRegistrationError {
-    /// Its name already belongs to another law.
-    #[error("there is already a {what} {name:?}: give the new one another name")]
-    NameTaken {
-        /// The kind of law.
-        what: &'static str,
-        /// The name.
-        name: &'static str,
-    },
-    /// A parameter of another law has the same key and another meaning.
-    #[error("contact.{key} is already a parameter of another law: give the new one another key")]
-    KeyTaken {
-        /// The key.
-        key: &'static str,
-    },
-    /// An energy channel of another law has the same key and another meaning, or every simulation has an energy of that name.
-    #[error("there is already an energy {key:?}: give the channel of the new law another key")]
-    ChannelTaken {
-        /// The key.
-        key: &'static str,
-    },
-    /// The key of an energy channel has a form that it cannot have.
-    #[error(
-        "{key:?} cannot be the key of an energy channel: use words in lower case joined by underscores, of which the last is \
-         \"loss\" where energy is dissipated, or \"energy\" where it is stored"
-    )]
-    ChannelKey {
-        /// The key.
-        key: &'static str,
-    },
-    /// All laws together would have more than [`MOST_PARAMETERS`] parameters.
-    #[error("all laws together can have at most {MOST_PARAMETERS} parameters")]
-    TooMany,
-}
 
 /// A law of any kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +51,16 @@ impl Law {
         }
     }
 
+    /// What it is, in messages.
+    pub fn what(&self) -> &'static str {
+        match self {
+            Law::Normal(_) => "normal law",
+            Law::Tangential(_) => "tangential law",
+            Law::Rolling(_) => "law of moments",
+            Law::Adhesion(_) => "law of adhesion",
+        }
+    }
+
     /// Its key in the section `[contact]` of a case file.
     pub fn slot(&self) -> &'static str {
         match self {
@@ -101,7 +75,7 @@ impl Law {
 /// The contact laws of a program, by their names in files: those of granum, and those that the program adds.
 ///
 /// ```
-/// use granum_dem::contact::choice::registry::{Laws, LawRegistrationError};
+/// use granum_dem::contact::choice::registry::Laws;
 /// use granum_dem::config::NormalKind;
 ///
 /// let laws = Laws::standard();
@@ -138,19 +112,17 @@ impl Laws {
     ///
     /// # Errors
     /// If the name or the key of a parameter or of an energy channel is taken, or there is no room for the parameters.
-    pub fn with(mut self, law: impl Into<Law>) -> Result<Laws, LawRegistrationError> {
+    pub fn with(mut self, law: impl Into<Law>) -> Result<Laws, RegistrationError> {
         let law = law.into();
-        let (what, name) = (what(&law), law.description().name);
-        match self
-            .all()
-            .into_iter()
-            .find(|known| known.slot() == law.slot() && known.description().name == name)
-        {
-            Some(known) if known == law => return Ok(self),
-            Some(_) => return Err(LawRegistrationError::NameTaken { what, name }),
-            None => self.check_parameters(law.description())?,
+        let all = self.all();
+        let of_its_kind = || all.iter().filter(|known| known.slot() == law.slot());
+        if of_its_kind().any(|known| *known == law) {
+            return Ok(self);
         }
-        self.check_channels(law.channels())?;
+        let names = of_its_kind().map(|known| known.description().name);
+        RegistrationError::check_name(law.what(), law.description().name, names)?;
+        self.check_parameters(&law)?;
+        self.check_channels(&law)?;
         match law {
             Law::Normal(law) => self.normal.push(law),
             Law::Tangential(law) => self.tangential.push(law),
@@ -200,31 +172,44 @@ impl Laws {
     }
 
     /// Rejects energy channels whose keys are taken or malformed.
-    fn check_channels(&self, new: &'static [EnergyChannel]) -> Result<(), LawRegistrationError> {
-        let known = self.channels();
+    fn check_channels(&self, law: &Law) -> Result<(), RegistrationError> {
+        let (what, name) = (law.what(), law.description().name);
+        let (known, new) = (self.channels(), law.channels());
         for (k, channel) in new.iter().enumerate() {
-            let key = channel.key;
+            let (key, part) = (channel.key, "energy channel");
             if !channel.has_good_key() {
-                return Err(LawRegistrationError::ChannelKey { key });
+                let reason = "must be words in lower case joined by underscores, of which the last is \"loss\" where energy is \
+                              dissipated, or \"energy\" where it is stored";
+                return Err(RegistrationError::Key {
+                    what,
+                    name: name.into(),
+                    part,
+                    key: key.into(),
+                    reason,
+                });
             }
             let another = |other: &&EnergyChannel| other.key == key && **other != *channel;
             let twice = new[..k].iter().any(|other| other.key == key);
-            if twice || TAKEN_KEYS.contains(&key) || known.iter().any(another) {
-                return Err(LawRegistrationError::ChannelTaken { key });
-            }
+            let is_taken = twice || TAKEN_KEYS.contains(&key) || known.iter().any(another);
+            RegistrationError::check_key(what, name, part, key, is_taken)?;
         }
         Ok(())
     }
 
     /// Rejects parameters whose keys are taken, and more than [`MOST_PARAMETERS`] parameters.
-    fn check_parameters(&self, new: &LawDescription) -> Result<(), LawRegistrationError> {
+    fn check_parameters(&self, law: &Law) -> Result<(), RegistrationError> {
+        let (what, new) = (law.what(), law.description());
         let known = self.parameters();
-        let taken = |p: &&LawParameter| known.iter().any(|k| k.key == p.key && **k != **p);
-        if let Some(parameter) = new.parameters.iter().find(taken) {
-            return Err(LawRegistrationError::KeyTaken { key: parameter.key });
+        for parameter in new.parameters {
+            let is_taken = known.iter().any(|k| k.key == parameter.key && **k != *parameter);
+            RegistrationError::check_key(what, new.name, "parameter", parameter.key, is_taken)?;
         }
         let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
-        if known.len() + fresh > MOST_PARAMETERS { Err(LawRegistrationError::TooMany) } else { Ok(()) }
+        if known.len() + fresh <= MOST_PARAMETERS {
+            return Ok(());
+        }
+        let reason = format!("all laws together can have at most {MOST_PARAMETERS} parameters");
+        Err(RegistrationError::Declaration { what, name: new.name.into(), reason })
     }
 }
 
@@ -262,16 +247,6 @@ list!(NORMAL, Normal, NormalKind, "normal law", normal, normal_named);
 list!(TANGENTIAL, Tangential, TangentialKind, "tangential law", tangential, tangential_named);
 list!(ROLLING, Rolling, RollingKind, "law of moments", rolling, rolling_named);
 list!(ADHESION, Adhesion, AdhesionKind, "law of adhesion", adhesion, adhesion_named);
-
-/// The kind of a law in messages.
-fn what(law: &Law) -> &'static str {
-    match law {
-        Law::Normal(_) => "normal law",
-        Law::Tangential(_) => "tangential law",
-        Law::Rolling(_) => "law of moments",
-        Law::Adhesion(_) => "law of adhesion",
-    }
-}
 
 /// The message about a name that is not among the known ones.
 pub(crate) fn unknown<'n>(what: &str, name: &str, known: impl Iterator<Item = &'n str>) -> String {

@@ -8,8 +8,9 @@
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::choice::check::{LawError, check};
+use crate::contact::choice::check::check;
 use crate::contact::choice::contact_model::ContactModel;
+use crate::contact::choice::law_error::LawError;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact::evaluation::interaction::{PairMotion, interact};
 use crate::contact::evaluation::memory::Memory;

@@ -1,5 +1,7 @@
 //! The definition of a named path: its parameters, the values given to them, and the stages to which it expands.
 
+use granum_core::RegistrationError;
+
 use super::parameter::{
     COMMON, DENSITY_SCALING, Given, INERTIAL_NUMBER, PathFault, PathParameter, PathParameterDefault,
     PathValue, STATES, STRAIN_RATE,
@@ -27,39 +29,6 @@ impl PartialEq for Preset {
     fn eq(&self, other: &Preset) -> bool {
         (self.name, self.help, self.own) == (other.name, other.help, other.own)
     }
-}
-
-/// A preset that cannot be registered.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PathRegistrationError {
-    /// There is already another preset of this name.
-    #[error("there is already a path {name:?}: give the new one another name")]
-    NameTaken {
-        /// The name.
-        name: &'static str,
-    },
-    /// A key is used twice, or has another meaning in a stage.
-    #[error(
-        "the path {path:?} has the parameter {key:?} twice, or it is the key of the path's name: choose another key"
-    )]
-    KeyTaken {
-        /// The path.
-        path: &'static str,
-        /// The key.
-        key: &'static str,
-    },
-    /// The default of a parameter is out of its bounds, or the bounds are not in order.
-    #[error(
-        "the path {path:?} has the parameter {key:?} with a default outside its bounds, or with bounds that do not \
-             increase"
-    )]
-    OutOfBounds {
-        /// The path.
-        path: &'static str,
-        /// The key.
-        key: &'static str,
-    },
 }
 
 /// Keys of a stage in a case file that no parameter of a path may have.
@@ -92,11 +61,11 @@ impl Preset {
     }
 
     /// Checks the declarations of its parameters.
-    pub(super) fn check(&self) -> Result<(), PathRegistrationError> {
+    pub(super) fn check(&self) -> Result<(), RegistrationError> {
         for (k, PathParameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
-            if RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key) {
-                return Err(PathRegistrationError::KeyTaken { path: self.name, key });
-            }
+            // Keys of a stage have a meaning already, and a key that is declared twice would have two.
+            let is_taken = RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key);
+            RegistrationError::check_key("path", self.name, "parameter", key, is_taken)?;
             let [low, high] = *bounds;
             let inside = match default {
                 PathParameterDefault::Value(value) => (low..=high).contains(value),
@@ -106,7 +75,11 @@ impl Preset {
                 | PathParameterDefault::Needed => low <= high,
             };
             if !inside {
-                return Err(PathRegistrationError::OutOfBounds { path: self.name, key });
+                let (what, name) = ("path", self.name.to_string());
+                let reason = format!(
+                    "its parameter {key:?} has a default outside its bounds, or bounds that do not increase; mend the declaration"
+                );
+                return Err(RegistrationError::Declaration { what, name, reason });
             }
         }
         Ok(())

@@ -20,8 +20,10 @@ mod simple_shear_constant_volume;
 mod undrained_triaxial;
 mod unload_reload;
 
+use granum_core::RegistrationError;
+
 pub use self::constant_p::antony2006;
-pub use self::definition::{PathRegistrationError, PathValues, Preset};
+pub use self::definition::{PathValues, Preset};
 use self::definition::{consolidation, generous};
 pub use self::parameter::{
     Given, INERTIAL_NUMBER, INTERVAL, PathFault, PathParameter, PathParameterDefault, PathParameterKind,
@@ -74,7 +76,7 @@ pub fn named(name: &str) -> Option<&'static Preset> {
 /// );
 /// let paths = Paths::standard().with(&SHORT_BY_A_TENTH)?;
 /// assert!(paths.named("compression-between-walls").is_some());
-/// # Ok::<(), granum_dem::loading::preset::PathRegistrationError>(())
+/// # Ok::<(), granum_core::RegistrationError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paths(Vec<&'static Preset>);
@@ -95,12 +97,12 @@ impl Paths {
     ///
     /// # Errors
     /// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
-    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, PathRegistrationError> {
+    pub fn with(mut self, preset: &'static Preset) -> Result<Paths, RegistrationError> {
         match self.named(preset.name) {
             Some(known) if known.is_same_as(preset) => return Ok(self),
-            Some(_) => return Err(PathRegistrationError::NameTaken { name: preset.name }),
-            None => preset.check()?,
+            _ => RegistrationError::check_name("path", preset.name, self.names())?,
         }
+        preset.check()?;
         self.0.push(preset);
         Ok(self)
     }
@@ -161,12 +163,12 @@ mod tests {
             paths.all().len() > ALL.len() && paths.named(OWN.name).is_some() && named(OWN.name).is_none()
         );
         const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
-        assert_eq!(paths.clone().with(&TAKEN), Err(PathRegistrationError::NameTaken { name: "oedometer" }));
+        assert_eq!(paths.clone().with(&TAKEN), Err(RegistrationError::name_taken("path", "oedometer")));
         const TWICE: Preset = Preset { name: "twice", own: &[STATES, STATES], ..OWN };
-        assert!(matches!(
-            paths.clone().with(&TWICE),
-            Err(PathRegistrationError::KeyTaken { key: "states", .. })
-        ));
+        let twice = RegistrationError::key_taken("path", "twice", "parameter", "states");
+        assert_eq!(paths.clone().with(&TWICE), Err(twice));
+        const UNSPEAKABLE: Preset = Preset { name: "two words", ..OWN };
+        assert!(matches!(paths.clone().with(&UNSPEAKABLE), Err(RegistrationError::Name { .. })));
         const OUTSIDE: Preset = Preset {
             name: "outside",
             own: &[PathParameter { default: PathParameterDefault::Value(0.0), ..STATES }],
@@ -174,7 +176,7 @@ mod tests {
         };
         assert!(matches!(
             paths.with(&OUTSIDE),
-            Err(PathRegistrationError::OutOfBounds { key: "states", .. })
+            Err(RegistrationError::Declaration { reason, .. }) if reason.contains("\"states\"")
         ));
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use granum_core::observer::{Event, Observer, SharedObserver};
+use granum_core::observer::{Event, Flow, Observer, Progress, SharedObserver};
 use granum_core::parallel;
 use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
@@ -250,10 +250,12 @@ impl GaussianProcessOfCurves {
         let shared = SharedObserver::new(observer);
         let done = AtomicUsize::new(0);
         parallel::map(fits.len(), spec.threads, |k| {
-            if shared.stopped() {
-                return Err(LearnError::Stopped { done: done.load(Ordering::Relaxed), total: fits.len() });
+            let mut part = shared.part(format!("process {}", k + 1));
+            let (complete, total) = (done.load(Ordering::Relaxed), fits.len());
+            let progress = Progress::new("training", "processes", complete as u64).out_of(total as u64);
+            if part.progress(&progress) == Flow::Stop {
+                return Err(LearnError::Stopped { done: complete, total });
             }
-            let part = shared.part(format!("process {}", k + 1));
             let (output, component) = fits[k];
             let mut options = FitOptions::default();
             (options.starts, options.most_rows) = (self.starts, self.most_runs);
@@ -278,12 +280,14 @@ impl GaussianProcessOfCurves {
         observer: &mut dyn Observer,
     ) -> Result<Vec<Vec<Curve>>> {
         let follower = SharedObserver::new(observer);
-        let total = prepared.len() * PARTS;
+        let (done, total) = (AtomicUsize::new(0), prepared.len() * PARTS);
         let found = parallel::map(total, spec.threads, |k| {
-            if follower.stopped() {
-                return Err(LearnError::Stopped { done: k, total });
-            }
             let (curve, part) = (k / PARTS, k % PARTS);
+            let complete = done.load(Ordering::Relaxed);
+            let progress = Progress::new("calibration", "parts", complete as u64).out_of(total as u64);
+            if follower.part(format!("curve {}", curve + 1)).progress(&progress) == Flow::Stop {
+                return Err(LearnError::Stopped { done: complete, total });
+            }
             let mut options = FitOptions::default();
             options.most_rows = self.most_runs;
             let curves = Curves {
@@ -293,7 +297,9 @@ impl GaussianProcessOfCurves {
                 parameters: &parameters[curve],
                 options,
             };
-            curves.predicted(part)
+            let predicted = curves.predicted(part)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            Ok(predicted)
         })?;
         let mut found = found.into_iter();
         let mut of_curve = || {

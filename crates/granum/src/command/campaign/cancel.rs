@@ -24,7 +24,7 @@ pub struct Cancel {
 impl Cancel {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let name = self.folder.shown();
-        let campaign = campaign_in(&self.folder)?;
+        let campaign = campaign_in(context, &self.folder)?;
         let mut count = 0;
         for kind in scheduler::ALL {
             count += (kind.make)(SchedulerOptions::default()).cancel(&campaign)?;

@@ -22,7 +22,7 @@ pub fn run(
     element: usize,
     checkpoints: &CheckpointFlags,
 ) -> Result<(), Failure> {
-    let campaign = campaign_in(folder)?;
+    let campaign = campaign_in(context, folder)?;
     let record = JobRecord::read(folder, job)?;
     let names = record.elements.get(element).ok_or_else(|| {
         Failure::new(format!(

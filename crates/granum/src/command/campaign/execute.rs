@@ -153,8 +153,8 @@ fn prepared(
     planned: &PlannedRuns,
     out: &Path,
 ) -> Result<(Campaign, OutputFolder), Failure> {
-    check_free(out, FolderKind::Campaign, true)?;
-    let earlier = Campaign::read(out)?;
+    check_free(out, FolderKind::Campaign, true, context.vocabulary())?;
+    let earlier = Campaign::read(out, context.vocabulary())?;
     let mut campaign = Campaign::new(out, plan, planned, env!("CARGO_PKG_VERSION"));
     let mut dropped = Vec::new();
     if let Some(earlier) = &earlier {

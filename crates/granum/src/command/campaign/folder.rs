@@ -5,10 +5,11 @@ use std::path::Path;
 use granum_campaign::Campaign;
 use granum_io::shell::ShowPath;
 
+use crate::context::Context;
 use crate::failure::Failure;
 
 /// The campaign in a folder.
-pub fn campaign_in(folder: &Path) -> Result<Campaign, Failure> {
+pub fn campaign_in(context: &Context, folder: &Path) -> Result<Campaign, Failure> {
     let missing = || Failure::new(format!("{}: there is no campaign in this folder", folder.shown()));
-    Campaign::read(folder)?.ok_or_else(missing)
+    Campaign::read(folder, context.vocabulary())?.ok_or_else(missing)
 }

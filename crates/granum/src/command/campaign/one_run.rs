@@ -60,7 +60,7 @@ impl OneRun {
             _ => {}
         };
         let mut failed = Vec::new();
-        let taken_in = self.taken_in()?;
+        let taken_in = self.taken_in(context)?;
         for name in self.names.iter().filter(|name| !taken_in.contains(name)) {
             match execute_run(&self.folder, name, &laboratory, &flow, &tell)? {
                 End::Finished => {}
@@ -74,9 +74,11 @@ impl OneRun {
     }
 
     /// The runs whose rows have been taken in and whose folders are gone: they are finished. A coordinator knows which they are.
-    fn taken_in(&self) -> Result<Vec<&String>, Failure> {
-        let Some(campaign) = (!self.watched).then(|| Campaign::read(&self.folder)).transpose()?.flatten()
-        else {
+    fn taken_in(&self, context: &Context) -> Result<Vec<&String>, Failure> {
+        if self.watched {
+            return Ok(Vec::new());
+        }
+        let Some(campaign) = Campaign::read(&self.folder, context.vocabulary())? else {
             return Ok(Vec::new());
         };
         let rows = campaign.rows_kept()?;

@@ -1,6 +1,8 @@
 //! A plan and its runs as text.
 
-use granum_campaign::plan::{DesignKind, Plan, PlannedRuns, RunValue, SampleSeeds, Variable, VariableKind};
+use granum_campaign::plan::{
+    DesignKind, Plan, PlanVariable, PlannedRuns, RunValue, SampleSeeds, VariableKind,
+};
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
@@ -57,7 +59,7 @@ fn design(plan: &Plan) -> String {
     format!("{what}{seeds}")
 }
 
-fn described(variable: &Variable) -> String {
+fn described(variable: &PlanVariable) -> String {
     let unit = if variable.unit.is_empty() { String::new() } else { format!(" {}", variable.unit) };
     let values = match &variable.kind {
         VariableKind::Range { between: [from, to], logarithmic, .. } => {
@@ -101,7 +103,7 @@ fn table(plan: &Plan, planned: &PlannedRuns) -> Table {
 
 /// The runs as JSON.
 pub fn as_json(planned: &PlannedRuns) -> Value {
-    let run = |run: &granum_campaign::plan::PlannedRun| {
+    let run = |run: &granum_campaign::plan::PlanRun| {
         let values: Map<String, Value> =
             run.values.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         json!({

@@ -39,7 +39,7 @@ pub struct Status {
 
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        print(context, &campaign_in(&self.folder)?)
+        print(context, &campaign_in(context, &self.folder)?)
     }
 }
 

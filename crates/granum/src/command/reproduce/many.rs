@@ -2,8 +2,8 @@
 
 use granum_antony2006::learning_curve::PaperLearningCurve;
 use granum_antony2006::{PaperData, PaperDataOptions, PaperOptions};
+use granum_io::OutputFolder;
 use granum_io::shell::quoted_path;
-use granum_io::{OutputFolder, Run};
 use granum_learn::{LearnError, NamedRecord};
 use granum_run::record::read_record;
 
@@ -28,7 +28,7 @@ pub fn curve(
     }
     let mut records = Vec::new();
     for &k in &plan.many {
-        records.push((&plan.runs[k], read_record(&Run::at(&runs[k].folder)?)?));
+        records.push((&plan.runs[k], read_record(&context.run_at(&runs[k].folder)?)?));
     }
     let of = |role: RunRole| -> Vec<NamedRecord> {
         let these = records.iter().filter(|(planned, _)| planned.role == role);

@@ -116,8 +116,8 @@ impl Reproduce {
     /// reproduction.
     fn folder(&self, context: &Context, plan: &ReproductionPlan) -> Result<OutputFolder, Failure> {
         let wanted = Reproduction::new(self.options(), plan.names());
-        let Contents::Reproduction { .. } = Contents::read(&self.out)? else {
-            check_free(&self.out, FolderKind::Reproduction, context.force)?;
+        let Contents::Reproduction { .. } = Contents::read(&self.out, context.vocabulary())? else {
+            check_free(&self.out, FolderKind::Reproduction, context.force, context.vocabulary())?;
             let folder = OutputFolder::create(&self.out, context.force)?;
             wanted.write(folder.path())?;
             return Ok(folder);
@@ -132,7 +132,8 @@ impl Reproduce {
         if !context.force {
             // The lock must be released first, since otherwise the folder would appear to be in use.
             drop(folder);
-            let mut refusal = taken(&self.out, &Contents::read(&self.out)?, "this one", true);
+            let mut refusal =
+                taken(&self.out, &Contents::read(&self.out, context.vocabulary())?, "this one", true);
             if let LearnError::Taken { holds, .. } = &mut refusal {
                 holds.push_str(&difference);
             }

@@ -12,9 +12,9 @@ use granum_antony2006::{
 };
 use granum_antony2006::{StudyReport, study_report};
 use granum_antony2006::{interpretation, speed};
+use granum_io::OutputFolder;
 use granum_io::run::TEST;
 use granum_io::sealed::write_sealed;
-use granum_io::{OutputFolder, Run};
 use granum_learn::NamedRecord;
 use granum_learn::networks::KeptNetworks;
 use granum_learn::runs::{RunRole, StudyRun};
@@ -55,7 +55,7 @@ pub fn all(
     let runs = &all_runs[..plan.paper()];
     let reports: Vec<RunReport> = runs
         .iter()
-        .map(|run| Ok(RunReport::read(&Run::at(&run.folder)?, run.role.into())?))
+        .map(|run| Ok(RunReport::read(&context.run_at(&run.folder)?, run.role.into())?))
         .collect::<Result<_, Failure>>()?;
     let named: Vec<NamedRecord> = reports
         .iter()
@@ -88,7 +88,7 @@ pub fn all(
     let counts = study.fits.iter().map(|fit| Ok(networks(&study, &fit.name)?.networks().len()));
     let count_of_networks = counts.sum::<Result<usize, granum_learn::LearnError>>()?;
     show.end(|| format!("{count_of_networks} networks and as many strain-only networks"));
-    study.runs = known(runs)?;
+    study.runs = known(context, runs)?;
     study::save(&models, &study, &data.dataset)?;
 
     // The folder is only needed until the summary contains the results.
@@ -155,8 +155,8 @@ fn size_options(quick: bool, threads: usize) -> SizeStudyOptions {
 }
 
 /// The descriptions of the runs that the study stores.
-fn known(runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
-    runs.iter().map(|run| Ok(StudyRun::read(&Run::at(&run.folder)?, run.role)?)).collect()
+fn known(context: &Context, runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
+    runs.iter().map(|run| Ok(StudyRun::read(&context.run_at(&run.folder)?, run.role)?)).collect()
 }
 
 fn dem_summary(reports: &[RunReport], runs: &[Done]) -> DemSummary {

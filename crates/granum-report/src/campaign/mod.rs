@@ -1,25 +1,23 @@
 //! The report of a campaign: the curves of all runs, coloured by a variable, their strength against each variable, the checks that were
 //! not passed, and the time that the runs took. It stays small: of each curve only as many points are drawn as the number of runs allows.
 
+mod runs;
+mod scale;
+
 use std::collections::BTreeMap;
 
-use granum_run::strength::Curves;
 use maud::{Markup, html};
 
-use super::data::RunReport;
 use super::figure::marks::Shape;
-use super::figure::palette::{GREY, color, sequential};
+use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
 use super::numbers::{duration, quantity, trimmed};
-use super::page::{Document, Page, Table, rich, tiles};
-use super::{path, symbols};
+use super::page::{Document, Page, PageTable, rich, tiles};
+use super::symbols;
 
-/// Number of points of all curves of a panel together.
-const MOST_POINTS: usize = 40_000;
-/// Fewest and most points of one curve.
-const POINTS_OF_CURVE: [usize; 2] = [12, 80];
-/// Number of steps of the colour scale in the legend.
-const STEPS: usize = 5;
+pub use self::runs::{CampaignEntry, CampaignRuns, ReportVariable, VariableValue};
+use self::scale::Scale;
+
 /// Most rows of a table.
 const MOST_ROWS: usize = 40;
 /// The measures that are drawn against the variables: the first of these pairs that most runs have.
@@ -31,108 +29,6 @@ const STRENGTH: [[&str; 2]; 4] = [
 ];
 /// Further measures, one panel each, if most runs have them.
 const FURTHER: [&str; 3] = ["critical_void_ratio", "largest_dilatancy_angle", "solid_fraction"];
-
-/// The value of a variable in a run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum VariableValue {
-    /// A number in SI units.
-    Number(f64),
-    /// A word.
-    Word(String),
-}
-
-/// A variable of a campaign.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReportVariable {
-    /// Its name.
-    pub name: String,
-    /// SI unit; empty for pure numbers and words.
-    pub unit: String,
-    /// True if it is spread on a logarithmic scale.
-    pub logarithmic: bool,
-}
-
-/// A finished run of a campaign, with what the report draws of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CampaignEntry {
-    /// Its name.
-    pub name: String,
-    /// Its values of the variables, in their order.
-    pub values: Vec<VariableValue>,
-    /// Stress ratio against strain, void ratio against strain, void ratio against mean stress.
-    curves: [Vec<[f64; 2]>; 3],
-    /// The label of the strain.
-    strain: &'static str,
-    measures: BTreeMap<String, f64>,
-    /// The checks that it did not pass, with their values.
-    pub flags: Vec<(String, f64)>,
-    /// True if it is part of the data set.
-    pub accepted: bool,
-    seconds: f64,
-}
-
-impl CampaignEntry {
-    /// The entry of a run among so many.
-    pub fn new(run: &RunReport, values: Vec<VariableValue>, accepted: bool, runs: usize) -> CampaignEntry {
-        let most = (MOST_POINTS / runs.max(1)).clamp(POINTS_OF_CURVE[0], POINTS_OF_CURVE[1]);
-        let stages = run.case.test_stages();
-        let curves = Curves::new(&run.record, &stages);
-        let (strain, label) = run.strain_and_label();
-        let ratio = path::where_stress(&curves, curves.stress_ratio().iter().copied());
-        let void = curves.void_ratio();
-        let against_stress = curves.mean_stress().iter().zip(&void).map(|(p, e)| [*p, *e]).collect();
-        CampaignEntry {
-            name: run.name.clone(),
-            values,
-            curves: [
-                thinned(path::lines(run, &strain, &ratio), most),
-                thinned(path::lines(run, &strain, &void), most),
-                thinned(against_stress, most),
-            ],
-            strain: label,
-            measures: run.run.measures.clone(),
-            flags: run
-                .run
-                .quality
-                .iter()
-                .filter(|flag| !flag.passed)
-                .map(|flag| (flag.name.clone(), flag.value))
-                .collect(),
-            accepted,
-            seconds: run.wall_seconds(),
-        }
-    }
-
-    fn measure(&self, name: &str) -> Option<f64> {
-        self.measures.get(name).copied().filter(|value| value.is_finite())
-    }
-}
-
-/// At most so many points of a curve, the first and the last among them.
-fn thinned(points: Vec<[f64; 2]>, most: usize) -> Vec<[f64; 2]> {
-    let last = points.len().saturating_sub(1);
-    if points.len() <= most || most < 2 {
-        return points;
-    }
-    (0..most).map(|k| points[k * last / (most - 1)]).collect()
-}
-
-/// A campaign with what its report tells.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CampaignRuns {
-    /// Its name.
-    pub name: String,
-    /// The variables.
-    pub variables: Vec<ReportVariable>,
-    /// The finished runs.
-    pub runs: Vec<CampaignEntry>,
-    /// The runs that failed: names, values in words and reasons.
-    pub failed: Vec<[String; 3]>,
-    /// Number of runs that are not finished.
-    pub unfinished: usize,
-    /// The number of the variable by which curves are coloured.
-    pub coloured_by: usize,
-}
 
 /// Writes the report of a campaign.
 pub fn report(campaign: &CampaignRuns) -> Document {
@@ -178,92 +74,6 @@ pub fn report(campaign: &CampaignRuns) -> Document {
 
 /// The conventions for signs.
 const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Strains are logarithmic.";
-
-/// The colours of a variable.
-enum Scale {
-    /// From the smallest to the largest number.
-    Numbers {
-        /// The ends.
-        between: [f64; 2],
-        /// True if equal ratios have equal steps of colour.
-        logarithmic: bool,
-    },
-    /// A colour for each word.
-    Words(Vec<String>),
-}
-
-impl Scale {
-    fn from_runs(campaign: &CampaignRuns) -> Scale {
-        let values = || campaign.runs.iter().filter_map(|run| run.values.get(campaign.coloured_by));
-        let numbers: Vec<f64> = values()
-            .filter_map(|value| match value {
-                VariableValue::Number(number) => Some(*number),
-                VariableValue::Word(_) => None,
-            })
-            .collect();
-        if numbers.len() == values().count() && !numbers.is_empty() {
-            let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let logarithmic = low > 0.0
-                && campaign.variables.get(campaign.coloured_by).is_some_and(|variable| variable.logarithmic);
-            return Scale::Numbers { between: [low, high], logarithmic };
-        }
-        let mut words: Vec<String> = values().map(word).collect();
-        words.sort();
-        words.dedup();
-        Scale::Words(words)
-    }
-
-    fn color(&self, value: Option<&VariableValue>) -> String {
-        match (self, value) {
-            (Scale::Numbers { between, logarithmic }, Some(VariableValue::Number(number))) => {
-                sequential(0.1 + 0.9 * share(*number, *between, *logarithmic), 0.0)
-            }
-            (Scale::Words(words), Some(value)) => {
-                let value = word(value);
-                words
-                    .iter()
-                    .position(|known| *known == value)
-                    .map_or_else(|| GREY.to_string(), |k| color(k).to_string())
-            }
-            _ => GREY.to_string(),
-        }
-    }
-
-    /// Values for the legend.
-    fn steps(&self) -> Vec<VariableValue> {
-        match self {
-            Scale::Numbers { between: [low, high], .. } if low == high => vec![VariableValue::Number(*low)],
-            Scale::Numbers { between: [low, high], logarithmic } => {
-                let step = |k: usize| {
-                    let share = k as f64 / (STEPS - 1) as f64;
-                    VariableValue::Number(match logarithmic {
-                        true => low * (high / low).powf(share),
-                        false => low + (high - low) * share,
-                    })
-                };
-                (0..STEPS).map(step).collect()
-            }
-            Scale::Words(words) => words.iter().cloned().map(VariableValue::Word).collect(),
-        }
-    }
-}
-
-fn word(value: &VariableValue) -> String {
-    match value {
-        VariableValue::Number(number) => trimmed(*number),
-        VariableValue::Word(word) => word.clone(),
-    }
-}
-
-/// Where a number is between two others.
-fn share(number: f64, [low, high]: [f64; 2], logarithmic: bool) -> f64 {
-    match () {
-        () if low == high => 0.5,
-        () if logarithmic => (number / low).ln() / (high / low).ln(),
-        () => (number - low) / (high - low),
-    }
-}
 
 struct Drawn<'a> {
     campaign: &'a CampaignRuns,
@@ -427,7 +237,7 @@ impl Drawn<'_> {
     }
 
     /// How many runs did not pass each check.
-    fn checks(&self, label: &str) -> Option<Table> {
+    fn checks(&self, label: &str) -> Option<PageTable> {
         let mut found: BTreeMap<&str, (usize, usize, f64)> = BTreeMap::new();
         for run in &self.campaign.runs {
             for (name, value) in &run.flags {
@@ -439,15 +249,15 @@ impl Drawn<'_> {
             return None;
         }
         let columns = ["check", "runs that did not pass it", "of them accepted", "largest value"];
-        let mut table = Table::new(label, "Checks that runs did not pass.", &columns);
+        let mut table = PageTable::new(label, "Checks that runs did not pass.", &columns);
         for (name, (count, accepted, worst)) in found {
             table.row(vec![literal(name), count.to_string(), accepted.to_string(), trimmed(worst)]);
         }
         Some(table)
     }
 
-    fn failures(&self, label: &str) -> Table {
-        let mut table = Table::new(label, "Runs that failed.", &["run", "values", "reason"]);
+    fn failures(&self, label: &str) -> PageTable {
+        let mut table = PageTable::new(label, "Runs that failed.", &["run", "values", "reason"]);
         table.words = 3;
         for [name, values, reason] in self.campaign.failed.iter().take(MOST_ROWS) {
             table.row(vec![literal(name), literal(values), literal(reason)]);
@@ -486,6 +296,7 @@ fn capital(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::runs::{MOST_POINTS, POINTS_OF_CURVE, thinned};
     use super::*;
 
     fn campaign(runs: usize) -> CampaignRuns {

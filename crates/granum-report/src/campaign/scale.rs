@@ -1,0 +1,94 @@
+//! The colours of a variable: a scale of numbers, or a colour for each word.
+
+use super::runs::{CampaignRuns, VariableValue};
+use crate::figure::palette::{GREY, color, sequential};
+use crate::numbers::trimmed;
+
+/// Number of steps of the colour scale in the legend.
+const STEPS: usize = 5;
+
+/// The colours of a variable.
+pub(super) enum Scale {
+    /// From the smallest to the largest number.
+    Numbers {
+        /// The ends.
+        between: [f64; 2],
+        /// True if equal ratios have equal steps of colour.
+        logarithmic: bool,
+    },
+    /// A colour for each word.
+    Words(Vec<String>),
+}
+
+impl Scale {
+    pub(super) fn from_runs(campaign: &CampaignRuns) -> Scale {
+        let values = || campaign.runs.iter().filter_map(|run| run.values.get(campaign.coloured_by));
+        let numbers: Vec<f64> = values()
+            .filter_map(|value| match value {
+                VariableValue::Number(number) => Some(*number),
+                VariableValue::Word(_) => None,
+            })
+            .collect();
+        if numbers.len() == values().count() && !numbers.is_empty() {
+            let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let logarithmic = low > 0.0
+                && campaign.variables.get(campaign.coloured_by).is_some_and(|variable| variable.logarithmic);
+            return Scale::Numbers { between: [low, high], logarithmic };
+        }
+        let mut words: Vec<String> = values().map(word).collect();
+        words.sort();
+        words.dedup();
+        Scale::Words(words)
+    }
+
+    pub(super) fn color(&self, value: Option<&VariableValue>) -> String {
+        match (self, value) {
+            (Scale::Numbers { between, logarithmic }, Some(VariableValue::Number(number))) => {
+                sequential(0.1 + 0.9 * share(*number, *between, *logarithmic), 0.0)
+            }
+            (Scale::Words(words), Some(value)) => {
+                let value = word(value);
+                words
+                    .iter()
+                    .position(|known| *known == value)
+                    .map_or_else(|| GREY.to_string(), |k| color(k).to_string())
+            }
+            _ => GREY.to_string(),
+        }
+    }
+
+    /// Values for the legend.
+    pub(super) fn steps(&self) -> Vec<VariableValue> {
+        match self {
+            Scale::Numbers { between: [low, high], .. } if low == high => vec![VariableValue::Number(*low)],
+            Scale::Numbers { between: [low, high], logarithmic } => {
+                let step = |k: usize| {
+                    let share = k as f64 / (STEPS - 1) as f64;
+                    VariableValue::Number(match logarithmic {
+                        true => low * (high / low).powf(share),
+                        false => low + (high - low) * share,
+                    })
+                };
+                (0..STEPS).map(step).collect()
+            }
+            Scale::Words(words) => words.iter().cloned().map(VariableValue::Word).collect(),
+        }
+    }
+}
+
+fn word(value: &VariableValue) -> String {
+    match value {
+        VariableValue::Number(number) => trimmed(*number),
+        VariableValue::Word(word) => word.clone(),
+    }
+}
+
+/// Where a number is between two others.
+fn share(number: f64, [low, high]: [f64; 2], logarithmic: bool) -> f64 {
+    match () {
+        () if low == high => 0.5,
+        () if logarithmic => (number / low).ln() / (high / low).ln(),
+        () => (number - low) / (high - low),
+    }
+}
