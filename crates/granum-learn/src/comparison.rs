@@ -6,6 +6,7 @@ use granum_core::observer::Observer;
 
 use crate::dataset::{Dataset, SplitParts};
 use crate::error::{LearnError, Result};
+use crate::pooled_error::PooledError;
 use crate::score::{Score, Scorer};
 use crate::surrogate::{Columns, FitSpec, Prediction, RunInputs, Surrogate, SurrogateMethod};
 
@@ -109,6 +110,8 @@ pub(crate) struct Judged {
     pub outputs: Vec<Score>,
     pub coverage: Option<f64>,
     pub outside: usize,
+    /// The error with its standard error over the runs.
+    pub pooled: PooledError,
 }
 
 /// Scores the states for which `scored` is true; all states count as inside or outside the trained range.
@@ -121,7 +124,13 @@ pub(crate) fn judged(
     let columns = surrogate.columns();
     if dataset.rows() == 0 {
         let outputs = vec![Score::default(); columns.outputs.len()];
-        return Ok(Judged { score: Score::default(), outputs, coverage: None, outside: 0 });
+        return Ok(Judged {
+            score: Score::default(),
+            outputs,
+            coverage: None,
+            outside: 0,
+            pooled: PooledError::default(),
+        });
     }
     check_units(columns)?;
     surrogate.check(dataset)?;
@@ -130,11 +139,15 @@ pub(crate) fn judged(
     let mut scorer = Scorer::default();
     let mut each = vec![Scorer::default(); columns.outputs.len()];
     let (mut held, mut intervals) = (0, 0);
-    let states = exact.chunks_exact(columns.outputs.len()).zip(&predictions).zip(scored);
-    for ((exact, prediction), _) in states.filter(|(_, scored)| **scored) {
+    let mut by_run = vec![[0.0; 2]; dataset.runs().len()];
+    let states =
+        exact.chunks_exact(columns.outputs.len()).zip(&predictions).zip(dataset.run_of_rows()).zip(scored);
+    for (((exact, prediction), run), _) in states.filter(|(_, scored)| **scored) {
         let means: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
         scorer.add(exact, &means);
         for ((scorer, exact), estimate) in each.iter_mut().zip(exact).zip(&prediction.values) {
+            by_run[run][0] += (estimate.mean - exact) * (estimate.mean - exact);
+            by_run[run][1] += exact * exact;
             scorer.add(&[*exact], &[estimate.mean]);
             if let Some(interval) = &estimate.interval {
                 intervals += 1;
@@ -148,6 +161,7 @@ pub(crate) fn judged(
         outputs: each.iter().map(Scorer::score).collect(),
         coverage: (intervals > 0).then(|| held as f64 / intervals as f64),
         outside: predictions.iter().filter(is_outside).count(),
+        pooled: PooledError::new(&by_run),
     })
 }
 

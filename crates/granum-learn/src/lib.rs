@@ -45,6 +45,7 @@ pub mod inference;
 pub mod input_use;
 pub mod learning_curve;
 pub mod networks;
+mod pooled_error;
 pub mod regression;
 pub mod runs;
 pub mod scatter;
@@ -54,9 +55,11 @@ pub mod study;
 pub mod surrogate;
 #[cfg(test)]
 mod synthetic;
+pub mod worth;
 
 pub use comparison::{SurrogateScores, compare, score_surrogate, score_where};
 pub use dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts, Variable};
 pub use error::{LearnError, Result};
+pub use pooled_error::PooledError;
 pub use score::Score;
 pub use surrogate::{FitSpec, Prediction, Surrogate, SurrogateMethod, SurrogateMethods};

@@ -28,6 +28,7 @@ pub mod strength;
 mod study;
 pub mod symbols;
 pub mod trust;
+pub mod worth;
 
 pub use campaign::report as campaign_report;
 pub use data::{RoleInStudy, RunReport};
@@ -37,3 +38,4 @@ pub use page::Document;
 pub use preparation::report as sample_report;
 pub use run::report as run_report;
 pub use study::report as surrogate_study_report;
+pub use worth::report as worth_report;

@@ -4,6 +4,7 @@ use granum_core::Table as Columns;
 use granum_core::words::listed;
 use granum_learn::networks::NetworkScores;
 use granum_learn::study::{FitScores, MemberRole, MemberScores, PartScore, StoredStudy, StudyFit};
+use granum_learn::worth::Worth;
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
@@ -11,15 +12,21 @@ use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
 use super::learning_curve;
 use super::numbers::{percent, points, significant, whole};
 use super::page::{Document, Page, Table, paragraphs, tiles};
+use super::worth;
 
 /// Most panels of a figure.
 const MOST_PANELS: usize = 4;
 /// Most runs in a panel.
 const MOST_RUNS: usize = 4;
 
-/// Writes the report of a study from what its folder contains; `name` is that of the folder.
-pub fn report(stored: &StoredStudy, name: &str) -> Document {
+/// Writes the report of a study from what its folder contains; `name` is that of the folder, and what each soft sensor is worth is the first
+/// section if it is known.
+pub fn report(stored: &StoredStudy, name: &str, worth: Option<&Worth>) -> Document {
     let mut page = Page::default();
+    if let Some(worth) = worth {
+        let body = worth::section(&mut page, worth);
+        page.section("worth", "What each soft sensor is worth", body);
+    }
     let pairs: Vec<(&StudyFit, &FitScores)> = stored.study.fits.iter().zip(&stored.scores.fits).collect();
     let body = scores_section(&mut page, &pairs);
     page.section("scores", "Scores", body);

@@ -13,6 +13,7 @@ use crate::dataset::{Dataset, SplitParts};
 use crate::error::{LearnError, Result};
 use crate::input_use::InputUse;
 use crate::networks::{NetworkScores, networks_of};
+use crate::pooled_error::PooledError;
 use crate::scatter::{self, SeedScatter};
 use crate::score::Score;
 
@@ -53,6 +54,9 @@ pub struct MemberScores {
     pub held_out: PartScore,
     /// On the unseen runs.
     pub unseen: PartScore,
+    /// The error on the unseen runs with its standard error over them; null if it was not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unseen_error: Option<PooledError>,
     /// The error of each output on the unseen runs.
     pub outputs: Vec<OutputScore>,
     /// The networks of its sub-models; empty for other surrogates.
@@ -79,6 +83,17 @@ pub struct FitScores {
 pub struct StudyScores {
     /// The scores of each fit.
     pub fits: Vec<FitScores>,
+}
+
+impl FitScores {
+    /// The surrogates that were scored on unseen runs, that with the least error first.
+    pub fn ranked(&self) -> Vec<(&MemberScores, PooledError)> {
+        let members = self.members.iter();
+        let mut ranked: Vec<(&MemberScores, PooledError)> =
+            members.filter_map(|member| Some((member, member.unseen_error?))).collect();
+        ranked.sort_by(|a, b| a.1.relative.total_cmp(&b.1.relative));
+        ranked
+    }
 }
 
 impl StudyScores {
@@ -147,6 +162,7 @@ impl Study {
             role: member.role,
             training: judge(training)?.into(),
             held_out: judge(held_out)?.into(),
+            unseen_error: Some(unseen.pooled).filter(|_| unseen.score.states > 0),
             outputs: outputs.map(output).collect(),
             unseen: unseen.into(),
             networks,

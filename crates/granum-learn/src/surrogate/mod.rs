@@ -78,13 +78,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod boosted_trees;
+mod cascade;
 mod content;
 mod curve_process;
 mod feed_forward;
 pub(crate) mod file;
+mod left_out_errors;
 pub(crate) mod mean_curve;
 #[cfg(test)]
 mod memory_tests;
+mod nearest_run;
 mod prediction;
 mod recurrent;
 mod registry;
@@ -95,11 +99,14 @@ mod surrogate_trait;
 #[cfg(test)]
 mod tests;
 
+pub use boosted_trees::BoostedTrees;
+pub use cascade::{Cascade, FittedCascade};
 pub use content::Content;
 pub use curve_process::{CorrelatedCurve, EndedEarly, FittedCurves, GaussianProcessOfCurves};
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;
+pub use nearest_run::NearestRun;
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
 pub use recurrent::Recurrent;
 pub use registry::SurrogateMethods;

@@ -98,6 +98,8 @@ pub enum Cause {
     Parameters,
     /// The difference of a new run as a whole from the training runs.
     Runs,
+    /// The uncertainty of the soft sensors from which a cascade predicts.
+    Sensors,
 }
 
 impl std::fmt::Display for Cause {
@@ -106,6 +108,7 @@ impl std::fmt::Display for Cause {
             Cause::Noise => "noise",
             Cause::Parameters => "parameters",
             Cause::Runs => "runs",
+            Cause::Sensors => "sensors",
         })
     }
 }

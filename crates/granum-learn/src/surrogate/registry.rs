@@ -3,10 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::boosted_trees::BoostedTrees;
+use super::cascade::Cascade;
 use super::curve_process::GaussianProcessOfCurves;
 use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::mean_curve::MeanCurve;
+use super::nearest_run::NearestRun;
 use super::recurrent::Recurrent;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
@@ -20,7 +23,9 @@ use granum_io::shell::ShowPath;
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "gaussian-process", "recurrent", "sub-models"]);
+/// assert_eq!(methods.names(), [
+///     "feed-forward", "ridge", "mean-curve", "nearest-run", "boosted-trees", "gaussian-process", "cascade", "recurrent", "sub-models",
+/// ]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert_eq!(error, "there is no surrogate method `rigde`; did you mean ridge?");
 /// ```
@@ -49,7 +54,10 @@ impl SurrogateMethods {
                 Arc::new(FeedForward::default()),
                 Arc::new(RidgeRegression::default()),
                 Arc::new(MeanCurve),
+                Arc::new(NearestRun),
+                Arc::new(BoostedTrees::default()),
                 Arc::new(GaussianProcessOfCurves::default()),
+                Arc::new(Cascade::default()),
                 Arc::new(Recurrent::default()),
                 Arc::new(NetworksBySubModel::default()),
             ],

@@ -25,7 +25,7 @@ fn names_in_a_study_are_shown_letter_by_letter() {
     let folder = tempfile::tempdir().unwrap();
     granum_learn::study::save(folder.path(), &study, &dataset).unwrap();
     let stored = granum_learn::study::load(folder.path(), &methods).unwrap();
-    let document = report::surrogate_study_report(&stored, "a*b*");
+    let document = report::surrogate_study_report(&stored, "a*b*", None);
     check(&document);
     for name in ["Study a*b*", "run*3*", "y*1*"] {
         assert!(document.html.contains(name), "{name} is not shown as it is");

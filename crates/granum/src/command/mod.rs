@@ -67,6 +67,8 @@ mod train_family;
 mod train_study;
 mod trained_range;
 mod whole;
+mod worth;
+mod worth_text;
 
 use clap::Subcommand;
 
@@ -112,6 +114,7 @@ commands! {
     Train(train::Train),
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
+    Worth(worth::MeasureWorth),
     Measure(measure::Measure),
     Stiffness(stiffness::MeasureStiffness),
     Export(export::Export),

@@ -223,6 +223,23 @@ fn over_each_other(
     }
 }
 
+/// What each soft sensor is worth, if the folder of a study has it.
+fn worth_in(folder: &Path) -> Result<Option<granum_learn::worth::Worth>, Failure> {
+    let file = folder.join("worth.json");
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let text =
+        granum_core::input::read_text(&file, 1 << 26).map_err(granum_io::Error::file("read", &file))?;
+    let read = serde_json::from_str(&text);
+    let name = file.shown();
+    read.map(Some).map_err(|error| {
+        Failure::new(format!(
+            "{name}: it is not what `granum worth` writes ({error}); write it again or remove it"
+        ))
+    })
+}
+
 /// The report of a folder, and the study from which it was made where it is a reproduction.
 fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
@@ -238,7 +255,8 @@ fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyR
     if granum_learn::study::is_study(folder) {
         let stored = granum_learn::study::load(folder, context.methods())?;
         let name = folder.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy());
-        return Ok((surrogate_study_report(&stored, &name), None));
+        let worth = worth_in(folder)?;
+        return Ok((surrogate_study_report(&stored, &name, worth.as_ref()), None));
     }
     if folder.join(granum_learn::study::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(

@@ -1,5 +1,6 @@
 //! The scores of a study of any columns as lines of text and as JSON.
 
+use granum_learn::PooledError;
 use granum_learn::input_use::InputUse;
 use granum_learn::learning_curve::LearningCurve;
 use granum_learn::networks::NetworkScores;
@@ -36,11 +37,28 @@ pub fn lines(scores: &StudyScores) -> Vec<String> {
     for fit in &scores.fits {
         lines.extend(fit.members.iter().flat_map(network_lines));
     }
+    lines.extend(scores.fits.iter().filter_map(best_line));
     lines.extend(scores.fits.iter().filter_map(scatter_line));
     for (name, used) in scores.fits.iter().flat_map(|fit| &fit.uses) {
         lines.push(use_line(name, used));
     }
     lines
+}
+
+/// `stress_ratio: the least error on 40 unseen runs has stress_ratio-gaussian-process (1.31 ± 0.08 %), before ...`.
+fn best_line(fit: &FitScores) -> Option<String> {
+    let named = |(member, error): &(&MemberScores, PooledError)| {
+        let [mean, spread] =
+            [error.relative, error.standard_error].map(|share| format!("{:.2}", 100.0 * share));
+        format!("{} ({mean} ± {spread} %)", member.name)
+    };
+    let ranked = fit.ranked();
+    let (best, others) = ranked.split_first()?;
+    let runs = best.1.runs;
+    let others: Vec<String> = others.iter().take(3).map(named).collect();
+    let before = if others.is_empty() { String::new() } else { format!(", before {}", others.join(", ")) };
+    let plural = if runs == 1 { "" } else { "s" };
+    Some(format!("{}: the least error on {runs} unseen run{plural} has {}{before}", fit.name, named(best)))
 }
 
 /// One line for the network of each sub-model, if there is more than one.

@@ -285,7 +285,7 @@ pub fn dataset(runs: &[&Recorded]) -> Result<Dataset, Failure> {
 }
 
 /// Takes out of the training runs those that are kept unseen.
-fn kept_unseen(learned: &mut Vec<Recorded>, share: f64, seed: u64) -> Vec<Recorded> {
+pub(super) fn kept_unseen(learned: &mut Vec<Recorded>, share: f64, seed: u64) -> Vec<Recorded> {
     let names: Vec<&str> = learned.iter().map(|run| run.known.name.as_str()).collect();
     let mut chosen = unseen_runs(&names, share, seed);
     chosen.reverse();

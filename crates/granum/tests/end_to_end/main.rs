@@ -35,6 +35,7 @@ mod warnings;
 mod words;
 #[cfg(unix)]
 mod workflows;
+mod worth;
 
 use std::path::Path;
 

@@ -13,7 +13,7 @@ const STEPS: usize = 400;
 /// The factors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Calibration {
+pub(in crate::surrogate) struct Calibration {
     /// Number of runs.
     runs: usize,
     /// The errors over their standard deviations below which a share of `k / STEPS` of the states is.

@@ -69,7 +69,7 @@ fn lopsidedness(values: &[f64]) -> f64 {
 /// A group: an input, divided by another one or not, spread and scaled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Group {
+pub(in crate::surrogate) struct Group {
     input: usize,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     over: Option<usize>,
@@ -109,7 +109,7 @@ impl Group {
 }
 
 /// The groups of inputs, given by name and unit, that vary over the training runs.
-pub(super) fn groups_of(names: &[String], units: &[String], runs: &[&[f64]]) -> Vec<Group> {
+pub(in crate::surrogate) fn groups_of(names: &[String], units: &[String], runs: &[&[f64]]) -> Vec<Group> {
     let place = |name: &str| names.iter().position(|known| known == name);
     let modulus = place(MODULUS);
     let has_stress = units.iter().enumerate().any(|(k, unit)| unit == STRESS_UNIT && Some(k) != modulus);

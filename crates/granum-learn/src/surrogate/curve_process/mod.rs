@@ -31,6 +31,9 @@ mod run_curves;
 #[cfg(test)]
 mod tests;
 
+pub(super) use calibration::Calibration;
 pub use fitted::{CorrelatedCurve, FittedCurves};
+pub(super) use groups::{Group, groups_of};
 pub use method::GaussianProcessOfCurves;
 pub use reach::EndedEarly;
+pub(super) use run_curves::{RunCurve, common_points};

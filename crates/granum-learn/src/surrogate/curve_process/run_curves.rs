@@ -10,7 +10,7 @@ const INTERVALS: usize = 64;
 const POWER: f64 = 1.6;
 
 /// Points of the coordinate that all runs reach.
-pub(super) fn common_points(runs: &[RunCurve]) -> Result<Vec<f64>> {
+pub(in crate::surrogate) fn common_points(runs: &[RunCurve]) -> Result<Vec<f64>> {
     let start = runs.iter().map(|run| run.xs[0]).fold(f64::NEG_INFINITY, f64::max);
     let end = runs.iter().map(|run| run.xs[run.xs.len() - 1]).fold(f64::INFINITY, f64::min);
     if end <= start {
@@ -25,7 +25,7 @@ pub(super) fn common_points(runs: &[RunCurve]) -> Result<Vec<f64>> {
 }
 
 /// The part of the coordinate that each point stands for; the sum is 1.
-pub(super) fn shares(points: &[f64]) -> Vec<f64> {
+pub(in crate::surrogate) fn shares(points: &[f64]) -> Vec<f64> {
     let last = points.len() - 1;
     let length = points[last] - points[0];
     let half = |a: usize, b: usize| 0.5 * (points[b] - points[a]) / length;
@@ -33,7 +33,7 @@ pub(super) fn shares(points: &[f64]) -> Vec<f64> {
 }
 
 /// The states of a run along the coordinate.
-pub(super) struct RunCurve {
+pub(in crate::surrogate) struct RunCurve {
     /// The coordinate, increasing.
     pub xs: Vec<f64>,
     /// The values of each output.

@@ -1,0 +1,117 @@
+//! What each soft sensor is worth, measured by the program on small runs.
+
+use crate::networks::make_run_of;
+use crate::{done, done_json, refused};
+
+const ASKED: [&str; 15] = [
+    "worth",
+    "run-1",
+    "run-2",
+    "run-3",
+    "run-4",
+    "run-5",
+    "--unseen",
+    "run-6",
+    "run-7",
+    "--sensor",
+    "deviator_fabric,sliding_fraction",
+    "--property",
+    "grains.material.friction",
+    "--method",
+    "ridge",
+];
+
+#[test]
+fn the_worth_of_sensors_is_measured_written_and_reported() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    for k in 1..=7 {
+        make_run_of(here, &format!("run-{k}"), |case| {
+            let case = case
+                .replace("count = 150", "count = 60")
+                .replace("deviator_strain = 0.3", "deviator_strain = 0.06");
+            let case = case.replace("states = 40", "states = 20");
+            format!("{case}\n[grains.material]\nfriction = 0.{k}\n")
+                .replace("[preparation]", &format!("[preparation]\nseed = {k}"))
+        });
+    }
+    let found = done_json(here, &[&ASKED[..], &["-o", "worth.json", "--page", "worth.html"]].concat());
+    let answers = found["worth"]["answers"].as_array().unwrap();
+    let error = |output: &str, name: &str| {
+        let own = answers.iter().find(|own| own["output"] == output && own["knowledge"]["name"] == name);
+        own.unwrap_or_else(|| panic!("{output} {name}: {found}"))["error"]["relative"].as_f64().unwrap()
+    };
+    for name in ["strain alone", "strain + all sensors", "properties", "properties + all sensors"] {
+        assert!((0.0..1.0).contains(&error("stress_ratio", name)), "{name}: {found}");
+    }
+    assert!(error("stress_ratio", "cascade: properties, sensors predicted from them") > 0.0);
+    assert!(error("deviator_fabric", "strain + stress_ratio + volumetric_strain") > 0.0);
+    let page = std::fs::read_to_string(here.join("worth.html")).unwrap();
+    assert!(
+        page.contains("What each soft sensor is worth") && page.contains("cascade") && !page.contains("NaN")
+    );
+    let written: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(here.join("worth.json")).unwrap()).unwrap();
+    assert_eq!(written, found["worth"]);
+
+    // Text, and the files that exist are not replaced.
+    let text = done(here, &ASKED);
+    assert!(
+        text.contains("relative RMSE on 2 unseen runs") && text.contains("strain + deviator_fabric"),
+        "{text}"
+    );
+    let message = refused(here, 1, &[&ASKED[..], &["-o", "worth.json"]].concat());
+    assert!(message.contains("worth.json") && message.contains("--force"), "{message}");
+    let message = refused(here, 1, &["worth", "run-1", "run-2"]);
+    assert!(message.contains("--unseen-share"), "{message}");
+
+    // The same as the first section of the report of a study.
+    let train = [
+        "train",
+        "run-1",
+        "run-2",
+        "run-3",
+        "--unseen",
+        "run-6",
+        "--input",
+        "deviator_fabric",
+        "--output",
+        "stress_ratio",
+        "--coordinate",
+        "axial_strain",
+        "--method",
+        "nearest-run,boosted-trees",
+        "-o",
+        "study",
+    ];
+    let message = refused(here, 1, &train);
+    assert!(
+        message.contains("nearest-run") && message.contains("deviator_fabric is not constant"),
+        "{message}"
+    );
+    let train = [
+        "train",
+        "run-1",
+        "run-2",
+        "run-3",
+        "--unseen",
+        "run-6",
+        "--input",
+        "grains.material.friction",
+        "--output",
+        "stress_ratio",
+        "--coordinate",
+        "axial_strain",
+        "--method",
+        "nearest-run,boosted-trees,cascade",
+        "-o",
+        "study",
+    ];
+    let text = done(here, &train);
+    assert!(text.contains("stress_ratio: the least error on 1 unseen run has stress_ratio-"), "{text}");
+    std::fs::copy(here.join("worth.json"), here.join("study/worth.json")).unwrap();
+    done(here, &["report", "study"]);
+    let page = std::fs::read_to_string(here.join("study/report.html")).unwrap();
+    let place = |title: &str| page.find(title).unwrap_or_else(|| panic!("{title}"));
+    assert!(place("What each soft sensor is worth") < place("Use of the inputs"));
+}
