@@ -1,11 +1,12 @@
 """Regressors of scikit-learn on the table of `granum worth`.
 
     granum export study -o states.csv
+    granum export study --table runs -o runs.csv
     granum worth study --unseen-share 0.2 -o worth.json
-    python3 benches/peers/surrogates/scikit.py states.csv worth.json
+    python3 benches/peers/surrogates/scikit.py states.csv runs.csv worth.json
 
-The same runs are unseen (those that worth.json names), with the same inputs and outputs, and the error is the same: the root mean square error
-over the root mean square of the values. Of boosted trees (HistGradientBoostingRegressor), random forests, and ridge regression on
+The same runs are unseen (those that worth.json names), the first of the others are learned from, as many as granum had, with the same inputs and
+outputs, and the error is the same: the root mean square error over the root mean square of the values. Of boosted trees (HistGradientBoostingRegressor), random forests, and ridge regression on
 products of two inputs, the one with the least error on every fifth training run is fitted to all; where all inputs beside the
 coordinate are constant in a run, a Gaussian process of eight principal components of the curve is tried as well.
 """
@@ -75,32 +76,47 @@ def candidates(coordinate, constant):
         yield "Gaussian process", lambda: Curves(coordinate)
 
 
+def read(file):
+    with open(file) as lines:
+        reader = csv.reader(lines)
+        return next(reader), list(reader)
+
+
 def error(predicted, values):
     return np.sqrt(np.sum((predicted - values) ** 2) / np.sum(values**2))
 
 
-def main(states, answers):
+def main(states, runs, answers):
     with open(answers) as file:
         worth = json.load(file)
-    with open(states) as file:
-        reader = csv.reader(file)
-        names = next(reader)
-        lines = list(reader)
+    names, lines = read(states)
     place = {name: k for k, name in enumerate(names)}
+    columns_of_runs, each = read(runs)
+    of_run = {line[columns_of_runs.index("run")]: line for line in each}
 
     def columns(wanted):
         """The columns that a name stands for: itself, or all bins of a histogram."""
-        return [wanted] if wanted in place else [name for name in names if name.startswith(wanted + "_")]
+        own = wanted in place or wanted in columns_of_runs
+        return [wanted] if own else [name for name in names if name.startswith(wanted + "_")]
 
     def values(name):
-        return np.array([float(line[place[name]] or "nan") for line in lines])
+        if name in place:
+            return np.array([float(line[place[name]] or "nan") for line in lines])
+        return np.array([float(of_run[name_of_run][columns_of_runs.index(name)]) for name_of_run in run])
 
     run = np.array([line[place["run"]] for line in lines])
     unseen = np.isin(run, worth["unseen"])
+    count, most = max(worth["plan"]["counts"]), worth["plan"]["most_states"]
+    first = list(dict.fromkeys(run[~unseen]))[:count]
+    training = np.flatnonzero(np.isin(run, first))
+    training = training[:: -(-len(training) // most)]
+    order = {name: k for k, name in enumerate(first)}
+    fifth = np.array([order[name] % 5 == 2 for name in run[training]])
+    others, judged = training[~fifth], training[fifth]
     coordinate = worth["plan"]["coordinate"]
     for answer in worth["answers"]:
         knowledge = answer["knowledge"]
-        if knowledge["source"] != "measured" or answer["training_runs"] != max(worth["plan"]["counts"]):
+        if knowledge["source"] != "measured" or answer["training_runs"] != count:
             continue
         inputs = [coordinate] + (worth["plan"]["properties"] if knowledge["properties"] else [])
         inputs += [name for wanted in knowledge["measured"] for name in columns(wanted)]
@@ -108,10 +124,6 @@ def main(states, answers):
         if len(targets) > 1:
             continue
         rows, exact = np.array([values(name) for name in inputs]).T, values(targets[0])
-        training = np.flatnonzero(~unseen)
-        order = {name: k for k, name in enumerate(dict.fromkeys(run[training]))}
-        fifth = np.array([order[name] % 5 == 2 for name in run[training]])
-        others, judged = training[~fifth], training[fifth]
         best = None
         for name, make in candidates(0, not knowledge["measured"] and len(inputs) > 1):
             found = error(make().fit(rows[others], exact[others]).predict(rows[judged]), exact[judged])
