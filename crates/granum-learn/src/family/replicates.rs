@@ -1,13 +1,14 @@
 //! Runs that are alike but for the seed of their samples, and how far predictions are from their mean.
 //!
-//! The mean of `n` replicates scatters about the material by `s / sqrt(n)`, where a single run scatters by `s`. A prediction that misses
-//! the mean by `e` therefore misses the material by
+//! The mean of `n` replicates scatters about the material, where a single run scatters by `s`. A prediction whose errors have the mean `e` over
+//! the replicates, and scatter by `r` from one to another, therefore misses the material by
 //!
 //! ```text
-//! net = sqrt(max(0, <e^2> - <s^2> / n)) / sqrt(<s^2>)
+//! net = sqrt(max(0, <e^2> - <r^2> / n)) / sqrt(<s^2>)
 //! ```
 //!
-//! times the scatter of a single run, with means over the states of all points. One more run misses it by 1.
+//! times the scatter of a single run, with means over the states of all points. One more run misses it by 1. Where a prediction does not depend
+//! on the sample, `r` is `s`; where it does, as on the void ratio, it is the part of the scatter that the sample does not tell.
 
 use granum_io::case::{ParameterValue, SEED};
 
@@ -47,7 +48,7 @@ pub(super) struct PointSums {
     pub error: f64,
     /// Variance of a single run.
     pub variance: f64,
-    /// Variance of the mean of the replicates.
+    /// Variance of the mean error over the replicates.
     pub of_mean: f64,
     /// Square of that mean.
     pub square: f64,
@@ -59,10 +60,15 @@ impl PointSums {
         let count = measured.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
         let (centre, answer) = (mean(measured), mean(predicted));
-        let variance = measured.iter().map(|value| (value - centre).powi(2)).sum::<f64>() / (count - 1.0);
+        let variance_of = |values: &[f64], mean: f64| {
+            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)
+        };
+        let errors: Vec<f64> = predicted.iter().zip(measured).map(|(answer, exact)| answer - exact).collect();
+        let variance = variance_of(measured, centre);
+        let of_mean = variance_of(&errors, answer - centre) / count;
         self.error += share * (answer - centre).powi(2);
         self.variance += share * variance;
-        self.of_mean += share * variance / count;
+        self.of_mean += share * of_mean;
         self.square += share * centre * centre;
     }
 }
@@ -131,5 +137,9 @@ mod tests {
         let exact: Vec<PointSums> =
             points.iter().map(|point| PointSums { error: 0.5 * point.of_mean, ..*point }).collect();
         assert_eq!(net_error(&exact), 0.0);
+        // An answer that knows each sample, but for an error that all of them share, has that error and no scatter.
+        let mut known = PointSums::default();
+        known.add(&[1.0, 2.0, 4.0, 5.0], &[1.3, 2.3, 4.3, 5.3], 1.0);
+        assert!((net_error(&[known]) - 0.3 / (10.0f64 / 3.0).sqrt()).abs() < 1e-12);
     }
 }

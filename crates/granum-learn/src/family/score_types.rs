@@ -43,8 +43,7 @@ pub struct OutputScore {
     /// Root mean square of the scatter of runs that are alike over that of their mean; NaN (null) without such runs.
     #[serde(deserialize_with = "null_is_nan")]
     pub relative_scatter: f64,
-    /// Error against the mean of runs that are alike, net of the scatter of that mean, over the scatter of a single run; NaN (null)
-    /// without such runs.
+    /// Mean error over runs that are alike, net of what chance leaves of it, over the scatter of a single run; NaN (null) without such runs.
     #[serde(deserialize_with = "null_is_nan")]
     pub net_error: f64,
     /// Its standard error over the points, by the jackknife.

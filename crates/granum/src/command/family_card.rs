@@ -86,7 +86,7 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
     lines.push(markdown(&heads, outputs.iter().map(row).collect()));
     lines.push(format!(
         "\nError: root mean square for a single run, over that of its values. Scatter: of runs that differ in their seed alone. Net error: \
-         against the mean of such runs, less the scatter of that mean, over the scatter of one run; one more run would have 1. Held: within \
+         the mean error over such runs, less what chance leaves of it, over the scatter of one run; one more run would have 1. Held: within \
          intervals, or bands for whole curves, of {:.0} %. Worst quarter: of the range of an input.",
         100.0 * level
     ));
