@@ -185,7 +185,7 @@ fn bedding(test: &LaboratoryTest, stated: &Conventions) -> Option<LaboratoryDoub
     let slopes: Vec<f64> = (0..x.len() - 1).map(|k| if x[k + 1] > x[k] { slope(k) } else { 0.0 }).collect();
     let steepest = slopes.iter().copied().fold(0.0, f64::max);
     let soft = slopes.iter().take_while(|slope| **slope < BEDDING_SLOPE * steepest).count();
-    if soft == 0 || soft + 2 > slopes.len() || x[soft] > 0.05 {
+    if soft == 0 || soft + 2 > slopes.len() || x[soft] <= x[0] || x[soft] > 0.05 {
         return None;
     }
     let evidence = format!(
@@ -287,6 +287,9 @@ mod tests {
         let settled =
             found(STRESSES, |e| format!("{e},{},100", 100.0 + if e < 1.2 { 0.5 * e } else { q(e - 1.0) }));
         assert!(settled.len() == 1 && settled[0].contains("--as bedding_strain='1 %'"), "{settled:?}");
+        let twice =
+            found(STRESSES, |e| format!("{},{},100", (e - 0.5f64).max(0.0), 100.0 + q((e - 0.5).max(0.0))));
+        assert_eq!(twice, Vec::<String>::new(), "the first reading, written twice, is no bedding");
         let named = found(&format!("{STRESSES},test"), |e| format!("{e},{},100,loose 400 kPa", 100.0 + q(e)));
         assert!(named.len() == 1 && named[0].contains("says 400 kPa"), "{named:?}");
     }
