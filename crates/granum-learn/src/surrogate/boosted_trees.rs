@@ -5,7 +5,9 @@
 //! number of trees is the one with the least error over all parts, and as many are then grown on all runs. The errors on left-out runs give
 //! the intervals.
 
-use granum_core::observer::{Observer, SharedObserver};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use granum_core::observer::{Flow, Observer, Progress, SharedObserver};
 use granum_core::parallel;
 use serde::{Deserialize, Serialize};
 
@@ -175,13 +177,17 @@ impl SurrogateMethod for BoostedTrees {
         let targets: Vec<Vec<f64>> =
             columns.outputs.iter().map(|output| dataset.values(&[&output.name])).collect::<Result<_>>()?;
         let (follower, total) = (SharedObserver::new(observer), targets.len());
+        let done = AtomicUsize::new(0);
         let count = dataset.runs().len();
         let outputs = parallel::map(total, spec.threads, |k| {
-            if follower.stopped() {
-                return Err(LearnError::Stopped { done: k, total });
+            let mut part = follower.part(columns.outputs[k].name.clone());
+            let complete = done.load(Ordering::Relaxed);
+            let progress = Progress::new("training", "outputs", complete as u64).out_of(total as u64);
+            if part.progress(&progress) == Flow::Stop {
+                return Err(LearnError::Stopped { done: complete, total });
             }
-            let part = follower.part(format!("output {}", k + 1));
             let output = self.output(&rows, &targets[k], count);
+            done.fetch_add(1, Ordering::Relaxed);
             part.completed();
             Ok(output)
         })?;

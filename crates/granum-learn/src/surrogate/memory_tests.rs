@@ -114,7 +114,10 @@ fn every_method_can_be_followed_and_stopped() {
     let run = |k: usize| {
         let strain: Vec<f64> = (0..24).map(|state| 0.01 * state as f64).collect();
         let stress = strain.iter().map(|strain| (1.0 + 0.2 * k as f64) * strain / (0.05 + strain)).collect();
-        let columns = vec![Column::new("strain", "", strain), Column::new("stress", "", stress)];
+        // A soft sensor, which the cascade needs.
+        let fabric = strain.iter().map(|strain| 0.1 * k as f64 * strain).collect();
+        let fabric = Column::new("deviator_fabric", "", fabric);
+        let columns = vec![Column::new("strain", "", strain), fabric, Column::new("stress", "", stress)];
         RunStates::new(&format!("run-{k}"), Table::new(columns)?)?.with_parameter("friction", "", k as f64)
     };
     let dataset = Dataset::new((0..6).map(run).collect::<Result<_>>().unwrap()).unwrap();

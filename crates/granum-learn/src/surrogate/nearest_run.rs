@@ -15,7 +15,7 @@ use super::left_out_errors::LeftOutErrors;
 use super::prediction::{Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
-use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
 use crate::curve::{increases, interpolated};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
@@ -140,7 +140,12 @@ impl SurrogateMethod for NearestRun {
         "the curve of the training run with the nearest material, sample and stress"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let (coordinate, runs) = curves(dataset, spec, &columns)?;
         let mut others = columns.inputs.clone();
@@ -179,7 +184,12 @@ impl SurrogateMethod for NearestRun {
             };
             LeftOutErrors::new(&nearest.iter().enumerate().map(of_run).collect::<Vec<_>>())
         };
-        fitted.errors = (0..outputs).map(errors).collect();
+        let mut of_outputs = Vec::with_capacity(outputs);
+        for output in 0..outputs {
+            report_output(observer, &columns.outputs, output)?;
+            of_outputs.push(errors(output));
+        }
+        fitted.errors = of_outputs;
         Ok(Box::new(FittedRuns { columns, fitted }))
     }
 

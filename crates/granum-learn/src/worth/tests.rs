@@ -45,7 +45,7 @@ fn plan(training: &Dataset) -> WorthPlan {
 fn methods() -> SurrogateMethods {
     let mut cascade = Cascade::default();
     (cascade.first.starts, cascade.first.components) = (1, 2);
-    SurrogateMethods::standard().with(cascade).unwrap()
+    SurrogateMethods::standard().replaced_by(cascade)
 }
 
 fn error(worth: &Worth, output: &str, name: &str) -> f64 {
