@@ -5,7 +5,6 @@ use std::path::Path;
 use crate::done;
 
 const CHAPTER: &str = include_str!("../../../../docs/src/campaigns.md");
-const SURROGATES: &str = include_str!("../../../../docs/src/theory/surrogates.md");
 
 /// The commands of the study with which the chapter begins, in order.
 fn commands() -> Vec<Vec<&'static str>> {
@@ -50,9 +49,4 @@ fn the_study_of_the_chapter_works() {
     assert!(here.join("study/report.html").is_file());
     let table = std::fs::read_to_string(here.join("study.csv")).unwrap();
     assert_eq!(table.lines().count(), 1 + 6, "{table}");
-    // The chapter on surrogates asks the runs of such a campaign what its sensors are worth.
-    let command = SURROGATES.lines().find(|line| line.starts_with("granum worth ")).unwrap();
-    let words: Vec<&str> = command.split_whitespace().collect();
-    let text = done(here, &words[1..]);
-    assert!(text.contains("strain + all sensors") && here.join("worth.html").is_file(), "{text}");
 }

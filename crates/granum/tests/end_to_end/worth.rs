@@ -3,6 +3,8 @@
 use crate::networks::make_run_of;
 use crate::{done, done_json, refused};
 
+const SURROGATES: &str = include_str!("../../../../docs/src/theory/surrogates.md");
+
 const ASKED: [&str; 15] = [
     "worth",
     "run-1",
@@ -28,7 +30,7 @@ fn the_worth_of_sensors_is_measured_written_and_reported() {
     for k in 1..=7 {
         make_run_of(here, &format!("run-{k}"), |case| {
             let case = case
-                .replace("count = 150", "count = 60")
+                .replace("count = 150", "count = 100")
                 .replace("deviator_strain = 0.3", "deviator_strain = 0.06");
             let case = case.replace("states = 40", "states = 20");
             format!("{case}\n[grains.material]\nfriction = 0.{k}\n")
@@ -53,6 +55,15 @@ fn the_worth_of_sensors_is_measured_written_and_reported() {
     let written: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(here.join("worth.json")).unwrap()).unwrap();
     assert_eq!(written, found["worth"]);
+
+    // The command of the chapter, with runs in place of a campaign and what makes it quick.
+    let command = SURROGATES.lines().find(|line| line.starts_with("granum worth study ")).unwrap();
+    let runs = "run-1 run-2 run-3 run-4 run-5 run-6 run-7";
+    let command =
+        command.replace("study", runs).replace("worth.json", "all.json").replace("worth.html", "all.html");
+    let words: Vec<&str> = command.split_whitespace().skip(1).chain(ASKED[9..].iter().copied()).collect();
+    let text = done(here, &words);
+    assert!(text.contains("strain + all sensors") && here.join("all.html").is_file(), "{text}");
 
     // Text, and the files that exist are not replaced.
     let text = done(here, &ASKED);
