@@ -95,10 +95,12 @@ impl StudyObserver for Show<'_> {
     fn progress(&self, name: &str, step: &Step) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let network = step.part.as_deref().unwrap_or(name);
-        let error = step.value("error").unwrap_or(f64::NAN);
-        progress.update(None, |_| {
-            vec![ProgressField::new(0, format!("{network} epoch {} error {error:.2e}", step.done))]
-        });
+        let text = match (step.value("error"), step.of) {
+            (Some(error), _) => format!("{network} epoch {} error {error:.2e}", step.done),
+            (None, Some(all)) => format!("{network} {} of {all}", step.done),
+            (None, None) => format!("{network} {}", step.done),
+        };
+        progress.update(None, |_| vec![ProgressField::new(0, text)]);
     }
     fn finished(&self, name: &str) -> granum_learn::Result<Option<Box<dyn Surrogate>>> {
         match &self.kept {
