@@ -160,7 +160,7 @@ pub type Memory = Vec<f64>;
 ///
 /// let sensors = Sensors::standard().with(Sizes)?;
 /// assert_eq!(sensors.named("sizes")?.columns.len(), 2);
-/// # Ok::<(), granum_sensors::SensorError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Sensor: Send + Sync {
     /// Its name, its columns, and what it needs.
