@@ -55,7 +55,7 @@ pub struct VariableRecord {
 pub struct CampaignRun {
     /// Its name, which is that of its folder.
     pub name: String,
-    /// The values of the variables, in the order of [`Campaign::variables`].
+    /// The values of the variables, in the order of [`Campaign::variables`](crate::Campaign::variables).
     pub values: Vec<RunValue>,
     /// The keys that it sets over the base case, with their values as text.
     pub settings: Vec<(String, String)>,
