@@ -96,10 +96,7 @@ fn the_worth_of_sensors_is_measured_written_and_reported() {
         "study",
     ];
     let message = refused(here, 1, &train);
-    assert!(
-        message.contains("nearest-run") && message.contains("deviator_fabric is not constant"),
-        "{message}"
-    );
+    assert!(message.contains("deviator_fabric is not constant"), "{message}");
     let train = [
         "train",
         "run-1",
