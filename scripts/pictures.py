@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Makes the pictures of README.md and of the gallery with the present version, and checks that they are still true.
+"""Makes the pictures of README.md, of the gallery and of the families with the present version, and checks that they are still true.
 
-  scripts/pictures.py make --granum target/release/granum --work FOLDER [report] [gallery | CASE...]
+  scripts/pictures.py make --granum target/release/granum --work FOLDER [report] [gallery | CASE...] [families]
   scripts/pictures.py --check [--granum target/release/granum] [--quick FOLDER]
 
 `make report` needs the finished folder `FOLDER/reproduction` of `granum reproduce` and the finished folder `FOLDER/quick` of
 `granum reproduce --quick` (it makes those that are missing, which takes minutes), and headless Chromium for the photograph of
-the report. `make gallery` runs the ready cases. What the pictures state is written to docs/pictures/stated.json.
+the report. `make gallery` runs the ready cases, `make families` asks the families of the program. What the pictures state is written to docs/pictures/stated.json.
 
 `--check` verifies without a browser that no picture was changed without its statements, and that README.md and the gallery
 say what the pictures say. With `--quick`, the folder of a quick reproduction by the present version, it verifies that this
 version states what the version that made the pictures stated; with `--granum` it runs one ready case and compares its
-digest. Exit code 1 if a picture has to be made again.
+digest, and draws the picture of each family again. Exit code 1 if a picture has to be made again.
 """
 import argparse
 import hashlib
@@ -37,6 +37,9 @@ FIGURE = {
     "true-triaxial": "deviatoric-plane", "powder-oedometer": "compression", "wet-grains": "stress",
     "rolling-resistance": "stress", "strain-history": "stress-path",
 }
+# What the picture of a family shows: the command of its chapter.
+FAMILIES = {"sand": ["--friction", "0.4", "--rolling-friction", "0.2", "--pressure", "100 kPa", "--youngs-modulus", "2 GPa",
+                     "--void-ratio", "0.7", "--path", "drained-triaxial"]}
 # Ready cases that are drawn over a laboratory test.
 LABORATORY = {"karlsruhe-dense": "TMD22", "karlsruhe-loose": "TMD2"}
 # The paper's own number of grains takes some minutes.
@@ -87,8 +90,8 @@ def photograph(page, picture, width, height):
             check=True, stderr=subprocess.DEVNULL)
 
 
-def run(granum, *arguments):
-    subprocess.run([granum, *map(str, arguments)], check=True)
+def run(granum, *arguments, quiet=False):
+    subprocess.run([granum, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL if quiet else None)
 
 
 def make_report(granum, work, stated):
@@ -122,20 +125,28 @@ def make_gallery(granum, work, names, stated):
             shutil.copy(sorted((work / name / "figures").glob(f"*-{FIGURE[name]}.svg"))[0], picture)
 
 
+def make_family(granum, name, picture):
+    run(granum, "--force", "predict", "--family", name, *FAMILIES[name], "-o", picture, quiet=True)
+
+
 def make(arguments):
     work = arguments.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
     granum = str(arguments.granum.resolve())
     stated = json.loads(STATED.read_text()) if STATED.exists() else {}
-    cases = [name for name in arguments.what if name not in ("report", "gallery")]
+    cases = [name for name in arguments.what if name not in ("report", "gallery", "families")]
     if unknown := [name for name in cases if name not in FIGURE and name not in LABORATORY]:
-        sys.exit(f"unknown: {', '.join(unknown)}; there are report, gallery, {', '.join([*FIGURE, *LABORATORY])}")
+        sys.exit(f"unknown: {', '.join(unknown)}; there are report, gallery, families, {', '.join([*FIGURE, *LABORATORY])}")
     if "report" in arguments.what or not arguments.what:
         make_report(granum, work, stated)
     if "gallery" in arguments.what or not arguments.what:
         cases = [*FIGURE, *LABORATORY]
     make_gallery(granum, work, cases, stated)
-    files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg")]
+    if "families" in arguments.what or not arguments.what:
+        for name in FAMILIES:
+            make_family(granum, name, FIGURES / f"family-{name}.svg")
+    files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg"),
+             *FIGURES.glob("family-*.svg")]
     stated["pictures"] = {str(path.relative_to(ROOT / "docs")): sha256(path) for path in sorted(files)}
     STATED.write_text(json.dumps(stated, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
 
@@ -180,7 +191,12 @@ def check(arguments):
                      for found in differences(stated["quick"], statements(arguments.quick))]
     if arguments.granum:
         with tempfile.TemporaryDirectory() as work:
-            found = gallery_case(str(arguments.granum.resolve()), pathlib.Path(work), CHECKED_CASE)
+            granum, work = str(arguments.granum.resolve()), pathlib.Path(work)
+            found = gallery_case(granum, work, CHECKED_CASE)
+            for name in FAMILIES:
+                make_family(granum, name, work / f"{name}.svg")
+                if (work / f"{name}.svg").read_bytes() != (FIGURES / f"family-{name}.svg").read_bytes():
+                    problems.append(f"the family {name} answers otherwise than docs/src/figures/family-{name}.svg shows")
         problems += [f"{CHECKED_CASE}: {found}" for found in differences(stated["gallery"][CHECKED_CASE], found)]
     for problem in problems:
         print("FAILED:", problem)
@@ -193,7 +209,7 @@ def check(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", nargs="?", choices=["make"])
-    parser.add_argument("what", nargs="*", help="report, gallery, or names of ready cases; everything if nothing is named")
+    parser.add_argument("what", nargs="*", help="report, gallery, families, or names of ready cases; everything if nothing is named")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--granum", type=pathlib.Path)
     parser.add_argument("--work", type=pathlib.Path)

@@ -8,6 +8,16 @@ pub fn increases(xs: &[f64]) -> bool {
     xs.windows(2).all(|pair| pair[1] > pair[0])
 }
 
+/// The smallest and the largest of some values; infinity and minus infinity of none.
+///
+/// ```
+/// assert_eq!(granum_learn::curve::range([2.0, -1.0, 5.0]), [-1.0, 5.0]);
+/// ```
+pub fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    values.into_iter().fold(ends, |[low, high], value| [low.min(value), high.max(value)])
+}
+
 /// The value of a curve at `x` by linear interpolation between points with increasing `xs`, constant beyond them; NaN if there
 /// is no point. At a point it is the end of the interval before it.
 ///

@@ -1,14 +1,11 @@
 //! Reading the file of a calibration: all mistakes are reported at once, each with its place and what would be right.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use granum_campaign::plan::{
     DesignKind, DesignTable, Keep, Plan, PlanSource, PlanVariable, Reader, SampleSeeds, VariableKind,
 };
-use granum_core::input::read_text;
-use granum_io::shell::ShowPath;
-use granum_io::{Error, Reading, Result};
+use granum_io::{Reading, Result};
 use granum_run::engine::LammpsStart;
 use toml::de::DeTable;
 
@@ -16,8 +13,6 @@ use super::definition::{CalibrationFile, CalibrationTable, TestCondition};
 use super::read_table::table;
 use super::read_variable::{Role, VARIABLE_KEYS, variable};
 
-/// A file is a page or two long; a larger one is something else.
-const LARGEST_FILE: u64 = 1 << 24;
 /// The keys of the file.
 const KEYS: [&str; 5] = ["case", "set", "variable", "accept", "calibration"];
 /// The key of the case that says how far a test goes, where its path has it.
@@ -27,11 +22,9 @@ impl CalibrationFile {
     /// Reads the file of a calibration and its base case.
     ///
     /// # Errors
-    /// [`Error::Inputs`] with all mistakes of the file, and as [`granum_io::Case::read`] for the base case.
+    /// [`granum_io::Error::Inputs`] with all mistakes of the file, and as [`granum_io::Case::read`] for the base case.
     pub fn read(path: &Path, reading: Reading) -> Result<CalibrationFile> {
-        let text = read_text(path, LARGEST_FILE).map_err(Error::file("read", path))?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        CalibrationFile::parse(PlanSource { file: path.shown(), folder, text: Arc::from(text) }, reading)
+        CalibrationFile::parse(PlanSource::open(path)?, reading)
     }
 
     /// Reads the text of a calibration and the base case that it names.
@@ -39,19 +32,7 @@ impl CalibrationFile {
     /// # Errors
     /// As [`CalibrationFile::read`].
     pub fn parse(source: PlanSource, reading: Reading) -> Result<CalibrationFile> {
-        let text = source.text.clone();
-        let document = DeTable::parse(&text).map_err(|error| {
-            let message = format!("this is not TOML: {}", error.message().replace('\n', "; "));
-            Error::Inputs(vec![source.error(&error.span().unwrap_or(0..0), message)])
-        })?;
-        let mut reader = Reader { source, reading, errors: Vec::new() };
-        let file = read(&mut reader, document.get_ref());
-        reader.errors.sort_by_key(|error| error.span.start);
-        match file {
-            Ok(Some(file)) if reader.errors.is_empty() => Ok(file),
-            Err(error) if reader.errors.is_empty() => Err(error),
-            _ => Err(Error::Inputs(reader.errors)),
-        }
+        Reader::read(source, reading, read)
     }
 }
 

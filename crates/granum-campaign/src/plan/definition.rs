@@ -1,10 +1,12 @@
 //! What a plan says, before its runs are made.
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use granum_io::{Case, InputError};
+use granum_core::input::read_text;
+use granum_io::shell::ShowPath;
+use granum_io::{Case, Error, InputError, Result};
 use granum_run::engine::LammpsStart;
 use serde::{Deserialize, Serialize};
 
@@ -84,7 +86,20 @@ pub struct PlanSource {
     pub text: Arc<str>,
 }
 
+/// A plan is a page or two long, but for long lists of runs; a larger file is something else.
+const LARGEST_FILE: u64 = 1 << 24;
+
 impl PlanSource {
+    /// Opens a plan, or a file that is like one.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is too large, or is no text.
+    pub fn open(path: &Path) -> Result<PlanSource> {
+        let text = read_text(path, LARGEST_FILE).map_err(Error::file("read", path))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        Ok(PlanSource { file: path.shown(), folder, text: Arc::from(text) })
+    }
+
     /// A mistake at a place of the plan.
     pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> InputError {
         InputError::in_text(&self.file, &self.text, span.clone(), message.into())

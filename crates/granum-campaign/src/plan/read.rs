@@ -1,12 +1,10 @@
 //! Reading a plan: all mistakes are reported at once, each with its place and what would be right.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use granum_core::input::read_text;
 use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
-use granum_io::{Case, Error, Reading, Result, named_file};
+use granum_io::{Case, Reading, Result, named_file};
 use granum_run::engine::{LAMMPS, LammpsStart};
 use toml::de::DeTable;
 
@@ -16,8 +14,6 @@ use super::read_design::KINDS;
 use super::read_variables::VARIABLE_KEYS;
 use super::reader::Reader;
 
-/// A plan is a page or two long, but for long lists of runs; a larger file is something else.
-const LARGEST_FILE: u64 = 1 << 24;
 /// The keys of a plan.
 pub(super) const PLAN_KEYS: [&str; 10] =
     ["case", "set", "design", "variable", "constraints", "accept", "keep", "engine", "ranks", "command"];
@@ -28,11 +24,9 @@ impl Plan {
     /// Reads a plan and its base case.
     ///
     /// # Errors
-    /// [`Error::Inputs`] with all mistakes of the plan, and as [`Case::read`] for the base case.
+    /// [`granum_io::Error::Inputs`] with all mistakes of the plan, and as [`Case::read`] for the base case.
     pub fn read(path: &Path, reading: Reading) -> Result<Plan> {
-        let text = read_text(path, LARGEST_FILE).map_err(Error::file("read", path))?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        Plan::parse(PlanSource { file: path.shown(), folder, text: Arc::from(text) }, reading)
+        Plan::parse(PlanSource::open(path)?, reading)
     }
 
     /// Reads the text of a plan and the base case that it names.
@@ -40,19 +34,7 @@ impl Plan {
     /// # Errors
     /// As [`Plan::read`].
     pub fn parse(source: PlanSource, reading: Reading) -> Result<Plan> {
-        let text = source.text.clone();
-        let document = DeTable::parse(&text).map_err(|error| {
-            let message = format!("this is not TOML: {}", error.message().replace('\n', "; "));
-            Error::Inputs(vec![source.error(&error.span().unwrap_or(0..0), message)])
-        })?;
-        let mut reader = Reader { source, reading, errors: Vec::new() };
-        let plan = reader.plan(document.get_ref());
-        reader.errors.sort_by_key(|error| error.span.start);
-        match plan {
-            Ok(Some(plan)) if reader.errors.is_empty() => Ok(plan),
-            Err(error) if reader.errors.is_empty() => Err(error),
-            _ => Err(Error::Inputs(reader.errors)),
-        }
+        Reader::read(source, reading, Reader::plan)
     }
 }
 

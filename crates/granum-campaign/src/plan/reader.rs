@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use granum_core::names::suggestion;
-use granum_io::{InputError, Reading};
+use granum_io::{Error, InputError, Reading, Result};
 use toml::Spanned as TomlSpanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -24,6 +24,30 @@ pub struct Reader {
 }
 
 impl Reader {
+    /// Reads a whole file by a function that notes mistakes here; it has no result where one of them hides the rest.
+    ///
+    /// # Errors
+    /// [`Error::Inputs`] with all mistakes, in the order of the file; what the function returns if there are none.
+    pub fn read<T>(
+        source: PlanSource,
+        reading: Reading,
+        read: impl FnOnce(&mut Reader, &DeTable<'_>) -> Result<Option<T>>,
+    ) -> Result<T> {
+        let text = source.text.clone();
+        let document = DeTable::parse(&text).map_err(|error| {
+            let message = format!("this is not TOML: {}", error.message().replace('\n', "; "));
+            Error::Inputs(vec![source.error(&error.span().unwrap_or(0..0), message)])
+        })?;
+        let mut reader = Reader { source, reading, errors: Vec::new() };
+        let found = read(&mut reader, document.get_ref());
+        reader.errors.sort_by_key(|error| error.span.start);
+        match found {
+            Ok(Some(found)) if reader.errors.is_empty() => Ok(found),
+            Err(error) if reader.errors.is_empty() => Err(error),
+            _ => Err(Error::Inputs(reader.errors)),
+        }
+    }
+
     /// Notes a mistake with what would be right, unless that is empty.
     pub fn error(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
         let error = self.source.error(&span, message);

@@ -6,6 +6,7 @@ use granum_core::observer::Observer;
 
 use super::definition::FamilyDefinition;
 use super::score_types::{FamilyScores, TrainingData};
+use crate::curve::range;
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 use crate::surrogate::{
@@ -85,13 +86,8 @@ impl FamilyModel {
 
     /// The range of each input over the runs.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
-        let range = |input: usize| {
-            let values = self.rows.iter().map(|row| row[input]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [low.min(value), high.max(value)]
-            })
-        };
-        (0..self.definition.inputs.len()).map(range).collect()
+        let inputs = self.definition.inputs.len();
+        (0..inputs).map(|input| range(self.rows.iter().map(|row| row[input]))).collect()
     }
 
     /// The scores on runs that it has not seen.

@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sub_model::{SubModel, sub_model_at};
+use crate::curve::range;
 use crate::dataset::{ColumnGroup, Dataset, RunStates, Variable, record_error};
 use crate::error::{LearnError, Result};
 use crate::surrogate::{Columns, FitSpec};
@@ -133,7 +134,7 @@ impl NetworkMapping {
             );
         };
         let sub_models = match spec.sub_models.as_slice() {
-            [] => vec![SubModel::new(range_of(&dataset.column(name)?), hidden)],
+            [] => vec![SubModel::new(range(dataset.column(name)?), hidden)],
             given => given.to_vec(),
         };
         let ordered = sub_models.iter().all(|s| s.range[0] < s.range[1])
@@ -336,8 +337,4 @@ fn check_width(run: &RunStates, histogram: &str, width: f64) -> Result<()> {
         )),
         _ => Ok(()),
     }
-}
-
-fn range_of(values: &[f64]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
 }

@@ -17,6 +17,7 @@ use super::prediction::{Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use crate::curve::range;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::boosting::{Bins, Growth, Tree};
@@ -191,10 +192,7 @@ impl SurrogateMethod for BoostedTrees {
             part.completed();
             Ok(output)
         })?;
-        let ends = |k: usize| {
-            let values = rows.inputs.iter().skip(k).step_by(width);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
-        };
+        let ends = |k: usize| range(rows.inputs.iter().skip(k).step_by(width).copied());
         let fitted = Fitted { coordinate, ranges: (0..width).map(ends).collect(), outputs };
         Ok(Box::new(FittedTrees { columns, fitted }))
     }

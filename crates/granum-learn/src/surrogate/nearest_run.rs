@@ -16,7 +16,7 @@ use super::prediction::{Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
-use crate::curve::{increases, interpolated};
+use crate::curve::{increases, interpolated, range};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 
@@ -160,14 +160,10 @@ impl SurrogateMethod for NearestRun {
             groups: groups.iter().map(|group| group.value(&run.inputs)).collect(),
             curves: (0..outputs).map(|output| run.at(&points, output, None)).collect(),
         };
-        let range = |k: usize| {
-            let values = runs.iter().map(|run| run.inputs[k]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-        };
         let mut fitted = Fitted {
             coordinate,
             runs: runs.iter().map(known).collect(),
-            ranges: (0..names.len()).map(range).collect(),
+            ranges: (0..names.len()).map(|k| range(runs.iter().map(|run| run.inputs[k]))).collect(),
             errors: Vec::new(),
             points,
             groups,

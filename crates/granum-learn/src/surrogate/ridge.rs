@@ -29,6 +29,7 @@ use super::prediction::{Cause, Estimate, Prediction, outside_of};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
+use crate::curve::range;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::cholesky::Cholesky;
@@ -209,10 +210,6 @@ impl SurrogateMethod for RidgeRegression {
         fitted.check(&columns)?;
         Ok(Box::new(FittedRidge { columns, fitted }))
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
 /// The scatter of the observations about a regression.

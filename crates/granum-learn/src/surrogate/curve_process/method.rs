@@ -17,6 +17,7 @@ use super::left_out::{Curves, PARTS};
 use super::predicted_curve::{Curve, curves_of_outputs};
 use super::reach::{Reach, within_reach};
 use super::run_curves::{RunCurve, common_points, shares};
+use crate::curve::range;
 use crate::dataset::{ColumnGroup, Dataset, RunStates, Variable};
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
@@ -362,11 +363,6 @@ fn without(names: &[String], place: usize) -> Vec<String> {
 
 /// Range of each input over the runs.
 fn ranges(runs: &[&[f64]]) -> Vec<[f64; 2]> {
-    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; runs.first().map_or(0, |run| run.len())];
-    for run in runs {
-        for ([low, high], value) in ranges.iter_mut().zip(*run) {
-            (*low, *high) = (low.min(*value), high.max(*value));
-        }
-    }
-    ranges
+    let inputs = runs.first().map_or(0, |run| run.len());
+    (0..inputs).map(|input| range(runs.iter().map(|run| run[input]))).collect()
 }
