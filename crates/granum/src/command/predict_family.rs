@@ -182,7 +182,14 @@ fn write(path: &Path, model: &FamilyModel, prediction: &FamilyPrediction) -> Res
     let text = match ending.as_deref() {
         Some("svg") => family_figure::svg(model, prediction),
         Some("json") => format!("{:#}\n", as_json(model, prediction)),
-        _ => return Ok(write_table(path, &table(model, prediction)?)?),
+        Some("csv" | "parquet") => return Ok(write_table(path, &table(model, prediction)?)?),
+        _ => {
+            let message = format!(
+                "-o {}: its name must end in .svg (a figure), .csv or .parquet (a table) or .json",
+                path.shown()
+            );
+            return Err(Failure::new(message));
+        }
     };
     Ok(write_atomically(path, |file| std::io::Write::write_all(file, text.as_bytes()))?)
 }

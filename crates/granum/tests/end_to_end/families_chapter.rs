@@ -148,6 +148,8 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     assert!(told.contains("missing: --rolling-friction, --pressure, --youngs-modulus"), "{told}");
     let path = [&far[..], &["--path", "oedometer"]].concat();
     assert!(refused(here, 1, &path).contains("knows one path, drained-triaxial"));
+    let told = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
+    assert!(told.contains("curves.pdf: its name must end in .svg"), "{told}");
     let told = refused(here, 1, &["predict", "--family", "sandy"]);
     assert!(told.contains("there is no family `sandy`; did you mean sand?"), "{told}");
     let told = refused(here, 1, &["train", "sands", "--family", "sand", "-o", "sand.json"]);
