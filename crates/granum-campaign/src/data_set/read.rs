@@ -70,7 +70,8 @@ impl DataSet {
             return Ok(Some(inside));
         }
         let message = "the campaign has no data set yet; it is written when all runs are finished, and of those that are finished by \
-                       `granum campaign PLAN --collect`";
+                       `granum campaign PLAN --collect`. A run that did not pass its checks is part of it only if `accept` of the \
+                       plan says so (`granum campaign status` lists these)";
         Err(Error::content(folder, message))
     }
 
