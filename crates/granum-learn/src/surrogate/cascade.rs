@@ -11,7 +11,7 @@
 //!
 //! The variance of a prediction is that of the second stage and, to first order, that of the predicted sensors (the cause `sensors`): each
 //! sensor is changed by its standard deviation, and the squares of the changes of the output are added. Intervals are the standard deviation
-//! times a factor that is found by predicting each training run by both stages, fitted to other runs (conformal calibration).
+//! times a factor that is found by predicting each training run by stages that were fitted to other runs (conformal calibration).
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::boosted_trees::BoostedTrees;
 use super::content::Content;
-use super::curve_process::{Calibration, GaussianProcessOfCurves};
+use super::curve_process::{Calibration, GaussianProcessOfCurves, LeftOutCurves};
 use super::prediction::{Cause, Estimate, Prediction};
 use super::ridge::RidgeRegression;
 use super::run_inputs::RunInputs;
@@ -182,22 +182,21 @@ impl SurrogateMethod for Cascade {
     ) -> Result<Box<dyn Surrogate>> {
         let stages = self.stages(dataset, spec)?;
         let runs = dataset.runs().len();
+        let (first, sensors) = self.first.fit_with_left_out(dataset, &stages.first, observer)?;
+        let coordinate = &stages.columns.inputs[stages.coordinate].name;
         let parts = if runs < FEWEST_RUNS { 0 } else { PARTS.min(runs) };
         // For each second stage the errors of each run and output, and the same over their standard deviations.
         let mut found: Vec<Vec<Vec<LeftOut>>> = self.second.iter().map(|_| Vec::new()).collect();
         for part in 0..parts {
-            let is_own = |run: &RunStates| {
-                dataset
-                    .runs()
-                    .iter()
-                    .position(|known| known.name() == run.name())
-                    .is_some_and(|k| k % parts == part)
-            };
-            let own = dataset.select(|run, _| is_own(run));
+            let number = |run: &RunStates| dataset.runs().iter().position(|known| known.name() == run.name());
+            let is_own = |run: &RunStates| number(run).is_some_and(|k| k % parts == part);
+            // A run that the first stage did not use has no predicted sensors.
+            let own = dataset.select(|run, _| is_own(run) && sensors.at(run.name(), 0.0).is_some());
             let others = dataset.select(|run, _| !is_own(run));
-            let first = self.first.fit(&others, &stages.first, observer)?;
-            let inputs = RunInputs::from_dataset(&own, first.columns())?;
-            let sensors = predicted_sensors(first.as_ref(), &inputs, stages.coordinate)?;
+            if own.runs().is_empty() {
+                continue;
+            }
+            let sensors = left_out_sensors(&sensors, &own, coordinate)?;
             for (method, found) in self.second.iter().zip(&mut found) {
                 let second = method.fit(&others, &stages.second, observer)?;
                 found.extend(left_out(second.as_ref(), &sensors, &own)?);
@@ -217,10 +216,16 @@ impl SurrogateMethod for Cascade {
             }
         };
         let calibrations = (0..stages.columns.outputs.len()).map(calibration).collect();
-        let first = self.first.fit(dataset, &stages.first, observer)?;
         let second = self.second[best].fit(dataset, &stages.second, observer)?;
         let (coordinate, columns) = (stages.coordinate, stages.columns);
-        Ok(Box::new(FittedCascade { runs, coordinate, columns, first, second, calibrations }))
+        Ok(Box::new(FittedCascade {
+            runs,
+            coordinate,
+            columns,
+            first: Box::new(first),
+            second,
+            calibrations,
+        }))
     }
 
     fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {
@@ -311,10 +316,18 @@ impl Sensors {
     }
 }
 
-/// The sensors of the states of runs as the first stage predicts them; `place` is that of the coordinate among its inputs.
-fn predicted_sensors(first: &dyn Surrogate, inputs: &RunInputs, place: usize) -> Result<Sensors> {
-    let predictions = first.predict(inputs, LEVEL)?;
-    Ok(Sensors::new(&predictions, inputs.rows().map(|row| row[place]), inputs.lengths()))
+/// The sensors of the states of training runs, each run as predicted by what was fitted to others.
+fn left_out_sensors(curves: &LeftOutCurves, runs: &Dataset, coordinate: &str) -> Result<Sensors> {
+    let (mut rows, mut deviations, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+    for run in runs.runs() {
+        lengths.push(run.rows());
+        for x in run.column(coordinate)? {
+            let sensors = curves.at(run.name(), x).unwrap_or_default();
+            rows.push(std::iter::once(x).chain(sensors.iter().map(|[mean, _]| *mean)).collect());
+            deviations.push(sensors.iter().map(|[_, deviation]| *deviation).collect());
+        }
+    }
+    Ok(Sensors { rows, deviations, lengths })
 }
 
 /// What is known of an output of a run that was left out of the fit.

@@ -57,36 +57,34 @@ pub fn measure(
         let questions =
             [(&plan.outputs, Knowledge::of_sensors(plan)), (&plan.sensors, Knowledge::of_outputs(plan))];
         for (outputs, knowledge) in questions {
-            for output in outputs {
-                for count in &counts {
-                    // Sensors of another origin are given to the surrogate of the measured ones.
-                    let mut fits: Vec<Vec<&Knowledge>> = Vec::new();
-                    for own in &knowledge {
-                        match fits.iter_mut().find(|fit| fit[0].is_same_surrogate(own)) {
-                            Some(fit) => fit.push(own),
-                            None => fits.push(vec![own]),
-                        }
+            for count in &counts {
+                let task = |outputs: &[String], knowledge: Vec<Knowledge>| Task {
+                    path: path.clone(),
+                    outputs: outputs.to_vec(),
+                    count: *count,
+                    knowledge,
+                    training: training.clone(),
+                    unseen: unseen.clone(),
+                };
+                for fit in fits(&knowledge) {
+                    // The first stage of a cascade, which costs most, is the same for all outputs.
+                    match fit[0].source {
+                        Source::Predicted => tasks.push(task(outputs, fit)),
+                        _ => tasks.extend(outputs.chunks(1).map(|output| task(output, fit.clone()))),
                     }
-                    let fits = fits.into_iter().map(|fit| Task {
-                        path: path.clone(),
-                        output: output.clone(),
-                        count: *count,
-                        knowledge: fit.into_iter().cloned().collect(),
-                        training: training.clone(),
-                        unseen: unseen.clone(),
-                    });
-                    tasks.extend(fits);
                 }
             }
         }
     }
+    // Those that take longest first.
+    tasks.sort_by_key(|task| (task.knowledge[0].source != Source::Predicted, std::cmp::Reverse(task.count)));
     let total = tasks.len();
     let (done, observer) = (AtomicUsize::new(0), Mutex::new((observer, false)));
     let found = parallel::map(total, plan.threads, |k| {
         let task = &tasks[k];
         let before = done.load(Ordering::Relaxed);
         let progress = Progress::new("comparison", "surrogates", before as u64).out_of(total as u64);
-        let progress = progress.part(format!("{}, {} runs", task.output, task.count));
+        let progress = progress.part(format!("{}, {} runs", task.outputs.join(" and "), task.count));
         let mut locked = observer.lock().unwrap_or_else(PoisonError::into_inner);
         locked.1 |= locked.0.progress(&progress) == Flow::Stop;
         let stopped = locked.1;
@@ -98,24 +96,30 @@ pub fn measure(
         done.fetch_add(1, Ordering::Relaxed);
         Ok(answers)
     })?;
-    let mut answers: Vec<Answer> = Vec::new();
-    // Back in the order in which knowledge is listed.
-    let order: Vec<String> = [Knowledge::of_sensors(plan), Knowledge::of_outputs(plan)]
-        .into_iter()
-        .flatten()
-        .map(|knowledge| knowledge.name)
-        .collect();
-    let place = |answer: &Answer| order.iter().position(|name| *name == answer.knowledge.name);
-    let mut rest = tasks.iter().zip(found).peekable();
-    while let Some((task, own)) = rest.next() {
-        let mut group = own;
-        while let Some((_, own)) = rest.next_if(|(next, _)| next.is_of(task)) {
-            group.extend(own);
-        }
-        group.sort_by_key(place);
-        answers.extend(group);
-    }
+    let mut answers: Vec<Answer> = found.into_iter().flatten().collect();
+    // In the order in which paths, outputs, numbers of runs and knowledge are listed.
+    let outputs: Vec<&String> = plan.outputs.iter().chain(&plan.sensors).collect();
+    let questions = [Knowledge::of_sensors(plan), Knowledge::of_outputs(plan)];
+    let place = |answer: &Answer| {
+        let output = outputs.iter().position(|output| **output == answer.output);
+        let question = &questions[usize::from(!plan.outputs.contains(&answer.output))];
+        let knowledge = question.iter().position(|own| own.name == answer.knowledge.name);
+        (answer.path.clone(), output, answer.training_runs, knowledge)
+    };
+    answers.sort_by_cached_key(place);
     Ok(Worth { plan: plan.clone(), unseen: names_of_unseen, answers, remarks })
+}
+
+/// Knowledge that is answered by the same surrogate, put together: sensors of another origin are given to the surrogate of the measured ones.
+fn fits(knowledge: &[Knowledge]) -> Vec<Vec<Knowledge>> {
+    let mut fits: Vec<Vec<Knowledge>> = Vec::new();
+    for own in knowledge {
+        match fits.iter_mut().find(|fit| fit[0].is_same_surrogate(own)) {
+            Some(fit) => fit.push(own.clone()),
+            None => fits.push(vec![own.clone()]),
+        }
+    }
+    fits
 }
 
 /// The runs of each path.
@@ -148,7 +152,7 @@ fn path_of(run: &RunStates) -> String {
 /// A surrogate that is to be fitted, with all that it is asked.
 struct Task {
     path: String,
-    output: String,
+    outputs: Vec<String>,
     count: usize,
     knowledge: Vec<Knowledge>,
     training: Dataset,
@@ -156,15 +160,11 @@ struct Task {
 }
 
 impl Task {
-    fn is_of(&self, other: &Task) -> bool {
-        (&self.path, &self.output, self.count) == (&other.path, &other.output, other.count)
-    }
-
     fn answers(&self, plan: &WorthPlan, methods: &SurrogateMethods) -> Result<Vec<Answer>> {
         let first: Vec<&str> = self.training.runs().iter().take(self.count).map(RunStates::name).collect();
         let training = self.training.select(|run, _| first.contains(&run.name()));
         let inputs = varying(&training, &self.knowledge[0].inputs(plan), &plan.coordinate)?;
-        let spec = FitSpec::new(inputs, [self.output.clone()]).with_coordinate(&plan.coordinate);
+        let spec = FitSpec::new(inputs, self.outputs.clone()).with_coordinate(&plan.coordinate);
         let spec = spec.with_seed(plan.seed).with_threads(1);
         let (method, surrogate) = if self.knowledge[0].source == Source::Predicted {
             let method = methods.by_name(CASCADE)?;
@@ -172,20 +172,22 @@ impl Task {
         } else {
             fitted(&training, &spec, plan, methods)?
         };
-        let answer = |knowledge: &Knowledge| -> Result<Option<Answer>> {
-            let scored = scored(surrogate.as_ref(), &self.unseen, plan, knowledge)?;
-            Ok(scored.map(|(error, coverage)| Answer {
+        let mut answers = Vec::new();
+        for (knowledge, output) in
+            self.knowledge.iter().flat_map(|own| self.outputs.iter().map(move |o| (own, o)))
+        {
+            let scored = scored(surrogate.as_ref(), &self.unseen, plan, knowledge, Some(output))?;
+            answers.extend(scored.map(|(error, coverage)| Answer {
                 path: self.path.clone(),
-                output: self.output.clone(),
+                output: output.clone(),
                 knowledge: knowledge.clone(),
                 training_runs: self.count,
                 method: method.clone(),
                 error,
                 coverage,
-            }))
-        };
-        let answers = self.knowledge.iter().map(answer).collect::<Result<Vec<_>>>()?;
-        Ok(answers.into_iter().flatten().collect())
+            }));
+        }
+        Ok(answers)
     }
 }
 
@@ -240,7 +242,7 @@ fn fitted(
                 properties: false,
                 source: Source::Measured,
             };
-            let Some((error, _)) = scored(surrogate.as_ref(), &left_out, plan, &own)? else { continue };
+            let Some((error, _)) = scored(surrogate.as_ref(), &left_out, plan, &own, None)? else { continue };
             if best.is_none_or(|(least, _)| error.relative < least) {
                 best = Some((error.relative, *method));
             }
@@ -256,13 +258,14 @@ fn fitted(
     }
 }
 
-/// The error on runs, and the share of their values within the intervals; `None` if sensors of another run are asked for and there is none, or
-/// the coordinate turns.
+/// The error on runs of one output or of all, and the share of their values within the intervals; `None` if sensors of another run are asked for
+/// and there is none, or the coordinate turns.
 fn scored(
     surrogate: &dyn Surrogate,
     runs: &Dataset,
     plan: &WorthPlan,
     knowledge: &Knowledge,
+    output: Option<&str>,
 ) -> Result<Option<(PooledError, Option<f64>)>> {
     let columns = surrogate.columns();
     let names = columns.input_names();
@@ -284,6 +287,9 @@ fn scored(
         return Ok(None);
     }
     let outputs = columns.outputs.len();
+    let asked = output.map(|output| runs.expand(&[output])).transpose()?;
+    let is_asked = |name: &String| asked.as_ref().is_none_or(|asked| asked.contains(name));
+    let is_asked: Vec<bool> = columns.output_names().iter().map(is_asked).collect();
     let exact = runs.values(&columns.output_names())?;
     let lengths: Vec<usize> = runs.runs().iter().map(RunStates::rows).collect();
     let mut squares = vec![[0.0; 2]; count];
@@ -313,7 +319,8 @@ fn scored(
         let mut states = predictions.iter().zip(exact.chunks_exact(outputs));
         for (sums, length) in squares.iter_mut().zip(&lengths) {
             for (prediction, exact) in states.by_ref().take(*length) {
-                for (estimate, exact) in prediction.values.iter().zip(exact) {
+                let asked = prediction.values.iter().zip(exact).zip(&is_asked).filter(|(_, asked)| **asked);
+                for ((estimate, exact), _) in asked {
                     sums[0] += (estimate.mean - exact) * (estimate.mean - exact);
                     sums[1] += exact * exact;
                     if let Some(interval) = &estimate.interval {

@@ -14,6 +14,7 @@ use super::failure::{NAME, failed};
 use super::fitted::{FittedCurves, Kept, KeptCurve};
 use super::groups::groups_of;
 use super::left_out::{Curves, PARTS};
+use super::left_out_curves::LeftOutCurves;
 use super::predicted_curve::{Curve, curves_of_outputs};
 use super::reach::{Reach, within_reach};
 use super::run_curves::{RunCurve, common_points, shares};
@@ -98,6 +99,38 @@ impl SurrogateMethod for GaussianProcessOfCurves {
         spec: &FitSpec,
         observer: &mut dyn Observer,
     ) -> Result<Box<dyn Surrogate>> {
+        Ok(Box::new(self.fit_with_left_out(dataset, spec, observer)?.0))
+    }
+
+    fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {
+        let columns = spec.columns(dataset)?;
+        let place = place_of_coordinate(spec, &columns)?;
+        let names = without(&columns.input_names(), place);
+        common_points(&RunCurve::all(
+            dataset,
+            &columns.inputs[place].name,
+            &names,
+            &columns.output_names(),
+        )?)?;
+        Ok(())
+    }
+
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        Ok(Box::new(FittedCurves::new(columns, content.read()?)?))
+    }
+}
+
+impl GaussianProcessOfCurves {
+    /// As [`SurrogateMethod::fit`], with the curves of the training runs, each as predicted by what was fitted to other runs.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethod::fit`].
+    pub fn fit_with_left_out(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<(FittedCurves, LeftOutCurves)> {
         if self.components == 0 {
             return Err(failed("the number of components must be 1 or more, not 0"));
         }
@@ -148,12 +181,20 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             .map(|prepared| rest.by_ref().take(prepared.components.components.len()).collect())
             .collect();
         let predicted = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
-        let calibrations = calibrations(&shared, &starts, &histograms, predicted);
+        let predicted = of_outputs(predicted, &histograms, starts.len());
+        let calibrations = calibrations(&shared, &starts, &predicted);
         let curves = prepared.into_iter().zip(parameters).map(|(prepared, parameters)| {
             let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
             KeptCurve { start, mean, components, rest, parameters, weights }
         });
         let curves = curves.collect();
+        let is_used = |name: &&&str| left_out.iter().all(|ended| ended.run != **name);
+        let used = of_runs.iter().filter(is_used).map(|name| (*name).to_owned());
+        let from = |run: &RunCurve| -> Vec<f64> {
+            starts.iter().map(|start| start.map_or(0.0, |input| run.inputs[input])).collect()
+        };
+        let from: Vec<Vec<f64>> = shared.runs.iter().map(from).collect();
+        let left_out_curves = LeftOutCurves::new(shared.points.clone(), used, &from, predicted);
         let (runs, points) = (shared.runs.len(), shared.points);
         let kept = Kept {
             coordinate: place,
@@ -167,24 +208,7 @@ impl SurrogateMethod for GaussianProcessOfCurves {
             calibrations,
             left_out,
         };
-        Ok(Box::new(FittedCurves::new(columns, kept)?))
-    }
-
-    fn check(&self, dataset: &Dataset, spec: &FitSpec) -> Result<()> {
-        let columns = spec.columns(dataset)?;
-        let place = place_of_coordinate(spec, &columns)?;
-        let names = without(&columns.input_names(), place);
-        common_points(&RunCurve::all(
-            dataset,
-            &columns.inputs[place].name,
-            &names,
-            &columns.output_names(),
-        )?)?;
-        Ok(())
-    }
-
-    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
-        Ok(Box::new(FittedCurves::new(columns, content.read()?)?))
+        Ok((FittedCurves::new(columns, kept)?, left_out_curves))
     }
 }
 
@@ -312,20 +336,18 @@ impl GaussianProcessOfCurves {
     }
 }
 
-/// The calibration of each output.
-fn calibrations(
-    shared: &Shared,
-    starts: &[Option<usize>],
-    histograms: &[Densities],
-    left_out: Vec<Vec<Curve>>,
-) -> Vec<Calibration> {
+/// For each run the curves of its outputs, from the curves that are fitted with those of all runs.
+fn of_outputs(left_out: Vec<Vec<Curve>>, histograms: &[Densities], outputs: usize) -> Vec<Vec<Curve>> {
     let known = left_out.iter().map(Vec::len).min().unwrap_or(0);
     let mut of_runs: Vec<Vec<Curve>> = (0..known).map(|_| Vec::new()).collect();
     for curves in left_out {
         of_runs.iter_mut().zip(curves).for_each(|(run, curve)| run.push(curve));
     }
-    let predicted: Vec<Vec<Curve>> =
-        of_runs.into_iter().map(|run| curves_of_outputs(run, histograms, starts.len())).collect();
+    of_runs.into_iter().map(|run| curves_of_outputs(run, histograms, outputs)).collect()
+}
+
+/// The calibration of each output.
+fn calibrations(shared: &Shared, starts: &[Option<usize>], predicted: &[Vec<Curve>]) -> Vec<Calibration> {
     let calibration = |(output, start): (usize, &Option<usize>)| {
         let measured = |run: &RunCurve| run.at(&shared.points, output, *start);
         let measured: Vec<Vec<f64>> = shared.runs.iter().map(measured).collect();
