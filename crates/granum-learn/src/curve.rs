@@ -8,6 +8,11 @@ pub fn increases(xs: &[f64]) -> bool {
     xs.windows(2).all(|pair| pair[1] > pair[0])
 }
 
+/// True if no value is smaller than the one before, as those of a coordinate whose test begins with a stage of rest.
+pub fn never_falls(xs: &[f64]) -> bool {
+    xs.windows(2).all(|pair| pair[1] >= pair[0])
+}
+
 /// The smallest and the largest of some values; infinity and minus infinity of none.
 ///
 /// ```
@@ -18,7 +23,7 @@ pub fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold(ends, |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// The value of a curve at `x` by linear interpolation between points with increasing `xs`, constant beyond them; NaN if there
+/// The value of a curve at `x` by linear interpolation between points with `xs` that never fall, constant beyond them; NaN if there
 /// is no point. At a point it is the end of the interval before it.
 ///
 /// ```

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::curve::{RunCurves, increases};
+use crate::curve::{RunCurves, never_falls};
 use crate::dataset::{RunStates, SplitParts};
 use crate::error::Result;
 use crate::surrogate::FitSpec;
@@ -97,7 +97,7 @@ pub struct SeedScatter {
 }
 
 /// The seed scatter of the outputs of a fit over all runs of a data set. `None` without groups of runs that differ only in their
-/// seed, or without a coordinate that increases in all of these runs.
+/// seed, or without a coordinate that never falls in all of these runs.
 ///
 /// # Errors
 /// If a column is missing.
@@ -116,7 +116,7 @@ pub fn seed_scatter(parts: &SplitParts, spec: &FitSpec) -> Result<Option<SeedSca
     for group in groups.iter().filter(|group| group.len() > 1) {
         let runs: Vec<&RunStates> = group.iter().map(|(_, run)| *run).collect();
         let xs = runs.iter().map(|run| run.column(coordinate)).collect::<Result<Vec<_>>>()?;
-        if !xs.iter().all(|xs| increases(xs)) {
+        if !xs.iter().all(|xs| never_falls(xs)) {
             return Ok(None);
         }
         let ends = |xs: &[f64]| [xs.first().copied().unwrap_or(0.0), xs.last().copied().unwrap_or(0.0)];

@@ -1,19 +1,41 @@
-//! Families of tests whose surrogates come with the program, one file each in `crates/granum/families/`. A fitted family needs a file and a
-//! line in [`FITTED`].
+//! Families of tests whose surrogates come with the program, one file for each path in `crates/granum/families/`. A fitted family needs a
+//! file and a line in [`FITTED`].
 
 use granum_learn::Result;
-use granum_learn::family::FamilyModel;
+use granum_learn::family::{FamilyDefinition, FamilyModel};
 
-/// The names of families and the texts of their files.
-pub const FITTED: &[(&str, &str)] = &[("sand", include_str!("../families/sand/model.json"))];
+/// A surrogate that comes with the program.
+#[derive(Clone, Copy, Debug)]
+pub struct FittedFamily {
+    /// Name of the family.
+    pub name: &'static str,
+    /// Path of its tests.
+    pub path: &'static str,
+    /// The text of its file.
+    pub text: &'static str,
+}
 
-/// The fitted surrogate of a family that comes with the program; `None` if it comes without one.
+/// The surrogates that come with the program.
+pub const FITTED: &[FittedFamily] = &[FittedFamily {
+    name: "sand",
+    path: "drained-triaxial",
+    text: include_str!("../families/sand/drained-triaxial.json"),
+}];
+
+/// The fitted surrogate of a family along a path that comes with the program; `None` if it comes without one.
 ///
 /// # Errors
 /// If the file is not one of this version.
-pub fn fitted(name: &str) -> Result<Option<FamilyModel>> {
-    let found = FITTED.iter().find(|(known, _)| *known == name);
-    found.map(|(name, text)| FamilyModel::from_json(text, name)).transpose()
+pub fn fitted(family: &FamilyDefinition) -> Result<Option<FamilyModel>> {
+    let found = FITTED.iter().find(|known| known.is_of(family));
+    found.map(|known| FamilyModel::from_json(known.text, known.name)).transpose()
+}
+
+impl FittedFamily {
+    /// True if it is the surrogate of a family along its path.
+    pub fn is_of(&self, family: &FamilyDefinition) -> bool {
+        (self.name, self.path) == (family.name, family.path)
+    }
 }
 
 #[cfg(test)]
@@ -30,10 +52,11 @@ mod tests {
     #[test]
     fn the_surrogates_of_the_program_are_of_the_data_that_are_shipped() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/families");
-        for (name, text) in FITTED {
-            assert!(text.len() < 5_000_000, "{name}");
+        assert!(FITTED.iter().map(|known| known.text.len()).sum::<usize>() < 5_000_000);
+        for known in FITTED {
+            let FittedFamily { name, path, text } = known;
             let model = FamilyModel::from_json(text, name).unwrap();
-            assert_eq!(model.definition().name, *name);
+            assert!(known.is_of(model.definition()), "{name} {path}");
             let scored = model.scores().iter().map(|scores| &scores.data);
             for data in model.data().iter().chain(scored) {
                 let read = DataSet::read(&folder.join(name).join(&data.name), Reading::default()).unwrap();
@@ -41,6 +64,7 @@ mod tests {
                     RunStates::of_case(&run.name, &run.case, run.measured).unwrap()
                 };
                 let runs = Dataset::new(read.each_run().unwrap().into_iter().map(run).collect()).unwrap();
+                let runs = model.definition().along_its_path(&runs);
                 assert_eq!(
                     (runs.runs().len(), &runs.digest()),
                     (data.runs, &data.digest),

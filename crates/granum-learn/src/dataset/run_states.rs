@@ -134,6 +134,20 @@ impl RunStates {
         Ok(self)
     }
 
+    /// Adds a column with a value of each state.
+    ///
+    /// # Errors
+    /// If a column or parameter already has this name, or there is not one value for each state.
+    pub fn with_column(mut self, name: &str, unit: &str, values: Vec<f64>) -> Result<RunStates> {
+        if self.has(name) {
+            return Err(record_error(&self.name, format!("it has {name} already")));
+        }
+        let mut columns = self.table.into_columns();
+        columns.push(Column::new(name, unit, values));
+        self.table = Table::new(columns).map_err(|error| record_error(&self.name, error.to_string()))?;
+        Ok(self)
+    }
+
     /// Adds a word as a parameter.
     ///
     /// # Errors

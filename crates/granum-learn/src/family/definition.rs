@@ -1,9 +1,13 @@
 //! What a family is: which tests belong to it, what is known of a sample before its test, and what is predicted.
 
-use crate::dataset::RunStates;
+use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 
-/// A family of tests: grains of one kind with stated ranges of their properties, along one path.
+/// The key of the path of a test.
+pub(super) const PATH: &str = "stage.1.path";
+
+/// A family of tests along one path: grains of one kind with stated ranges of their properties. The paths of a family have the same name, and
+/// each has its surrogate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FamilyDefinition {
     /// Its name, for `granum predict --family NAME`.
@@ -12,10 +16,12 @@ pub struct FamilyDefinition {
     pub title: &'static str,
     /// The path of its tests.
     pub path: &'static str,
-    /// The ready case (`granum init --case`) from which its tests are made, and keys that are set over it.
+    /// The ready case (`granum init --case`) from which its tests are made.
     pub case: &'static str,
     /// Keys that are set over the case before the inputs are.
     pub settings: &'static [(&'static str, &'static str)],
+    /// Keys of the test that are the stress of the sample, if the case gives them another one.
+    pub stress_keys: &'static [&'static str],
     /// Words of the case that all of its runs have: key and word.
     pub words: &'static [(&'static str, &'static str)],
     /// The column along which curves run.
@@ -50,8 +56,10 @@ pub struct FamilyInput {
 /// An output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FamilyOutput {
-    /// The column of a run, or the name of a histogram, of which all bins are predicted.
+    /// The column that is predicted: one of a run, the name of a histogram, of which all bins are predicted, or the name of `ratio`.
     pub column: &'static str,
+    /// The column of a run and the parameter over which it is taken, if the runs do not have the output themselves.
+    pub ratio: Option<(&'static str, &'static str)>,
     /// What it is, in words.
     pub meaning: &'static str,
     /// Its sign in formulas, if it has one.
@@ -93,6 +101,33 @@ impl FamilyInput {
 }
 
 impl FamilyDefinition {
+    /// The runs along its path, of a data set that may have others.
+    pub fn along_its_path(&self, dataset: &Dataset) -> Dataset {
+        dataset.select(|run, _| run.word(PATH).is_none_or(|path| path == self.path))
+    }
+
+    /// The run with the inputs as parameters, and the outputs that are ratios as columns.
+    ///
+    /// # Errors
+    /// If the run is not of the family, or lacks what an input or output is made of.
+    pub fn with_columns(&self, run: &RunStates) -> Result<RunStates> {
+        self.check(run)?;
+        let mut made = run.clone();
+        for input in self.inputs.iter().filter(|input| input.name != input.key) {
+            made = made.with_parameter(input.name, "", input.of_run(run)?)?;
+        }
+        for output in self.outputs {
+            let Some((column, over)) = output.ratio else { continue };
+            let divisor = run.parameter(over).filter(|divisor| *divisor != 0.0).ok_or_else(|| {
+                let reason = format!("it has no {over}, over which {column} is taken");
+                LearnError::Record { run: run.name().into(), reason }
+            })?;
+            let values = run.column(column)?.into_iter().map(|value| value / divisor).collect();
+            made = made.with_column(output.column, "", values)?;
+        }
+        Ok(made)
+    }
+
     /// Refuses a run that is not of the family.
     ///
     /// # Errors
@@ -103,7 +138,10 @@ impl FamilyDefinition {
             if found != *word {
                 return Err(LearnError::Record {
                     run: run.name().into(),
-                    reason: format!("{key} is {found}; the runs of the family {} have {word}", self.name),
+                    reason: format!(
+                        "{key} is {found}; the runs of the family {} along the path {} have {word}",
+                        self.name, self.path
+                    ),
                 });
             }
         }
@@ -127,7 +165,7 @@ impl FamilyDefinition {
 mod tests {
     use granum_core::{Column, Table};
 
-    use super::super::sand::SAND;
+    use super::super::sand::{SAND, SAND_UNDRAINED};
     use super::*;
 
     #[test]
@@ -142,5 +180,46 @@ mod tests {
         assert!((stress.of_run(&run).unwrap() - 5e-5).abs() < 1e-18);
         assert!(SAND.check(&run).unwrap_err().to_string().contains("contact.normal is not given"));
         assert!(SAND.input("frction").unwrap_err().to_string().contains("did you mean friction"));
+    }
+
+    #[test]
+    fn runs_are_taken_along_the_path_and_get_the_ratios_that_are_outputs() {
+        let run = |name: &str, path: &str| {
+            let columns = vec![
+                Column::new("axial_strain", "", vec![0.0, 0.1]),
+                Column::new("mean_stress", "Pa", vec![1e5, 3e5]),
+            ];
+            let mut run = RunStates::new(name, Table::new(columns).unwrap()).unwrap();
+            for (key, word) in SAND_UNDRAINED.words.iter().filter(|(key, _)| *key != PATH) {
+                run = run.with_word(key, word).unwrap();
+            }
+            for input in SAND.inputs {
+                run = run.with_parameter(input.key, "", 0.5).unwrap();
+            }
+            let run = run.with_parameter("grains.material.youngs_modulus", "Pa", 2e9).unwrap();
+            run.with_word(PATH, path).unwrap()
+        };
+        let runs = [run("drained", "drained-triaxial"), run("undrained", "undrained-triaxial")];
+        let own = SAND_UNDRAINED.along_its_path(&Dataset::new(runs.to_vec()).unwrap());
+        assert_eq!(own.runs().iter().map(RunStates::name).collect::<Vec<_>>(), ["undrained"]);
+        let told = SAND_UNDRAINED.with_columns(&runs[0]).unwrap_err().to_string();
+        assert!(told.contains("stage.1.path is drained-triaxial"), "{told}");
+        // The stress of the sample is 0.5 Pa here.
+        let made = SAND_UNDRAINED.with_columns(&runs[1]).unwrap();
+        assert_eq!(made.column("mean_stress_over_initial").unwrap(), [2e5, 6e5]);
+        assert_eq!(made.parameter("preparation_ratio"), Some(1.0));
+    }
+
+    #[test]
+    fn families_have_their_paths() {
+        use super::super::{ALL, by_name};
+        for (k, family) in ALL.iter().enumerate() {
+            assert_eq!(by_name(family.name, Some(family.path)).unwrap().title, family.title);
+            assert!(family.words.contains(&(PATH, family.path)), "{}", family.title);
+            assert!(ALL[..k].iter().all(|other| (other.name, other.path) != (family.name, family.path)));
+        }
+        assert_eq!(by_name("sand", None).unwrap().path, "drained-triaxial");
+        let told = by_name("sand", Some("undraind-triaxial")).unwrap_err().to_string();
+        assert!(told.contains("did you mean undrained-triaxial"), "{told}");
     }
 }

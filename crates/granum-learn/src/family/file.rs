@@ -28,6 +28,9 @@ struct File {
     version: u64,
     granum_version: String,
     family: String,
+    /// Files of a family with a single path did not name it.
+    #[serde(default)]
+    path: Option<String>,
     data: Vec<TrainingData>,
     scores: Vec<FamilyScores>,
     rows: Vec<Vec<f64>>,
@@ -48,6 +51,7 @@ impl FamilyModel {
             version: VERSION,
             granum_version: env!("CARGO_PKG_VERSION").into(),
             family: self.definition.name.into(),
+            path: Some(self.definition.path.into()),
             data: self.data.clone(),
             scores: self.scores.clone(),
             rows: self.rows.clone(),
@@ -100,7 +104,7 @@ fn opened(text: &str) -> Result<FamilyModel> {
     if !is_whole(text) {
         return Err(unfit("the SHA-256 does not match the content; train the family again"));
     }
-    let definition = by_name(&file.family)?;
+    let definition = by_name(&file.family, file.path.as_deref())?;
     let content = Content::new(&file.surrogate)?;
     let surrogate: Box<dyn Surrogate> = GaussianProcessOfCurves::default().load(file.columns, &content)?;
     let model = FamilyModel { definition, surrogate, rows: file.rows, data: file.data, scores: file.scores };

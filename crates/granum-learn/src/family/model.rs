@@ -45,7 +45,7 @@ impl FamilyModel {
         fit: &FamilyFit,
         observer: &mut dyn Observer,
     ) -> Result<FamilyModel> {
-        let dataset = with_inputs(definition, dataset)?;
+        let dataset = with_columns(definition, dataset)?;
         let names = definition.inputs.iter().map(|input| input.name);
         let inputs = [definition.coordinate].into_iter().chain(names);
         let spec = FitSpec::new(inputs, definition.outputs.iter().map(|output| output.column))
@@ -105,9 +105,10 @@ impl FamilyModel {
     /// point.
     ///
     /// # Errors
-    /// If the run lacks a column, or the coordinate turns in it.
+    /// If the run is not of the family or lacks a column, or the coordinate turns in it.
     pub fn measured(&self, run: &RunStates) -> Result<Option<Vec<Vec<f64>>>> {
-        self.curves().map_or(Ok(None), |curves| curves.measured(run))
+        let run = self.definition.with_columns(run)?;
+        self.curves().map_or(Ok(None), |curves| curves.measured(&run))
     }
 
     /// The part of the coordinate that each of its points stands for; the sum is 1.
@@ -121,17 +122,9 @@ impl FamilyModel {
     }
 }
 
-/// The runs with the inputs of the family as parameters.
-pub(super) fn with_inputs(definition: &FamilyDefinition, dataset: &Dataset) -> Result<Dataset> {
-    let with = |run: &RunStates| -> Result<RunStates> {
-        definition.check(run)?;
-        let mut made = run.clone();
-        for input in definition.inputs.iter().filter(|input| input.name != input.key) {
-            made = made.with_parameter(input.name, "", input.of_run(run)?)?;
-        }
-        Ok(made)
-    };
-    Dataset::new(dataset.runs().iter().map(with).collect::<Result<_>>()?)
+/// The runs with the inputs and outputs of the family.
+pub(super) fn with_columns(definition: &FamilyDefinition, dataset: &Dataset) -> Result<Dataset> {
+    Dataset::new(dataset.runs().iter().map(|run| definition.with_columns(run)).collect::<Result<_>>()?)
 }
 
 /// The inputs of a run in order.

@@ -1,8 +1,109 @@
 //! Sand: stiff grains without adhesion that resist rolling, in drained triaxial compression.
 
-use super::definition::{FamilyDefinition, FamilyInput, FamilyOutput};
+use super::definition::{FamilyDefinition, FamilyInput, FamilyOutput, PATH};
 
-/// The family sand.
+/// The laws of the grains, and the path.
+const fn words(path: &'static str) -> [(&'static str, &'static str); 4] {
+    [
+        ("contact.normal", "hertz"),
+        ("contact.tangential", "no-slip"),
+        ("contact.rolling", "elastic-plastic"),
+        (PATH, path),
+    ]
+}
+
+/// An output that is a column of a run.
+const fn output(column: &'static str, meaning: &'static str, symbol: &'static str) -> FamilyOutput {
+    FamilyOutput { column, ratio: None, meaning, symbol }
+}
+
+const STRESS_RATIO: FamilyOutput = output("stress_ratio", "deviator stress over mean stress", "q/p");
+const FABRIC: FamilyOutput = output("deviator_fabric", "deviator fabric", "phi_d");
+const COORDINATION: FamilyOutput =
+    output("mechanical_coordination_number", "mechanical coordination number", "Z_m");
+const SLIDING: FamilyOutput = output("sliding_fraction", "share of the contacts that slide", "");
+const FORCES: FamilyOutput =
+    output("probability_density", "distribution of the normal contact forces over their mean", "P(f)");
+
+/// What is predicted where the volume changes.
+pub(super) const OUTPUTS: &[FamilyOutput] = &[
+    STRESS_RATIO,
+    output("volumetric_strain", "volumetric strain", "e_v"),
+    FABRIC,
+    COORDINATION,
+    SLIDING,
+    FORCES,
+];
+
+/// What is predicted where the volume is held.
+const OUTPUTS_AT_CONSTANT_VOLUME: &[FamilyOutput] = &[
+    STRESS_RATIO,
+    FamilyOutput {
+        column: "mean_stress_over_initial",
+        ratio: Some(("mean_stress", "preparation.mean_stress")),
+        meaning: "mean stress over that of the sample",
+        symbol: "p/p_0",
+    },
+    FABRIC,
+    COORDINATION,
+    SLIDING,
+    FORCES,
+];
+
+/// What is known of grains and sample.
+const INPUTS: &[FamilyInput] = &[
+    FamilyInput {
+        name: "friction",
+        meaning: "coefficient of friction of the grains",
+        key: "grains.material.friction",
+        over: &[],
+        is_required: true,
+    },
+    FamilyInput {
+        name: "rolling_friction",
+        meaning: "coefficient of rolling friction of the grains",
+        key: "contact.rolling_friction",
+        over: &[],
+        is_required: true,
+    },
+    FamilyInput {
+        name: "stress_over_modulus",
+        meaning: "confining stress over Young's modulus of the grains",
+        key: "preparation.mean_stress",
+        over: &["grains.material.youngs_modulus"],
+        is_required: true,
+    },
+    FamilyInput {
+        name: "spread",
+        meaning: "half the range of the diameters over their mean",
+        key: "grains.spread",
+        over: &[],
+        is_required: false,
+    },
+    FamilyInput {
+        name: "preparation_ratio",
+        meaning: "friction while the sample is made over that of the grains (0 dense, 1 loose)",
+        key: "preparation.friction",
+        over: &["grains.material.friction"],
+        is_required: false,
+    },
+    FamilyInput {
+        name: "sample.void_ratio",
+        meaning: "void ratio of the sample",
+        key: "sample.void_ratio",
+        over: &[],
+        is_required: false,
+    },
+    FamilyInput {
+        name: "sample.mechanical_coordination_number",
+        meaning: "mechanical coordination number of the sample",
+        key: "sample.mechanical_coordination_number",
+        over: &[],
+        is_required: false,
+    },
+];
+
+/// Sand in drained triaxial compression.
 pub const SAND: FamilyDefinition = FamilyDefinition {
     name: "sand",
     title: "sands in drained triaxial compression",
@@ -15,93 +116,130 @@ pub const SAND: FamilyDefinition = FamilyDefinition {
         ("stage.1.states", "250"),
         ("recording.observations_per_state", "4"),
     ],
-    words: &[
-        ("contact.normal", "hertz"),
-        ("contact.tangential", "no-slip"),
-        ("contact.rolling", "elastic-plastic"),
-        ("stage.1.path", "drained-triaxial"),
-    ],
+    words: &words("drained-triaxial"),
+    stress_keys: &["stage.1.lateral_stress"],
     coordinate: "axial_strain",
-    inputs: &[
-        FamilyInput {
-            name: "friction",
-            meaning: "coefficient of friction of the grains",
-            key: "grains.material.friction",
-            over: &[],
-            is_required: true,
-        },
-        FamilyInput {
-            name: "rolling_friction",
-            meaning: "coefficient of rolling friction of the grains",
-            key: "contact.rolling_friction",
-            over: &[],
-            is_required: true,
-        },
-        FamilyInput {
-            name: "stress_over_modulus",
-            meaning: "confining stress over Young's modulus of the grains",
-            key: "preparation.mean_stress",
-            over: &["grains.material.youngs_modulus"],
-            is_required: true,
-        },
-        FamilyInput {
-            name: "spread",
-            meaning: "half the range of the diameters over their mean",
-            key: "grains.spread",
-            over: &[],
-            is_required: false,
-        },
-        FamilyInput {
-            name: "preparation_ratio",
-            meaning: "friction while the sample is made over that of the grains (0 dense, 1 loose)",
-            key: "preparation.friction",
-            over: &["grains.material.friction"],
-            is_required: false,
-        },
-        FamilyInput {
-            name: "sample.void_ratio",
-            meaning: "void ratio of the sample",
-            key: "sample.void_ratio",
-            over: &[],
-            is_required: false,
-        },
-        FamilyInput {
-            name: "sample.mechanical_coordination_number",
-            meaning: "mechanical coordination number of the sample",
-            key: "sample.mechanical_coordination_number",
-            over: &[],
-            is_required: false,
-        },
-    ],
-    outputs: &[
-        FamilyOutput { column: "stress_ratio", meaning: "deviator stress over mean stress", symbol: "q/p" },
-        FamilyOutput { column: "volumetric_strain", meaning: "volumetric strain", symbol: "e_v" },
-        FamilyOutput { column: "deviator_fabric", meaning: "deviator fabric", symbol: "phi_d" },
-        FamilyOutput {
-            column: "mechanical_coordination_number",
-            meaning: "mechanical coordination number",
-            symbol: "Z_m",
-        },
-        FamilyOutput { column: "sliding_fraction", meaning: "share of the contacts that slide", symbol: "" },
-        FamilyOutput {
-            column: "probability_density",
-            meaning: "distribution of the normal contact forces over their mean",
-            symbol: "P(f)",
-        },
-    ],
+    inputs: INPUTS,
+    outputs: OUTPUTS,
     plan: "sand-drained",
     about: &[
-        "Spheres with Hertz's normal law, a tangential law without slip below the limit of Coulomb, and elastic-plastic resistance to \
-         rolling, without adhesion.",
+        ABOUT,
         "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
          of it (loose), and then axially at constant lateral stress, to an axial strain of 0.25 at an inertial number of 1e-3.",
     ],
     limits: &[
         "It knows one path, drained triaxial compression without unloading, from an isotropic sample.",
-        "At the highest stresses grains overlap by up to 9 % of a diameter: there the grains are those of the model, with contacts that do \
-         not feel each other, and not those of an elastic solid.",
-        "Real sands are not spheres, and their coefficients of friction and rolling friction are not measured but calibrated.",
-        "A sample of 1000 grains scatters from seed to seed; the intervals are those of such a sample and not of a large one.",
-        "Outside the ranges of the inputs the answer is an extrapolation, and is flagged.",
+        MODEL,
+        REAL,
+        SCATTER,
+        OUTSIDE,
     ],
+};
+
+/// The plan of the other paths of the sand.
+const PATHS: &str = "sand-paths";
+
+const ABOUT: &str = "Spheres with Hertz's normal law, a tangential law without slip below the limit of Coulomb, and elastic-plastic resistance to \
+     rolling, without adhesion.";
+const MODEL: &str = "At the highest stresses grains overlap by up to 9 % of a diameter: there the grains are those of the model, with contacts \
+     that do not feel each other, and not those of an elastic solid.";
+const REAL: &str = "Real sands are not spheres, and their coefficients of friction and rolling friction are not measured but calibrated.";
+const SCATTER: &str = "A sample of 1000 grains scatters from seed to seed; the intervals are those of such a sample and not of a large one.";
+const OUTSIDE: &str = "Outside the ranges of the inputs the answer is an extrapolation, and is flagged.";
+
+/// Sand sheared at constant mean stress.
+pub const SAND_CONSTANT_P: FamilyDefinition = FamilyDefinition {
+    title: "sands sheared at constant mean stress",
+    path: "constant-p",
+    settings: &[
+        ("grains.count", "1000"),
+        ("preparation.cycles", "0"),
+        ("path", "constant-p"),
+        ("stage.1.deviator_strain", "0.35"),
+        ("stage.1.states", "150"),
+        ("recording.observations_per_state", "4"),
+    ],
+    stress_keys: &[],
+    words: &words("constant-p"),
+    coordinate: "deviator_strain",
+    case: "undrained-dense",
+    plan: PATHS,
+    about: &[
+        ABOUT,
+        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
+         of it (loose), and then axially while the mean stress is held, to a deviator strain of 0.35 at an inertial number of 1e-3.",
+    ],
+    limits: &[
+        "It knows axial compression at constant mean stress without unloading, from an isotropic sample.",
+        MODEL,
+        REAL,
+        SCATTER,
+        OUTSIDE,
+    ],
+    ..SAND
+};
+
+/// Sand in undrained triaxial compression.
+pub const SAND_UNDRAINED: FamilyDefinition = FamilyDefinition {
+    title: "sands in undrained triaxial compression",
+    path: "undrained-triaxial",
+    settings: &[
+        ("grains.count", "1000"),
+        ("preparation.cycles", "0"),
+        ("path", "undrained-triaxial"),
+        ("stage.1.axial_strain", "0.08"),
+        ("stage.1.states", "150"),
+        ("recording.observations_per_state", "4"),
+    ],
+    stress_keys: &[],
+    words: &words("undrained-triaxial"),
+    case: "undrained-dense",
+    outputs: OUTPUTS_AT_CONSTANT_VOLUME,
+    plan: PATHS,
+    about: &[
+        ABOUT,
+        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
+         of it (loose), and then axially while the volume is held, to an axial strain of 0.08.",
+    ],
+    limits: &[
+        "It knows undrained triaxial compression without unloading, from an isotropic sample.",
+        "Samples that liquefy have a few contacts only, and scatter from one to the next by more than their curves differ.",
+        MODEL,
+        REAL,
+        SCATTER,
+        OUTSIDE,
+    ],
+    ..SAND
+};
+
+/// Sand in drained triaxial compression with a loop of unloading and reloading.
+pub const SAND_UNLOAD_RELOAD: FamilyDefinition = FamilyDefinition {
+    title: "sands in drained triaxial compression with loops of unloading",
+    path: "unload-reload",
+    settings: &[
+        ("grains.count", "1000"),
+        ("preparation.cycles", "0"),
+        ("path", "unload-reload"),
+        ("stage.1.axial_strain", "0.08"),
+        ("stage.1.states", "150"),
+        ("recording.observations_per_state", "4"),
+    ],
+    stress_keys: &[],
+    words: &words("unload-reload"),
+    coordinate: "arc_length",
+    case: "undrained-dense",
+    plan: PATHS,
+    about: &[
+        ABOUT,
+        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
+         of it (loose), and then axially at constant lateral stress, to an axial strain of 0.08 with loops of unloading.",
+    ],
+    limits: &[
+        "It knows the loops of its path alone, from an isotropic sample.",
+        MODEL,
+        REAL,
+        SCATTER,
+        OUTSIDE,
+    ],
+    ..SAND
 };

@@ -1,7 +1,7 @@
 //! How far the answers of a family are from runs that it has not seen.
 
 use super::definition::FamilyOutput;
-use super::model::{FamilyModel, inputs_of, unfit, with_inputs};
+use super::model::{FamilyModel, inputs_of, unfit, with_columns};
 use super::replicates::{PointSums, net_error, replicates, standard_error};
 use super::score_types::{FamilyScores, OutputScore, QuarterCoverage, TrainingData};
 use crate::dataset::{Dataset, RunStates};
@@ -31,7 +31,7 @@ impl FamilyModel {
     pub fn score(&self, dataset: &Dataset, data: TrainingData) -> Result<FamilyScores> {
         let curves = self.curves().ok_or_else(|| unfit("its surrogate has no curves"))?;
         let definition = self.definition;
-        let with = with_inputs(definition, dataset)?;
+        let with = with_columns(definition, dataset)?;
         let (points, shares) = (curves.points(), curves.shares());
         let (mut scored, mut of_runs, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
         for (run, original) in with.runs().iter().zip(dataset.runs()) {

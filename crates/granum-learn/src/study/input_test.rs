@@ -1,6 +1,6 @@
 //! The test whether a surrogate of a study uses its inputs.
 
-use crate::curve::{increases, interpolated};
+use crate::curve::{interpolated, never_falls};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
 use crate::input_use::{Given, InputTest, permutation};
@@ -91,7 +91,7 @@ impl InputTest for MemberTest<'_> {
     }
 
     fn is_exchangeable(&self) -> bool {
-        let ordered = |coordinate: usize| self.runs.iter().all(|run| increases(&run.inputs[coordinate]));
+        let ordered = |coordinate: usize| self.runs.iter().all(|run| never_falls(&run.inputs[coordinate]));
         self.coordinate.is_some_and(ordered)
     }
 

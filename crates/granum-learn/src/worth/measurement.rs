@@ -10,7 +10,7 @@ use granum_core::parallel;
 use super::answers::{Answer, Worth};
 use super::knowledge::{Knowledge, Source};
 use super::plan::{FEWEST_RUNS, WorthPlan};
-use crate::curve::{increases, interpolated};
+use crate::curve::{interpolated, never_falls};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 use crate::input_use::permutation;
@@ -282,7 +282,7 @@ fn scored(
         |run: &RunStates| -> Result<Vec<Vec<f64>>> { names.iter().map(|name| run.column(name)).collect() };
     let inputs: Vec<Vec<Vec<f64>>> = runs.runs().iter().map(read).collect::<Result<_>>()?;
     let place = names.iter().position(|name| *name == plan.coordinate).unwrap_or(0);
-    let turns = inputs.iter().any(|run| !increases(&run[place]));
+    let turns = inputs.iter().any(|run| !never_falls(&run[place]));
     if variants.is_empty() || (knowledge.source == Source::OtherRun && turns) {
         return Ok(None);
     }

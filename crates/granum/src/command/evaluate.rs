@@ -46,6 +46,9 @@ pub struct Evaluate {
     /// Score this family, or a fitted family in a file (NAME.json), instead of a study.
     #[arg(long, value_name = "NAME")]
     family: Option<String>,
+    /// Path of the tests of --family; its first one by default. Runs along other paths are left out.
+    #[arg(long, value_name = "NAME", requires = "family")]
+    path: Option<String>,
     /// Write the scores into the file of the fitted family, whose card then has them.
     #[arg(long, requires = "family")]
     keep: bool,
@@ -56,6 +59,7 @@ impl Evaluate {
         let _alone = context.nothing_written(Some("evaluating"));
         if let Some(family) = &self.family {
             let runs: Vec<PathBuf> = [&self.study].into_iter().chain(&self.runs).cloned().collect();
+            let family = (family.as_str(), self.path.as_deref());
             return train_family::evaluate(context, family, &runs, self.keep);
         }
         let study = study_folder::load(context, &self.study)?;

@@ -136,7 +136,7 @@ fn case(
             set(key, *value)?;
         }
         if key == STRESS {
-            set("stage.1.lateral_stress", *value)?;
+            family.stress_keys.iter().try_for_each(|key| set(key, *value))?;
         }
     }
     if let Some(ratio) = known.get(VOID_RATIO) {

@@ -50,7 +50,7 @@ pub struct FamilyFlags {
     /// Coefficient of friction while the sample is made, if its void ratio is not known.
     #[arg(long, value_name = "NUMBER", requires = "family")]
     preparation_friction: Option<String>,
-    /// Path of the test; the only one of the family by default.
+    /// Path of the test; that of the case, or the first one of the family by default.
     #[arg(long, value_name = "NAME", requires = "family")]
     path: Option<String>,
     /// Make a sample and test it as well, and say how far off the prediction was.
@@ -111,6 +111,19 @@ impl FamilyFlags {
         found.map_or_else(|| key.to_string(), |(flag, ..)| flag.to_string())
     }
 
+    /// The fitted family that is meant: by its name and the path of the flag or of the case, or in a file.
+    pub fn fitted(&self, context: &Context, name: &str, case: Option<&Path>) -> Result<FamilyModel, Failure> {
+        if !is_file(name) && self.path.is_none() {
+            if let Some(case) = case {
+                let case = Case::read_as(case, context.reading())?;
+                // A path that the family does not have is refused with the words of the case.
+                let own = path_of(&case).and_then(|path| by_name(name, Some(&path)).ok());
+                return of_definition(own.map_or_else(|| by_name(name, None), Ok)?);
+            }
+        }
+        fitted(name, self.path.as_deref())
+    }
+
     /// The numbers that flags and the case give, flags before the case.
     pub fn known(
         &self,
@@ -118,12 +131,6 @@ impl FamilyFlags {
         family: &FamilyDefinition,
         case: Option<&Path>,
     ) -> Result<KnownNumbers, Failure> {
-        if let Some(path) = self.path.as_ref().filter(|path| *path != family.path) {
-            return Err(Failure::new(format!(
-                "--path {path}: the family {} knows one path, {}",
-                family.name, family.path
-            )));
-        }
         let mut known = KnownNumbers::default();
         if let Some(path) = case {
             let case = Case::read_as(path, context.reading())?;
@@ -152,8 +159,8 @@ fn of_case(context: &Context, family: &FamilyDefinition, case: &Case) -> Result<
                 let wanted = family.words.iter().find(|(key, _)| *key == parameter.key);
                 if let Some((key, wanted)) = wanted.filter(|(_, wanted)| wanted != word) {
                     return Err(Failure::new(format!(
-                        "{key} of the case is {word}; the family {} has {wanted}",
-                        family.name
+                        "{key} of the case is {word}; the family {} along the path {} has {wanted}",
+                        family.name, family.path
                     )));
                 }
             }
@@ -181,27 +188,46 @@ pub fn is_file(name: &str) -> bool {
     name.ends_with(FILE)
 }
 
-/// The fitted family of a name or in a file.
-pub fn fitted(name: &str) -> Result<FamilyModel, Failure> {
-    if is_file(name) {
-        return Ok(FamilyModel::load(Path::new(name))?);
+/// The path of the first stage of a case.
+fn path_of(case: &Case) -> Option<String> {
+    single_parameters(case).into_iter().find_map(|parameter| {
+        match (parameter.key.as_str(), parameter.value) {
+            ("stage.1.path", ParameterValue::Word(word)) => Some(word),
+            _ => None,
+        }
+    })
+}
+
+/// The fitted family of a name along a path, or in a file.
+pub fn fitted(name: &str, path: Option<&str>) -> Result<FamilyModel, Failure> {
+    if !is_file(name) {
+        return of_definition(by_name(name, path)?);
     }
-    let definition = by_name(name)?;
-    families::fitted(name)?.ok_or_else(|| {
+    let model = FamilyModel::load(Path::new(name))?;
+    let own = model.definition().path;
+    match path.filter(|path| *path != own) {
+        Some(path) => Err(Failure::new(format!("--path {path}: the tests of {name} have the path {own}"))),
+        None => Ok(model),
+    }
+}
+
+/// The fitted family that comes with the program.
+fn of_definition(family: &FamilyDefinition) -> Result<FamilyModel, Failure> {
+    families::fitted(family)?.ok_or_else(|| {
+        let FamilyDefinition { name, path, plan, .. } = family;
         Failure::new(format!(
-            "this program has no fitted surrogate of the family {name}; fit one: granum train --family {name} DATA... -o {name}.json (runs: \
-             granum init --plan {}), and give its file: --family {name}.json",
-            definition.plan
+            "this program has no fitted surrogate of the family {name} along the path {path}; fit one: granum train --family {name} --path {path} \
+             DATA... -o {name}.json (runs: granum init --plan {plan}), and give its file: --family {name}.json"
         ))
     })
 }
 
-/// A line for each family.
+/// A line for each family and path.
 pub fn listed() -> Vec<String> {
     let line = |family: &&FamilyDefinition| {
-        let has = families::FITTED.iter().any(|(name, _)| *name == family.name);
+        let has = families::FITTED.iter().any(|known| known.is_of(family));
         let fitted = if has { "" } else { " (no fitted surrogate in this program)" };
-        format!("{}: {}{fitted}", family.name, family.title)
+        format!("{} --path {}: {}{fitted}", family.name, family.path, family.title)
     };
     ALL.iter().map(line).collect()
 }

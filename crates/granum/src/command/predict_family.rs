@@ -33,7 +33,7 @@ pub fn run(
         let lines = family_flags::listed();
         return output::say(context, &json!({ "families": lines }), || lines.join("\n"));
     }
-    let model = family_flags::fitted(name)?;
+    let model = flags.fitted(context, name, case)?;
     if flags.card {
         let card = family_card::text(&model);
         return output::say(context, &family_card::as_json(&model), || card);

@@ -80,6 +80,9 @@ pub struct Train {
         conflicts_with_all = ["input", "output", "columns", "trainer", "form", "epoch_factor", "mixed"]
     )]
     family: Option<String>,
+    /// Path of the tests of --family; its first one by default. Runs along other paths are left out.
+    #[arg(long, value_name = "NAME", requires = "family")]
+    path: Option<String>,
     #[command(flatten)]
     study: StudyFlags,
     #[command(flatten)]
@@ -114,6 +117,7 @@ impl Train {
         let mut options = self.options()?;
         if let Some(family) = &self.family {
             let data = (&self.runs[..], &self.unseen[..]);
+            let family = (family.as_str(), self.path.as_deref());
             return train_family::train(context, family, data, &self.out, options.threads);
         }
         if self.study.lists_columns() {
@@ -217,6 +221,7 @@ impl Train {
             epoch_factor: plan.definition.networks.epoch_factor,
             threads,
             family: None,
+            path: None,
             study: StudyFlags::resumed(plan.unseen_share),
             checkpoints,
         };

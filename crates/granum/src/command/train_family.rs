@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_core::observer::{Event, Flow, Observer, Progress as Step};
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, shell::path_text};
-use granum_learn::family::{FamilyFit, FamilyModel, FamilyScores, TrainingData, by_name};
+use granum_learn::family::{FamilyDefinition, FamilyFit, FamilyModel, FamilyScores, TrainingData, by_name};
 use granum_learn::runs::RunRole;
 use granum_learn::{Dataset, LearnError, RunStates};
 use serde_json::json;
@@ -22,20 +22,20 @@ use crate::progress::Progress;
 /// The usual name of the folder of studies, which is no name for a file.
 const NO_FILE: &str = "study";
 
-/// Fits the surrogate of a family and scores it on unseen runs.
+/// Fits the surrogate of a family along a path and scores it on unseen runs.
 pub fn train(
     context: &Context,
-    name: &str,
+    (name, path): (&str, Option<&str>),
     (runs, unseen): (&[PathBuf], &[PathBuf]),
     out: &Path,
     threads: usize,
 ) -> Result<(), Failure> {
-    let definition = by_name(name)?;
+    let definition = by_name(name, path)?;
     let file = if out == Path::new(NO_FILE) { PathBuf::from(format!("{name}.json")) } else { out.into() };
     check_output_file(&file, context.force)?;
     let reading = context.nothing_written(Some("reading the runs"));
-    let (training, data) = read(context, runs, RunRole::Training)?;
-    let unseen = each_read(context, unseen, RunRole::Unseen)?;
+    let (training, data) = read(context, definition, runs, RunRole::Training)?;
+    let unseen = each_read(context, definition, unseen, RunRole::Unseen)?;
     drop(reading);
     let fit = FamilyFit { threads, ..FamilyFit::default() };
     let mut show = Show::new(context, &format!("fit {name}"));
@@ -49,6 +49,7 @@ pub fn train(
     model.save(&file)?;
     let result = json!({
         "family": name,
+        "path": definition.path,
         "output": output::path(&file),
         "runs": model.runs(),
         "data": model.data(),
@@ -63,14 +64,19 @@ pub fn train(
 }
 
 /// Scores a fitted family, and keeps the scores in its file if that is asked for.
-pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf], keep: bool) -> Result<(), Failure> {
-    let mut model = fitted(name)?;
+pub fn evaluate(
+    context: &Context,
+    (name, path): (&str, Option<&str>),
+    runs: &[PathBuf],
+    keep: bool,
+) -> Result<(), Failure> {
+    let mut model = fitted(name, path)?;
     if keep && !is_file(name) {
         return Err(Failure::new(format!(
             "--keep: {name} is a family of this program; give the file of a fitted one, NAME.json"
         )));
     }
-    let scores = each_read(context, runs, RunRole::Unseen)?
+    let scores = each_read(context, model.definition(), runs, RunRole::Unseen)?
         .into_iter()
         .map(|(data, about)| model.score(&data, about))
         .collect::<Result<Vec<FamilyScores>, LearnError>>()?;
@@ -88,7 +94,8 @@ pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf], keep: bool) -> 
         scores.iter().cloned().for_each(|scores| model.add_scores(scores));
         model.save(Path::new(name))?;
     }
-    output::say(context, &json!({ "family": model.definition().name, "scores": scores }), || {
+    let FamilyDefinition { name, path, .. } = model.definition();
+    output::say(context, &json!({ "family": name, "path": path, "scores": scores }), || {
         let lines: Vec<String> = scores.iter().flat_map(score_lines).collect();
         lines.join("\n").trim_start().to_string()
     })
@@ -97,18 +104,20 @@ pub fn evaluate(context: &Context, name: &str, runs: &[PathBuf], keep: bool) -> 
 /// The runs of several folders as one data set, with what each folder has.
 fn read(
     context: &Context,
+    family: &FamilyDefinition,
     folders: &[PathBuf],
     role: RunRole,
 ) -> Result<(Dataset, Vec<TrainingData>), Failure> {
-    let parts = each_read(context, folders, role)?;
+    let parts = each_read(context, family, folders, role)?;
     let data = parts.iter().map(|(_, about)| about.clone()).collect();
     let runs: Vec<RunStates> = parts.into_iter().flat_map(|(data, _)| data.runs().to_vec()).collect();
     Ok((Dataset::new(runs)?, data))
 }
 
-/// The runs of each data set or campaign; folders of single runs are one data set together.
+/// The runs along the path of the family of each data set or campaign; folders of single runs are one data set together.
 fn each_read(
     context: &Context,
+    family: &FamilyDefinition,
     folders: &[PathBuf],
     role: RunRole,
 ) -> Result<Vec<(Dataset, TrainingData)>, Failure> {
@@ -125,7 +134,18 @@ fn each_read(
     let recorded: Vec<&Recorded> = all.iter().flat_map(|(_, runs)| runs).collect();
     records::check_different(&recorded)?;
     let data_set = |(name, runs): &(String, Vec<Recorded>)| {
-        let data = dataset(&runs.iter().collect::<Vec<_>>())?;
+        let all = dataset(&runs.iter().collect::<Vec<_>>())?;
+        let own = family.along_its_path(&all);
+        // Where no run has the path, the family refuses them and says why.
+        let data = if own.runs().is_empty() { all } else { own };
+        let others = runs.len() - data.runs().len();
+        if others > 0 {
+            let path = family.path;
+            context.note(&format!(
+                "{name}: {} runs along the path {path}; {others} along others are left out",
+                data.runs().len()
+            ));
+        }
         let about = TrainingData { name: name.clone(), digest: data.digest(), runs: data.runs().len() };
         Ok((data, about))
     };

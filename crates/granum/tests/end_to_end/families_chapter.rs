@@ -85,7 +85,11 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     let said: Vec<String> = commands.iter().map(|words| said(words)).collect();
     assert!(said[0].contains("void ratio = 0.7 (given)") && said[0].contains("q/p = "), "{}", said[0]);
     assert!(!said[0].contains("OUTSIDE"), "{}", said[0]);
-    assert!(said[1].starts_with("sand: ") && !said[1].contains("no fitted surrogate"), "{}", said[1]);
+    assert!(
+        said[1].starts_with("sand --path drained-triaxial: sands in drained triaxial compression\n"),
+        "{}",
+        said[1]
+    );
     assert!(said[2].contains("## Where not to use it"), "{}", said[2]);
     assert!(said[4].contains("friction = 0.5 (given)"), "{}", said[4]);
     assert!(here.join("curves.svg").is_file());
@@ -147,7 +151,9 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     let told = refused(here, 1, &["predict", "--family", "sand.json", "--friction", "0.4"]);
     assert!(told.contains("missing: --rolling-friction, --pressure, --youngs-modulus"), "{told}");
     let path = [&far[..], &["--path", "oedometer"]].concat();
-    assert!(refused(here, 1, &path).contains("knows one path, drained-triaxial"));
+    assert!(refused(here, 1, &path).contains("the tests of sand.json have the path drained-triaxial"));
+    let path = ["predict", "--family", "powder", "--path", "oedometer", "--friction", "0.4"];
+    assert!(refused(here, 1, &path).contains("granum init --plan powder-paths"));
     let told = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
     assert!(told.contains("curves.pdf: its name must end in .svg"), "{told}");
     let told = refused(here, 1, &["predict", "--family", "sandy"]);
