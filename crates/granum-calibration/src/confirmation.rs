@@ -71,7 +71,7 @@ pub fn confirm(
         };
         for (place, curve) in &target.curves {
             let quantity = file.calibration.quantities[*place].quantity;
-            let simulation = at_strains(one, quantity, &curve.strain);
+            let simulation = at_strains(&one.curves, quantity, &curve.strain);
             let largest = curve.measured.iter().fold(0.0, |most: f64, y| most.max(y.abs())).max(1e-300);
             let apart = |a: &[f64], b: &[f64]| {
                 let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();

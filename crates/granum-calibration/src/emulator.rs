@@ -10,13 +10,15 @@ use std::sync::Arc;
 
 use granum_core::observer::Observer;
 use granum_core::{Column, Table};
+use granum_io::LaboratoryTest;
 use granum_learn::surrogate::{FittedCurves, GaussianProcessOfCurves, Surrogate, SurrogateMethod, to_json};
 use granum_learn::{Dataset, FitSpec, RunStates};
 
 use crate::curve::{ForwardModel, PredictedCurve};
 use crate::error::{CalibrationError, Result};
 use crate::file::{CalibrationFile, Quantity};
-use crate::simulation::{CaseNumbers, Simulated, of_test};
+use crate::known::KnownRun;
+use crate::simulation::{CaseNumbers, of_test};
 use crate::target::{Target, readings};
 
 /// Name of the coordinate.
@@ -32,6 +34,8 @@ pub struct Emulator<'a> {
     fitted: Arc<dyn Surrogate>,
     /// For each number of the case whether it varies over the simulations, and is an input.
     varies: Vec<bool>,
+    /// For each number of the case its smallest and largest value over the simulations.
+    ranges: Vec<[f64; 2]>,
 }
 
 /// The error of the surrogate in a quantity.
@@ -47,18 +51,20 @@ pub struct LeftOutError {
 }
 
 impl<'a> Emulator<'a> {
-    /// Fits the surrogate to simulations.
+    /// Fits the surrogate to simulations, whose cases have these numbers.
     ///
     /// # Errors
     /// If there are fewer than [`FEWEST`], a simulation does not reach the compared strains or lacks a quantity, or the fit fails or is stopped.
     pub fn fit(
         file: &'a CalibrationFile,
         targets: &'a [Target],
-        simulated: &[Simulated],
+        numbers: CaseNumbers,
+        known: &[KnownRun],
         threads: usize,
         observer: &mut dyn Observer,
     ) -> Result<Emulator<'a>> {
-        let (numbers, varies, dataset) = learned(file, targets, simulated)?;
+        let (ranges, dataset) = learned(file, &numbers, known)?;
+        let varies: Vec<bool> = ranges.iter().map(|[low, high]| low < high).collect();
         let spec = spec(file, &numbers, &varies, threads);
         let mut method = GaussianProcessOfCurves::default();
         (method.components, method.starts) = (6, 1);
@@ -66,7 +72,7 @@ impl<'a> Emulator<'a> {
             granum_learn::LearnError::Stopped { .. } => CalibrationError::Stopped,
             other => other.into(),
         })?;
-        Ok(Emulator { file, targets, numbers, fitted: Arc::from(fitted), varies })
+        Ok(Emulator { file, targets, numbers, fitted: Arc::from(fitted), varies, ranges })
     }
 
     /// The same surrogate for other targets, which have the conditions of these.
@@ -74,8 +80,14 @@ impl<'a> Emulator<'a> {
     where
         'a: 'b,
     {
-        let (numbers, varies) = (self.numbers.clone(), self.varies.clone());
-        Emulator { file: self.file, targets, numbers, fitted: self.fitted.clone(), varies }
+        Emulator {
+            file: self.file,
+            targets,
+            numbers: self.numbers.clone(),
+            fitted: self.fitted.clone(),
+            varies: self.varies.clone(),
+            ranges: self.ranges.clone(),
+        }
     }
 
     /// The file of the surrogate, which `granum predict` reads as well.
@@ -94,14 +106,17 @@ impl<'a> Emulator<'a> {
     }
 
     /// The errors over simulations left out of the fit, for each quantity.
-    pub fn left_out_errors(&self, simulated: &[Simulated]) -> Vec<LeftOutError> {
+    pub fn left_out_errors(&self, known: &[KnownRun]) -> Vec<LeftOutError> {
         let Ok(curves) = self.curves() else { return Vec::new() };
         let error = |(place, compared): (usize, &crate::file::ComparedQuantity)| {
-            let all: Vec<Vec<f64>> = simulated
+            let all: Vec<Vec<f64>> = known
                 .iter()
                 .map(|one| {
-                    let scale = scale(compared.quantity, &self.targets[one.simulation.test]);
-                    at_strains(one, compared.quantity, &compared.strains).iter().map(|y| y / scale).collect()
+                    let scale = scale(compared.quantity, one.mean_stress);
+                    at_strains(&one.curves, compared.quantity, &compared.strains)
+                        .iter()
+                        .map(|y| y / scale)
+                        .collect()
                 })
                 .collect();
             let mean = |k: usize| all.iter().map(|curve| curve[k]).sum::<f64>() / all.len() as f64;
@@ -135,13 +150,37 @@ impl<'a> Emulator<'a> {
         let predict = |(place, compared): (usize, &crate::file::ComparedQuantity)| {
             let Some(strain) = strains(place) else { return Ok(None) };
             let found = curves.correlated_curve(&inputs, place, &strain)?;
-            let scale = scale(compared.quantity, target);
+            let scale = scale(compared.quantity, target.mean_stress);
             Ok(Some(PredictedCurve {
                 mean: found.mean.iter().map(|y| scale * y).collect(),
                 covariance: found.covariance.iter().map(|y| scale * scale * y).collect(),
             }))
         };
         self.file.calibration.quantities.iter().enumerate().map(predict).collect()
+    }
+}
+
+impl Emulator<'_> {
+    /// Where values of the parameters lead beyond the simulations from which the surrogate learned: a sentence for each test and key.
+    ///
+    /// # Errors
+    /// If an expression has no value at them.
+    pub fn beyond_simulations(&self, values: &[f64]) -> Result<Vec<String>> {
+        let mut told = Vec::new();
+        for (test, target) in self.targets.iter().enumerate() {
+            let free = of_test(self.file, self.targets.len(), values, test);
+            let numbers = self.numbers.values(&free, &target.conditions)?;
+            for (((key, unit), value), [low, high]) in self.numbers.columns().zip(numbers).zip(&self.ranges) {
+                let slack = 1e-3 * (high - low);
+                if low < high && !(low - slack..=high + slack).contains(&value) {
+                    told.push(format!(
+                        "{}: {key} = {value:.4e} {unit} lies outside of the simulations ({low:.4e} to {high:.4e}), where the surrogate guesses",
+                        target.name
+                    ));
+                }
+            }
+        }
+        Ok(told)
     }
 }
 
@@ -160,14 +199,14 @@ impl ForwardModel for Emulator<'_> {
 }
 
 /// What a quantity is divided by while it is learned.
-pub fn scale(quantity: Quantity, target: &Target) -> f64 {
-    if quantity.is_stress() { target.mean_stress } else { 1.0 }
+fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
+    if quantity.is_stress() { mean_stress } else { 1.0 }
 }
 
 /// A quantity of a simulation at strains; constant beyond its last state.
-pub fn at_strains(simulated: &Simulated, quantity: Quantity, strains: &[f64]) -> Vec<f64> {
-    let values = readings(&simulated.curves, quantity);
-    let at = |x: &f64| granum_learn::curve::interpolated(*x, &simulated.curves.axial_strain, values);
+pub fn at_strains(curves: &LaboratoryTest, quantity: Quantity, strains: &[f64]) -> Vec<f64> {
+    let values = readings(curves, quantity);
+    let at = |x: &f64| granum_learn::curve::interpolated(*x, &curves.axial_strain, values);
     strains.iter().map(at).collect()
 }
 
@@ -175,21 +214,20 @@ pub fn at_strains(simulated: &Simulated, quantity: Quantity, strains: &[f64]) ->
 ///
 /// # Errors
 /// With the name of the run and what it lacks.
-pub fn check(file: &CalibrationFile, simulated: &Simulated) -> Result<()> {
-    let reached = simulated.curves.axial_strain.last().copied().unwrap_or(0.0);
+pub fn check(file: &CalibrationFile, name: &str, curves: &LaboratoryTest) -> Result<()> {
+    let reached = curves.axial_strain.last().copied().unwrap_or(0.0);
     for compared in &file.calibration.quantities {
         let word = compared.quantity.word();
-        let values = readings(&simulated.curves, compared.quantity);
-        if values.len() != simulated.curves.axial_strain.len() || values.iter().any(|y| !y.is_finite()) {
-            return Err(CalibrationError::Input(format!("the run {} has no {word}", simulated.name)));
+        let values = readings(curves, compared.quantity);
+        if values.len() != curves.axial_strain.len() || values.iter().any(|y| !y.is_finite()) {
+            return Err(CalibrationError::Input(format!("the run {name} has no {word}")));
         }
         let last = compared.strains.last().copied().unwrap_or(0.0);
         // The last state may be short of the end of its stage by a step.
         if reached < last * (1.0 - 1e-3) {
             return Err(CalibrationError::Input(format!(
-                "the run {} ends at an axial strain of {:.3} %, and {word} is compared up to {:.3} %; let its test go further, or compare \
+                "the run {name} ends at an axial strain of {:.3} %, and {word} is compared up to {:.3} %; let its test go further, or compare \
                  less",
-                simulated.name,
                 100.0 * reached,
                 100.0 * last
             )));
@@ -198,44 +236,42 @@ pub fn check(file: &CalibrationFile, simulated: &Simulated) -> Result<()> {
     Ok(())
 }
 
-/// The simulations as a data set, with the numbers of their cases as parameters.
+/// The smallest and largest value of each number over the simulations, and these as a data set with those that vary as parameters.
 fn learned(
     file: &CalibrationFile,
-    targets: &[Target],
-    simulated: &[Simulated],
-) -> Result<(CaseNumbers, Vec<bool>, Dataset)> {
-    if simulated.len() < FEWEST {
+    numbers: &CaseNumbers,
+    known: &[KnownRun],
+) -> Result<(Vec<[f64; 2]>, Dataset)> {
+    if known.len() < FEWEST {
         return Err(CalibrationError::Input(format!(
             "{} simulations are left to learn from, and {FEWEST} are needed; plan more runs",
-            simulated.len()
+            known.len()
         )));
     }
-    let numbers = CaseNumbers::new(file);
-    let mut rows = Vec::new();
-    for one in simulated {
-        check(file, one)?;
-        rows.push(numbers.values(&one.simulation.values, &targets[one.simulation.test].conditions)?);
-    }
-    let varies: Vec<bool> = (0..rows[0].len()).map(|k| rows.iter().any(|row| row[k] != rows[0][k])).collect();
-    let run = |(one, row): (&Simulated, &Vec<f64>)| {
-        let target = &targets[one.simulation.test];
+    known.iter().try_for_each(|one| check(file, &one.name, &one.curves))?;
+    let range = |k: usize| {
+        let values = known.iter().map(|one| one.numbers[k]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let ranges: Vec<[f64; 2]> = (0..numbers.columns().count()).map(range).collect();
+    let run = |one: &KnownRun| {
         let mut columns = vec![Column::new(STRAIN, "", one.curves.axial_strain.clone())];
         for compared in &file.calibration.quantities {
-            let scale = scale(compared.quantity, target);
+            let scale = scale(compared.quantity, one.mean_stress);
             let values = readings(&one.curves, compared.quantity).iter().map(|y| y / scale).collect();
             columns.push(Column::new(output(compared.quantity), "", values));
         }
         let table = Table::new(columns).map_err(granum_learn::LearnError::from)?;
         let mut run = RunStates::new(&one.name, table)?;
-        for (((name, unit), value), varies) in numbers.columns().zip(row).zip(&varies) {
-            if *varies {
+        for (((name, unit), value), [low, high]) in numbers.columns().zip(&one.numbers).zip(&ranges) {
+            if low < high {
                 run = run.with_parameter(name, unit, *value)?;
             }
         }
         Ok(run)
     };
-    let runs = simulated.iter().zip(&rows).map(run).collect::<Result<Vec<_>>>()?;
-    Ok((numbers, varies, Dataset::new(runs)?))
+    let runs = known.iter().map(run).collect::<Result<Vec<_>>>()?;
+    Ok((ranges, Dataset::new(runs)?))
 }
 
 /// The column of a quantity.

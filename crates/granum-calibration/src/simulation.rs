@@ -133,6 +133,8 @@ pub struct CaseNumbers {
     constants: BTreeMap<String, f64>,
     /// The variables with keys.
     with_keys: Vec<usize>,
+    /// Further keys with unit and value, which no variable sets.
+    fixed: Vec<(String, String, f64)>,
 }
 
 impl CaseNumbers {
@@ -154,14 +156,21 @@ impl CaseNumbers {
             with_keys: (0..variables.len()).filter(|k| !variables[*k].keys.is_empty()).collect(),
             variables,
             constants,
+            fixed: Vec::new(),
         }
     }
 
-    /// The keys with their units: of each variable its first one.
+    /// Adds a key that no variable sets, with its unit and its value.
+    pub fn add_constant(&mut self, key: &str, unit: &str, value: f64) {
+        self.fixed.push((key.into(), unit.into(), value));
+    }
+
+    /// The keys with their units: of each variable its first one, then those that were added.
     pub fn columns(&self) -> impl Iterator<Item = (&str, &str)> {
         self.with_keys
             .iter()
             .map(|k| (self.variables[*k].keys[0].value.as_str(), self.variables[*k].unit.as_str()))
+            .chain(self.fixed.iter().map(|(key, unit, _)| (key.as_str(), unit.as_str())))
     }
 
     /// The numbers, from values of the free variables and the conditions of a test.
@@ -199,6 +208,6 @@ impl CaseNumbers {
             let name = self.variables[*k].name.as_str();
             known.get(name).copied().ok_or_else(|| CalibrationError::Input(format!("{name} has no value")))
         };
-        self.with_keys.iter().map(value).collect()
+        self.with_keys.iter().map(value).chain(self.fixed.iter().map(|(_, _, value)| Ok(*value))).collect()
     }
 }

@@ -1,11 +1,13 @@
 //! Targets of a calibration: the tests of a laboratory with their conditions and with what is compared of them.
 
+use std::ops::Range;
+
 use granum_io::{Error, LaboratoryTest};
 use granum_learn::curve::interpolated;
 
 use crate::curve::MeasuredCurve;
 use crate::error::{CalibrationError, Result};
-use crate::file::{CalibrationFile, ComparedQuantity, Quantity, TestCondition};
+use crate::file::{CalibrationFile, ComparedQuantity, PredictedTests, Quantity, TestCondition};
 
 /// A test that simulations are to explain.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +34,7 @@ pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> &[f64] {
     }
 }
 
-/// The targets that a file asks for, in its order, or all tests.
+/// The targets that a file asks for, in its order, or all tests that are not predicted.
 ///
 /// # Errors
 /// With the place in the file if there is no such test, and if a test has not what is compared or needed of it.
@@ -50,19 +52,72 @@ pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<T
     if tests.is_empty() {
         return Err(CalibrationError::Input("no test of a laboratory is given".into()));
     }
-    let chosen: Vec<&LaboratoryTest> = if table.tests.is_empty() {
-        tests.iter().collect()
-    } else {
-        let find = |name: &String| {
-            tests.iter().find(|test| test.name == *name).ok_or_else(|| {
-                let message = format!("there is no test {name:?} in the laboratory's files");
-                let error = file.plan.source.error(&table.tests_span, message);
-                CalibrationError::File(Error::from(error.with_help(format!("there are {}", names()))))
-            })
-        };
-        table.tests.iter().map(find).collect::<Result<_>>()?
+    let is_predicted = |name: &String| match &table.predict {
+        PredictedTests::Others => false,
+        PredictedTests::Named(names) => names.contains(name),
     };
+    let chosen: Vec<&LaboratoryTest> = match table.tests.is_empty() {
+        true => tests.iter().filter(|test| !is_predicted(&test.name)).collect(),
+        false => named(file, tests, &table.tests, &table.tests_span)?,
+    };
+    if let Some(both) = chosen.iter().find(|test| is_predicted(&test.name)) {
+        let message =
+            format!("the test {:?} is calibrated on, so that it cannot be predicted as well", both.name);
+        return Err(CalibrationError::File(Error::from(
+            file.plan.source.error(&table.predict_span, message),
+        )));
+    }
+    if chosen.is_empty() {
+        let message = format!("no test is left to calibrate on ({} are predicted)", names());
+        return Err(CalibrationError::File(Error::from(
+            file.plan.source.error(&table.predict_span, message),
+        )));
+    }
     chosen.into_iter().map(|test| target(file, test)).collect()
+}
+
+/// The tests that a file asks to predict from the calibration on the others: those that are not among the targets, or those of its names.
+///
+/// # Errors
+/// With the place in the file if there is no such test or a variable is own to each test, and if a test has not what is needed of it.
+pub fn predicted(
+    file: &CalibrationFile,
+    tests: &[LaboratoryTest],
+    targets: &[Target],
+) -> Result<Vec<Target>> {
+    let table = &file.calibration;
+    let chosen: Vec<&LaboratoryTest> = match &table.predict {
+        PredictedTests::Others => {
+            tests.iter().filter(|test| !targets.iter().any(|target| target.name == test.name)).collect()
+        }
+        PredictedTests::Named(names) => named(file, tests, names, &table.predict_span)?,
+    };
+    if let Some(own) = file.free.iter().find(|free| free.own).filter(|_| !chosen.is_empty()) {
+        let message =
+            format!("{} is own to each test, so that no test can be predicted from other ones", own.name);
+        return Err(CalibrationError::File(Error::from(
+            file.plan.source.error(&table.predict_span, message),
+        )));
+    }
+    chosen.into_iter().map(|test| target(file, test)).collect()
+}
+
+/// The tests of these names.
+fn named<'a>(
+    file: &CalibrationFile,
+    tests: &'a [LaboratoryTest],
+    wanted: &[String],
+    span: &Range<usize>,
+) -> Result<Vec<&'a LaboratoryTest>> {
+    let find = |name: &String| {
+        tests.iter().find(|test| test.name == *name).ok_or_else(|| {
+            let known: Vec<&str> = tests.iter().map(|test| test.name.as_str()).collect();
+            let message = format!("there is no test {name:?} in the laboratory's files");
+            let error = file.plan.source.error(span, message);
+            CalibrationError::File(Error::from(error.with_help(format!("there are {}", known.join(", ")))))
+        })
+    };
+    wanted.iter().map(find).collect()
 }
 
 fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Target> {

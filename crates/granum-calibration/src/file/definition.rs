@@ -64,6 +64,10 @@ pub struct CalibrationTable {
     pub tests: Vec<String>,
     /// Where the names stand.
     pub tests_span: Range<usize>,
+    /// The tests that are predicted, and not calibrated on.
+    pub predict: PredictedTests,
+    /// Where they stand.
+    pub predict_span: Range<usize>,
     /// How the posterior is found.
     pub method: Method,
     /// Simulations from which the surrogate learns, of all tests together; for [`Method::Dem`] the points of a round, each with a simulation
@@ -87,6 +91,20 @@ pub struct CalibrationTable {
     pub inadequacy: Option<Discrepancy>,
     /// What is compared.
     pub quantities: Vec<ComparedQuantity>,
+}
+
+/// Tests of the laboratory's files that are predicted from a calibration on other ones.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PredictedTests {
+    /// All that are not calibrated on.
+    Others,
+    /// Those of these names.
+    Named(Vec<String>),
+}
+
+impl PredictedTests {
+    /// The word for all tests that are not calibrated on.
+    pub const OTHERS: &'static str = "others";
 }
 
 /// How the posterior is found.

@@ -40,5 +40,6 @@ mod tests;
 mod words;
 
 pub use definition::{
-    CalibrationFile, CalibrationTable, ComparedQuantity, FreeVariable, Method, Quantity, TestCondition,
+    CalibrationFile, CalibrationTable, ComparedQuantity, FreeVariable, Method, PredictedTests, Quantity,
+    TestCondition,
 };

@@ -3,13 +3,14 @@
 use granum_campaign::plan::{Node, Reader};
 use toml::de::{DeTable, DeValue};
 
-use super::definition::{CalibrationTable, ComparedQuantity, Method, Quantity};
+use super::definition::{CalibrationTable, ComparedQuantity, Method, PredictedTests, Quantity};
 use super::words::word;
 use crate::likelihood::Discrepancy;
 
 /// The keys of the table.
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "tests",
+    "predict",
     "method",
     "runs",
     "rounds",
@@ -39,12 +40,10 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
     };
     let table = as_table(reader, node, "calibration")?;
     reader.refuse_unknown(table, &KEYS, "calibration");
-    let tests = match table.get("tests") {
-        None => Vec::new(),
-        Some(node) => {
-            let items = reader.array(node, "tests")?.iter();
-            items.map(|item| reader.text(item, "tests")).collect::<Option<Vec<_>>>()?
-        }
+    let tests = table.get("tests").map_or(Some(Vec::new()), |node| names(reader, node, "tests"))?;
+    let predict = match table.get("predict") {
+        None => PredictedTests::Named(Vec::new()),
+        Some(node) => predicted(reader, node)?,
     };
     let method = match table.get("method") {
         None => Method::Surrogate,
@@ -58,7 +57,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         Method::Dem => (32, 10),
     };
     let [runs, rounds] = [count("runs", 8, 100_000, usual_runs), count("rounds", 1, 1000, usual_rounds)];
-    let [confirm, draws] = [count("confirm", 1, 1000, 4), count("draws", 1, 100_000, 20)];
+    let [confirm, draws] = [count("confirm", 0, 1000, 4), count("draws", 1, 100_000, 20)];
     let [chains, most_draws] = [count("chains", 2, 64, 4), count("most_draws", 1000, 10_000_000, 100_000)];
     let seed = count("seed", 0, u64::from(u32::MAX), 1) as u32;
     let void_ratio_limits = table.get("density").and_then(|node| limits(reader, node));
@@ -70,6 +69,8 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
     Some(CalibrationTable {
         tests,
         tests_span: table.get("tests").map_or(node.span(), |node| node.span()),
+        predict,
+        predict_span: table.get("predict").map_or(node.span(), |node| node.span()),
         method,
         runs,
         rounds,
@@ -82,6 +83,25 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         inadequacy,
         quantities,
     })
+}
+
+fn names(reader: &mut Reader, node: &Node, key: &str) -> Option<Vec<String>> {
+    let items = reader.array(node, key)?.iter();
+    items.map(|item| reader.text(item, key)).collect()
+}
+
+/// The tests that are predicted: their names, or the word for all others.
+fn predicted(reader: &mut Reader, node: &Node) -> Option<PredictedTests> {
+    match node.get_ref() {
+        DeValue::String(word) if &**word == PredictedTests::OTHERS => Some(PredictedTests::Others),
+        DeValue::String(word) => {
+            let message = format!("predict = {:?} is no list of tests", &**word);
+            let help = "write predict = [\"NAME\"], or predict = \"others\" for all tests that are not calibrated on";
+            reader.error(node.span(), message, help);
+            None
+        }
+        _ => names(reader, node, "predict").map(PredictedTests::Named),
+    }
 }
 
 fn as_table<'a>(reader: &mut Reader, node: &'a Node<'a>, key: &str) -> Option<&'a DeTable<'a>> {

@@ -130,6 +130,38 @@ fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
     let covered =
         done_json(here, &["calibrate", "material.toml", "lab.csv", "--out", "out", "--coverage", "2"]);
     assert_eq!(covered["coverage"][0]["intervals"], 2, "{covered:#}");
+    runs_are_shared(here);
+}
+
+/// Another calibration learns from the runs of the first one, and predicts a test that it does not know.
+fn runs_are_shared(here: &Path) {
+    let one = std::fs::read_to_string(here.join("lab.csv")).unwrap();
+    let second: String = one.lines().skip(1).map(|line| line.replace("T1,", "T2,") + "\n").collect();
+    std::fs::write(here.join("two.csv"), one + &second).unwrap();
+    let shared = ["calibrate", "material.toml", "two.csv", "--runs", "out/runs/design"];
+    let with = |more: &[&'static str]| [&shared[..], more].concat();
+    let found = done_json(here, &with(&["--test", "T1", "--predict", "others", "--out", "shared"]));
+    assert_eq!((&found["tests"][0], &found["predicted_tests"][0]), (&"T1".into(), &"T2".into()));
+    assert!(!here.join("shared/runs/design").exists(), "nothing but the confirmation is simulated");
+    let [known, other] = [0, 2].map(|k| &found["predictions"][k]);
+    assert_eq!((&known["test"], &other["test"]), (&"T1".into(), &"T2".into()), "{found:#}");
+    // The same readings are predicted alike, whether they were calibrated on or not.
+    assert_eq!(known["mean"], other["mean"]);
+    assert_eq!(found["predictions"].as_array().unwrap().len(), 4);
+    let table = std::fs::read_to_string(here.join("shared/predictions.csv")).unwrap();
+    assert_eq!(table.lines().filter(|line| line.starts_with("T2,deviator_stress,")).count(), 6, "{table}");
+    let left = done_json(here, &with(&["--leave-one-out", "--out", "left"]));
+    assert_eq!(left["predictions"].as_array().unwrap().len(), 4, "{left:#}");
+    assert!(!here.join("left/runs").exists());
+    let alone = done_json(here, &with(&["--each-alone", "--out", "alone"]));
+    assert_eq!(alone["each_alone"][0]["mean"], alone["each_alone"][1]["mean"], "the tests are the same");
+    let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T1", "--out", "no"]));
+    assert!(message.contains("cannot be predicted as well"), "{message}");
+    let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T9", "--out", "no"]));
+    assert!(message.contains("no test \"T9\"") && message.contains("T1, T2"), "{message}");
+    let message =
+        refused(here, 1, &["calibrate", "material.toml", "two.csv", "--runs", "truth", "--out", "no"]);
+    assert!(message.contains("neither a campaign nor a data set"), "{message}");
 }
 
 #[test]

@@ -13,8 +13,13 @@ use crate::context::Context;
 pub struct Calibration<'a> {
     pub context: &'a Context,
     pub file: &'a CalibrationFile,
+    /// The tests that are calibrated on, then those that are predicted.
+    pub all: &'a [Target],
+    /// The tests that are calibrated on.
     pub targets: &'a [Target],
     pub parameters: Vec<FreeParameter>,
     pub out: PathBuf,
+    /// Folders of earlier campaigns whose runs take the place of the design; none for a design.
+    pub earlier: &'a [PathBuf],
     pub flags: &'a CarryOutFlags,
 }

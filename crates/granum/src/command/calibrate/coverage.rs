@@ -22,12 +22,10 @@ impl Calibration<'_> {
     /// Counts how often the intervals of 90 % hold the parameters of so many synthetic targets.
     pub fn coverage(&self, count: usize) -> Result<(), Failure> {
         let tests = self.targets.len();
-        let design = granum_calibration::simulation::design(self.file, tests);
-        let Runs { simulated: known } = self.simulate("design", 0, &design)?;
         let truths = truths(&self.parameters, count, self.file.calibration.seed);
         let wanted = simulations(self.file, tests, &truths);
         let Runs { simulated } = self.simulate("coverage", NUMBER, &wanted)?;
-        let emulator = self.emulator(&known)?;
+        let (emulator, _) = self.learned()?;
         let mut posteriors: Vec<(Vec<f64>, Outcome)> = Vec::new();
         for (number, (truth, wanted)) in truths.into_iter().zip(wanted.chunks(tests)).enumerate() {
             let own = wanted.iter().map(|wanted| simulated.iter().find(|one| one.simulation == *wanted));

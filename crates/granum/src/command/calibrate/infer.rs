@@ -173,10 +173,10 @@ impl Calibration<'_> {
             let Some(one) = simulated.iter().find(|one| one.simulation == *wanted) else {
                 return Ok(f64::NEG_INFINITY);
             };
-            check(self.file, one)?;
+            check(self.file, &one.name, &one.curves)?;
             for (place, curve) in &target.curves {
                 let quantity = self.file.calibration.quantities[*place].quantity;
-                let mean = at_strains(one, quantity, &curve.strain);
+                let mean = at_strains(&one.curves, quantity, &curve.strain);
                 predicted.push(PredictedCurve { mean, covariance: Vec::new() });
             }
         }

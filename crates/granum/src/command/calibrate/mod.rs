@@ -3,6 +3,8 @@
 mod calibration;
 mod coverage;
 mod infer;
+mod prediction;
+mod repeated;
 mod results;
 mod simulate;
 
@@ -10,9 +12,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_calibration::emulator::Emulator;
-use granum_calibration::file::{CalibrationFile, Method};
-use granum_calibration::simulation::{Simulated, parameters};
-use granum_calibration::target::{targets, understood};
+use granum_calibration::file::{CalibrationFile, Method, PredictedTests};
+use granum_calibration::known::KnownRun;
+use granum_calibration::simulation::{CaseNumbers, parameters};
+use granum_calibration::target::{predicted, targets, understood};
 use granum_calibration::telling::WhatTestsTell;
 use granum_io::shell::ShowPath;
 use granum_io::{LaboratoryTest, OutputFolder, read_laboratory};
@@ -53,6 +56,21 @@ pub struct Calibrate {
     /// A test to use in place of those that the file names; can be repeated.
     #[arg(long, value_name = "NAME")]
     test: Vec<String>,
+    /// A test to predict from the calibration on the others, in place of those that the file names; can be repeated. `others` stands for all
+    /// tests that are not calibrated on.
+    #[arg(long, value_name = "NAME")]
+    predict: Vec<String>,
+    /// Learn from the runs of this campaign or data set, in place of a design of simulations: several calibrations share them; can be
+    /// repeated. What varies over them is what the file sets, or has the base case's value.
+    #[arg(long, value_name = "DIR")]
+    runs: Vec<PathBuf>,
+    /// Do not calibrate, but leave each test out in turn, and predict it from a calibration on the others. Nothing but the design is
+    /// simulated.
+    #[arg(long, conflicts_with_all = ["each_alone", "coverage", "predict"])]
+    leave_one_out: bool,
+    /// Do not calibrate, but calibrate on each test alone, which shows how parameters wander. Nothing but the design is simulated.
+    #[arg(long, conflicts_with_all = ["coverage", "predict"])]
+    each_alone: bool,
     /// Do not calibrate, but count how often intervals of 90 % hold the parameters of N simulations in place of the tests.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     coverage: Option<u64>,
@@ -68,17 +86,46 @@ impl Calibrate {
         if !self.test.is_empty() {
             file.calibration.tests.clone_from(&self.test);
         }
+        match self.predict.as_slice() {
+            [] => {}
+            [word] if word == PredictedTests::OTHERS => file.calibration.predict = PredictedTests::Others,
+            names => file.calibration.predict = PredictedTests::Named(names.to_vec()),
+        }
+        if self.leave_one_out || self.each_alone {
+            file.calibration.predict = PredictedTests::Named(Vec::new());
+        }
         let tests = self.tests(context)?;
-        let targets = targets(&file, &tests)?;
-        let used: Vec<&LaboratoryTest> = targets.iter().map(|target| &target.laboratory).collect();
+        let mut all = targets(&file, &tests)?;
+        let count = all.len();
+        all.extend(predicted(&file, &tests, &all)?);
+        let (targets, predicted) = all.split_at(count);
+        let used: Vec<&LaboratoryTest> = all.iter().map(|target| &target.laboratory).collect();
         doubts(&used).iter().for_each(|doubt| context.warn(doubt));
-        understood(&file, &targets).iter().for_each(|line| context.note(line));
+        understood(&file, targets).iter().for_each(|line| context.note(line));
+        understood(&file, predicted).iter().for_each(|line| context.note(&format!("to predict: {line}")));
+        if let Some(option) = self.without_surrogate().filter(|_| file.calibration.method == Method::Dem) {
+            return Err(Failure::new(format!("{option} needs a surrogate; write method = \"surrogate\"")));
+        }
         let name = || PathBuf::from(self.file.file_stem().unwrap_or(self.file.as_os_str()));
         let out = self.out.clone().unwrap_or_else(name);
         let _folder = self.folder(&out, &file)?;
-        let parameters = parameters(&file, &targets);
-        let calibration =
-            Calibration { context, file: &file, targets: &targets, parameters, out, flags: &self.carry_out };
+        let parameters = parameters(&file, targets);
+        let calibration = Calibration {
+            context,
+            file: &file,
+            all: &all,
+            targets,
+            parameters,
+            out,
+            earlier: &self.runs,
+            flags: &self.carry_out,
+        };
+        if self.leave_one_out {
+            return calibration.leave_one_out();
+        }
+        if self.each_alone {
+            return calibration.each_alone();
+        }
         if let Some(count) = self.coverage {
             return calibration.coverage(count as usize);
         }
@@ -86,6 +133,16 @@ impl Calibrate {
             Method::Surrogate => calibration.by_surrogate(),
             Method::Dem => calibration.by_simulations(),
         }
+    }
+
+    /// An option that was given and that only a surrogate has.
+    fn without_surrogate(&self) -> Option<&'static str> {
+        let given = [
+            (!self.runs.is_empty(), "--runs"),
+            (self.leave_one_out, "--leave-one-out"),
+            (self.each_alone, "--each-alone"),
+        ];
+        given.iter().find(|(is_given, _)| *is_given).map(|(_, option)| *option)
     }
 
     /// The tests of all files; one without a name has that of its file.
@@ -123,24 +180,29 @@ impl Calibration<'_> {
     /// By a surrogate of the simulations, which is refined where simulations at draws from the posterior differ from it.
     fn by_surrogate(&self) -> Result<(), Failure> {
         let table = &self.file.calibration;
-        let design = granum_calibration::simulation::design(self.file, self.targets.len());
-        let Runs { simulated: mut known } = self.simulate("design", 0, &design)?;
+        let (numbers, mut known) = self.known()?;
         let mut round = 1;
         loop {
-            let emulator = self.emulator(&known)?;
+            let emulator = self.emulator(numbers.clone(), &known)?;
             let telling = self.telling(&emulator)?;
             let found = self.infer(&emulator)?;
             let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;
+            let beyond = emulator.for_targets(self.all).beyond_simulations(&found.outcome.mean())?;
             let outside = granum_calibration::confirmation::share_outside(&confirmed);
             let is_confirmed = outside <= granum_calibration::confirmation::MOST_OUTSIDE;
-            self.context.note(&format!(
+            let unconfirmed = self.file.calibration.confirm == 0;
+            let confirmation = format!(
                 "confirmation {round}: {:.0} % of the curves of {} simulations at draws from the posterior leave the intervals of 90 % of \
                  the surrogate",
                 100.0 * outside,
                 runs.simulated.len()
-            ));
+            );
+            (!unconfirmed).then(|| self.context.note(&confirmation));
             if is_confirmed || round >= table.rounds {
-                let mut remarks = Vec::new();
+                let mut remarks = beyond;
+                if unconfirmed {
+                    remarks.push("nothing is confirmed by simulations (confirm = 0): all curves are those of the surrogate".into());
+                }
                 if !is_confirmed {
                     remarks.push(format!(
                         "the surrogate is not confirmed after {round} rounds: {:.0} % of the curves of simulations leave its intervals of \
@@ -158,15 +220,15 @@ impl Calibration<'_> {
                 );
             }
             self.context.note("the simulations are added to those from which the surrogate learns, and the inference is repeated");
-            known.extend(runs.simulated);
+            known.extend(self.as_known(&numbers, &runs.simulated)?);
             round += 1;
         }
     }
 
-    fn emulator(&self, known: &[Simulated]) -> Result<Emulator<'_>, Failure> {
+    fn emulator(&self, numbers: CaseNumbers, known: &[KnownRun]) -> Result<Emulator<'_>, Failure> {
         let mut show = infer::Show::new(self.context, "surrogate");
         let threads = super::hardware::processors();
-        let emulator = Emulator::fit(self.file, self.targets, known, threads, &mut show);
+        let emulator = Emulator::fit(self.file, self.targets, numbers, known, threads, &mut show);
         let emulator = emulator.map_err(|error| self.stopped(error))?;
         let errors: Vec<String> = emulator
             .left_out_errors(known)
@@ -208,18 +270,20 @@ impl Calibration<'_> {
         emulator: Option<&Emulator>,
     ) -> Result<(Vec<granum_calibration::confirmation::Confirmed>, Runs), Failure> {
         let draws = found.outcome.spread(self.file.calibration.confirm);
-        let simulations =
-            granum_calibration::confirmation::simulations(self.file, self.targets.len(), &draws);
+        if draws.is_empty() {
+            return Ok((Vec::new(), Runs { simulated: Vec::new() }));
+        }
+        let simulations = granum_calibration::confirmation::simulations(self.file, self.all.len(), &draws);
         let runs = self.simulate(&format!("confirmation-{round}"), 1000 + round, &simulations)?;
         for one in &runs.simulated {
-            granum_calibration::emulator::check(self.file, one)?;
+            granum_calibration::emulator::check(self.file, &one.name, &one.curves)?;
         }
         let confirmed = granum_calibration::confirmation::confirm(
             self.file,
-            self.targets,
+            self.all,
             &runs.simulated,
             &draws,
-            emulator,
+            emulator.map(|emulator| emulator.for_targets(self.all)).as_ref(),
         )?;
         Ok((confirmed, runs))
     }

@@ -6,8 +6,9 @@ use std::path::Path;
 use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
 use granum_calibration::outcome::Outcome;
+use granum_calibration::prediction::Prediction;
 use granum_calibration::simulation::{Simulated, Simulation, of_test, plan, planned};
-use granum_calibration::target::{all_curves, readings, understood};
+use granum_calibration::target::{Target, all_curves, readings, understood};
 use granum_calibration::telling::WhatTestsTell;
 use granum_campaign::plan::VariableKind;
 use granum_core::quantity::format_number;
@@ -62,6 +63,8 @@ impl Calibration<'_> {
         let curves = self.curves(found, surrogate.map(|(emulator, _)| emulator), simulated)?;
         put(curves_figure(&curves).to_svg(), &at("curves.svg"))?;
         self.cases(found)?;
+        let predictions =
+            surrogate.map(|(emulator, _)| self.predictions(found, emulator)).transpose()?.unwrap_or_default();
         let names: Vec<&str> = self.targets.iter().map(|target| target.name.as_str()).collect();
         let document = report(&CalibrationReport {
             subtitle: format!("tests {}; {}", names.join(", "), found.how),
@@ -74,9 +77,16 @@ impl Calibration<'_> {
             remarks: remarks.clone(),
         });
         document.write(&self.out)?;
-        let result = self.as_json(found, surrogate.map(|(_, telling)| telling), confirmed, &table, &remarks);
+        let result = self.as_json(
+            found,
+            surrogate.map(|(_, telling)| telling),
+            confirmed,
+            &table,
+            &remarks,
+            &predictions,
+        );
         put(format!("{result:#}\n"), &at("calibration.json"))?;
-        output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed))
+        output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed, &predictions))
     }
 
     /// SI units of the parameters.
@@ -96,8 +106,9 @@ impl Calibration<'_> {
     ) -> Result<Vec<CalibratedCurve>, Failure> {
         let draws = found.outcome.spread(BAND_DRAWS);
         let count = self.parameters.len();
+        let emulator = emulator.map(|emulator| emulator.for_targets(self.all));
         let mut all = Vec::new();
-        for (test, target) in self.targets.iter().enumerate() {
+        for (test, target) in self.all.iter().enumerate() {
             for (place, curve) in &target.curves {
                 let quantity = self.file.calibration.quantities[*place].quantity;
                 let last = curve.strain.last().copied().unwrap_or(0.0);
@@ -108,6 +119,7 @@ impl Calibration<'_> {
                 for draw in draws.iter().filter(|_| emulator.is_some()) {
                     let wanted = |other: usize| (other == *place).then(|| strain.clone());
                     let predicted = emulator
+                        .as_ref()
                         .map(|emulator| emulator.predict_test(&draw[..count], test, wanted))
                         .transpose()?;
                     let Some(predicted) = predicted.and_then(|mut all| all.remove(*place)) else { continue };
@@ -127,7 +139,11 @@ impl Calibration<'_> {
                 };
                 let own = simulated.iter().filter(|one| one.simulation.test == test);
                 all.push(CalibratedCurve {
-                    test: target.name.clone(),
+                    test: if test < self.targets.len() {
+                        target.name.clone()
+                    } else {
+                        format!("{} (predicted)", target.name)
+                    },
                     quantity: curve.quantity.clone(),
                     unit: quantity.unit().into(),
                     measured: pairs(&target.laboratory.axial_strain, readings(&target.laboratory, quantity)),
@@ -192,16 +208,18 @@ impl Calibration<'_> {
         confirmed: &[Confirmed],
         table: &Table,
         remarks: &[String],
+        predictions: &[Prediction],
     ) -> Value {
         let column = |name: &str, row: usize| {
             table.values(name).and_then(|values| values.get(row)).filter(|value| value.is_finite()).copied()
         };
-        let names =
+        let keys =
             ["mean", "standard_deviation", "quantile_5", "median", "quantile_95", "r_hat", "effective_bulk"];
         let units = self.units();
+        let names = |targets: &[Target]| targets.iter().map(|target| target.name.clone()).collect::<Vec<_>>();
         let parameter = |(row, name): (usize, &String)| {
             let mut object = json!({ "name": name, "unit": units.get(row) });
-            for key in names {
+            for key in keys {
                 object[key] = json!(column(key, row));
             }
             object
@@ -211,17 +229,19 @@ impl Calibration<'_> {
             "granum_version": env!("CARGO_PKG_VERSION"),
             "method": self.file.calibration.method.word(),
             "found_by": found.how,
-            "tests": self.targets.iter().map(|target| &target.name).collect::<Vec<_>>(),
+            "tests": names(self.targets),
+            "predicted_tests": names(&self.all[self.targets.len()..]),
             "parameters": found.outcome.names.iter().enumerate().map(parameter).collect::<Vec<_>>(),
             "what_tests_tell": telling,
             "not_told": telling.map(WhatTestsTell::warnings),
             "confirmation": confirmed,
             "share_outside_intervals": granum_calibration::confirmation::share_outside(confirmed),
+            "predictions": predictions,
             "remarks": remarks,
         })
     }
 
-    fn text(&self, table: &Table, confirmed: &[Confirmed]) -> String {
+    fn text(&self, table: &Table, confirmed: &[Confirmed], predictions: &[Prediction]) -> String {
         let shown = ["parameter", "unit", "mean", "standard_deviation", "quantile_5", "quantile_95"];
         let columns = table.columns_where(|column| shown.contains(&column.name.as_str()));
         let mut lines = text_table::lines(&columns);
@@ -229,7 +249,10 @@ impl Calibration<'_> {
         lines.push(
             "simulations at draws from the posterior (root mean square over the largest reading):".into(),
         );
-        for (_, curve) in self.targets.iter().flat_map(|target| &target.curves) {
+        if confirmed.is_empty() {
+            lines.pop();
+        }
+        for (_, curve) in self.all.iter().flat_map(|target| &target.curves) {
             let own = confirmed.iter().filter(|one| one.test == curve.test && one.quantity == curve.quantity);
             let misfits: Vec<f64> = own.clone().map(|one| one.misfit).collect();
             let of_surrogate: Vec<f64> = own.filter_map(|one| one.misfit_of_surrogate).collect();
@@ -242,6 +265,12 @@ impl Calibration<'_> {
                 let quantity = curve.quantity.replace('_', " ");
                 lines.push(format!("  {} {quantity}: {:.1} %{surrogate}", curve.test, mean(&misfits)));
             }
+        }
+        let is_predicted = |one: &&Prediction| !self.targets.iter().any(|target| target.name == one.test);
+        let predicted: Vec<Prediction> = predictions.iter().filter(is_predicted).cloned().collect();
+        if !predicted.is_empty() {
+            lines.push("tests that were not calibrated on, predicted by the surrogate:".into());
+            lines.extend(super::prediction::summary(&predicted));
         }
         lines.push(format!(
             "wrote {}: posterior.csv, report.html, inference_data.json (for ArviZ), posterior-mean.toml, draws.toml",

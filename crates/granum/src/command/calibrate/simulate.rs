@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use granum_calibration::simulation::{Simulated, Simulation, plan, planned, simulated};
+use granum_calibration::known::{EarlierRuns, KnownRun};
+use granum_calibration::simulation::{CaseNumbers, Simulated, Simulation, plan, planned, simulated};
 use granum_campaign::data_set::{DATA_SET, DataSet};
 use granum_campaign::plan::FixedKey;
 use granum_io::OutputFolder;
@@ -25,12 +26,46 @@ pub struct Runs {
 }
 
 impl Calibration<'_> {
+    /// The simulations from which the surrogate learns, with what decides one: those of the earlier campaign, or of the design, which are
+    /// carried out as far as they are not finished.
+    pub fn known(&self) -> Result<(CaseNumbers, Vec<KnownRun>), Failure> {
+        if self.earlier.is_empty() {
+            let numbers = CaseNumbers::new(self.file);
+            let design = granum_calibration::simulation::design(self.file, self.targets.len());
+            let Runs { simulated } = self.simulate("design", 0, &design)?;
+            let known = self.as_known(&numbers, &simulated)?;
+            return Ok((numbers, known));
+        }
+        let mut runs = Vec::new();
+        for folder in self.earlier {
+            let Some(data_set) = DataSet::meant_by(folder)? else {
+                let message =
+                    "is neither a campaign nor a data set, whose runs could take the place of the design";
+                return Err(Failure::new(format!("--runs {}: {message}", folder.shown())));
+            };
+            let own = DataSet::read(&data_set, self.context.reading())?.each_run()?;
+            let count = own.len();
+            self.context
+                .note(&format!("{count} simulations of {} take the place of the design", folder.shown()));
+            runs.extend(own);
+        }
+        let EarlierRuns { numbers, runs, remarks } = EarlierRuns::new(self.file, runs)?;
+        remarks.iter().for_each(|remark| self.context.warn(remark));
+        Ok((numbers, runs))
+    }
+
+    /// Simulations of this calibration as the surrogate learns from them.
+    pub fn as_known(&self, numbers: &CaseNumbers, simulated: &[Simulated]) -> Result<Vec<KnownRun>, Failure> {
+        let known = simulated.iter().map(|one| KnownRun::from_simulated(numbers, self.all, one));
+        Ok(known.collect::<Result<_, _>>()?)
+    }
+
     /// Simulates the tests, each with a sample of its own, as a campaign of this name; what is finished is used again.
     pub fn simulate(&self, name: &str, number: usize, simulations: &[Simulation]) -> Result<Runs, Failure> {
         let runs = self.out.join(RUNS);
         let folder: PathBuf = runs.join(name);
         let _runs = OutputFolder::open_or_create(&runs)?;
-        let mut plan = plan(self.file, self.targets, simulations);
+        let mut plan = plan(self.file, self.all, simulations);
         if number > 0 {
             // Samples of other seeds than those of the campaigns before.
             let first = plan.case.preparation.seed.wrapping_add(SEEDS * number as u64);
