@@ -23,10 +23,10 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let laboratory = Laboratory::here();
 
     // ANCHOR: stop
-    // A closure that sees the progress and returns a `Flow` is an observer. A measure is that of a stage of the test.
+    // A closure that sees the progress and returns a `Flow` is an observer. The activity of a test is `test`; before it the sample is prepared.
     let mut half = |progress: &Progress| {
-        let tested = progress.measure.and(progress.fraction).unwrap_or(0.0);
-        if tested > 0.5 { Flow::Stop } else { Flow::Continue }
+        let in_test = progress.activity == "test";
+        if in_test && progress.completed() > Some(0.5) { Flow::Stop } else { Flow::Continue }
     };
     let folder = RunFolder::create(base.join("run"), false)?;
     let record = laboratory.run(RunKind::Test, &case, &Source::Case, &folder, &mut half)?;

@@ -62,6 +62,8 @@ pub mod times;
 #[cfg(test)]
 mod method_tests;
 #[cfg(test)]
+mod outcome_tests;
+#[cfg(test)]
 #[path = "../../granum-learn/src/synthetic.rs"]
 mod synthetic;
 #[cfg(test)]

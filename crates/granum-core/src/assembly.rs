@@ -3,10 +3,10 @@
 //! It is built from `&Simulation`, so that observation cannot disturb a run; it can equally be filled from the files of
 //! another code.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
+pub use crate::energy::EnergyBalance;
+use crate::energy::is_zero;
 use crate::geometry::determinant;
 pub use crate::geometry::{Matrix, Vector};
 
@@ -81,44 +81,6 @@ impl Contact {
     }
 }
 
-/// Energy by mechanism since the start of the phase, J. `boundary_work = sum of the rest + change of stored energy`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnergyBalance {
-    /// Work done on the grains by the deformation of the cell.
-    pub boundary_work: f64,
-    /// Work of the elastic tangential forces, positive where energy is absorbed: stored, lost in micro-slip and in sliding.
-    pub tangential_work: f64,
-    /// Lost to sliding at the friction limit (part of `tangential_work`).
-    pub friction: f64,
-    /// Lost without sliding, in the slip zones of the contact areas (part of `tangential_work`).
-    pub micro_slip: f64,
-    /// Lost in the contact dashpots.
-    pub damping: f64,
-    /// Lost when adhesive contacts formed: no force returns the energy that the surfaces release.
-    pub adhesion_made: f64,
-    /// Lost when adhesive contacts broke.
-    pub adhesion_broken: f64,
-    /// Work of the elastic couples of rolling and twisting, positive where energy is absorbed.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub rolling_work: f64,
-    /// Lost by rolling and twisting, without dashpots (part of `rolling_work`).
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub rolling: f64,
-    /// Lost where attractions beyond touch begin or end: bridges that rupture.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub attraction_loss: f64,
-    /// Energies in the channels that contact laws declare, by key; those without energy are left out.
-    #[serde(flatten)]
-    pub channels: BTreeMap<String, f64>,
-}
-
-impl EnergyBalance {
-    /// Energy in the channel of a law, J; zero if there is none.
-    pub fn channel(&self, key: &str) -> f64 {
-        self.channels.get(key).copied().unwrap_or(0.0)
-    }
-}
-
 /// Where the liquid of wet grains is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Liquid {
@@ -128,11 +90,6 @@ pub struct Liquid {
     pub bridges: f64,
     /// Number of bridges.
     pub count: usize,
-}
-
-/// True for what files without a law of moments, of adhesion or with memory leave out.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// A read-only snapshot of a simulation at one instant.

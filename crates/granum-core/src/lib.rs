@@ -1,4 +1,4 @@
-//! Common types of granum: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
+//! Common types of granum: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, [`energy`] by mechanism, tables of
 //! named columns, [`quantity`] with units, the nearest name to one that is not
 //! known, why a registry refuses an addition, [`words`] in sentences, one [`digest`], [`input`] files, [`json`] that can be read, [`parallel`] work, and one [`observer`] of long work.
 //!
@@ -8,6 +8,7 @@
 pub mod assembly;
 pub mod cell;
 pub mod digest;
+pub mod energy;
 pub mod geometry;
 pub mod input;
 pub mod json;

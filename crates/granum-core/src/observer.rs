@@ -3,7 +3,7 @@
 //!
 //! What an observer receives is owned data that can be serialised, so that it can be shown, logged, or sent to another
 //! process. A crate whose observers need more than that has a trait of its own that is built on this one:
-//! `granum_dem::observer::Observer` also gives access to the simulation, for sensors.
+//! `granum_dem::observer::SimulationObserver` also gives access to the simulation, for sensors.
 
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};

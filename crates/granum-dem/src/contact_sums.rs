@@ -1,5 +1,6 @@
 //! Sums over contacts, which the stages of a step collect.
 
+use granum_core::energy::MechanismEnergies;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::law::energy_channel::{LAWS, SetEnergies};
@@ -11,24 +12,8 @@ use crate::contact::law::limits::LAW_CHANNELS;
 pub struct ContactSums {
     /// `- sum of (elastic force on i)_a (branch)_b`, J: the stress times the volume.
     pub virial: [f64; 9],
-    /// Work of the elastic tangential forces in this step, positive where energy is absorbed, J.
-    pub tangential_work: f64,
-    /// Energy lost to sliding in this step, J.
-    pub friction_loss: f64,
-    /// Energy lost without sliding in this step, J.
-    pub micro_slip_loss: f64,
-    /// Energy lost in dashpots in this step, J.
-    pub damping_loss: f64,
-    /// Energy lost by the formation of contacts in this step, J.
-    pub adhesion_made: f64,
-    /// Energy lost by the breaking of contacts in this step, J.
-    pub adhesion_broken: f64,
-    /// Work of the elastic couples in this step, positive where energy is absorbed, J.
-    pub moment_work: f64,
-    /// The part of it that was dissipated, J.
-    pub moment_loss: f64,
-    /// Lost in this step where attractions beyond touch begin or end, J.
-    pub attraction_loss: f64,
+    /// Energy by mechanism in this step, J.
+    pub mechanisms: MechanismEnergies,
     /// Energies in the channels of the laws in this step, J. A checkpoint has the first only: the ledger has them all.
     #[serde(with = "first_channel")]
     pub channels: SetEnergies<f64>,
@@ -66,15 +51,7 @@ impl ContactSums {
             for a in 0..9 {
                 t.virial[a] += c.virial[a];
             }
-            t.tangential_work += c.tangential_work;
-            t.friction_loss += c.friction_loss;
-            t.damping_loss += c.damping_loss;
-            t.micro_slip_loss += c.micro_slip_loss;
-            t.adhesion_made += c.adhesion_made;
-            t.adhesion_broken += c.adhesion_broken;
-            t.moment_work += c.moment_work;
-            t.moment_loss += c.moment_loss;
-            t.attraction_loss += c.attraction_loss;
+            t.mechanisms.add(&c.mechanisms);
             for (to, from) in t.channels.iter_mut().flatten().zip(c.channels.iter().flatten()) {
                 *to += from;
             }

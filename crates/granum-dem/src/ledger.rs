@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use granum_core::energy::MechanismEnergies;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::assembly::EnergyBalance;
@@ -21,17 +22,8 @@ pub(crate) struct Ledger {
 impl Ledger {
     /// Adds the work and the losses of a step of length `dt`, s.
     pub(crate) fn add(&mut self, dt: f64, sums: &ContactSums) {
-        let balance = &mut self.balance;
-        balance.boundary_work += 0.5 * dt * sums.boundary_power;
-        balance.tangential_work += sums.tangential_work;
-        balance.friction += sums.friction_loss;
-        balance.damping += sums.damping_loss;
-        balance.micro_slip += sums.micro_slip_loss;
-        balance.adhesion_made += sums.adhesion_made;
-        balance.adhesion_broken += sums.adhesion_broken;
-        balance.rolling_work += sums.moment_work;
-        balance.rolling += sums.moment_loss;
-        balance.attraction_loss += sums.attraction_loss;
+        self.balance.boundary_work += 0.5 * dt * sums.boundary_power;
+        self.balance.add(&sums.mechanisms);
         for (total, energy) in self.channels.iter_mut().flatten().zip(sums.channels.iter().flatten()) {
             *total += energy;
         }
@@ -58,11 +50,26 @@ impl Ledger {
 }
 
 /// Rows of numbers: a checkpoint has no field names, so that no field can be omitted. Of the channels they contain the first one of
-/// the normal law; a checkpoint has the others at its end, if there are any.
+/// the normal law; a checkpoint has the others at its end, if there are any. The order is that of the mechanisms, but that the loss of
+/// attractions comes before the channel, and couples last.
 impl Serialize for Ledger {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let EnergyBalance {
-            boundary_work,
+        let energies = self.balance.mechanisms();
+        let MechanismEnergies { attraction_loss, rolling_work, rolling, .. } = energies;
+        let [tangential_work, friction, micro_slip, damping, made, broken, ..] = energies.values();
+        let lost = [friction, micro_slip, damping, made, broken, attraction_loss, self.channels[0][0]];
+        ([self.balance.boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
+    }
+}
+
+impl<'d> Deserialize<'d> for Ledger {
+    fn deserialize<D: Deserializer<'d>>(from: D) -> Result<Ledger, D::Error> {
+        let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
+            <([f64; 2], [f64; 7], [f64; 2])>::deserialize(from)?;
+        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, first] = lost;
+        let mut ledger = Ledger::default();
+        ledger.balance.boundary_work = boundary_work;
+        ledger.balance.add(&MechanismEnergies {
             tangential_work,
             friction,
             micro_slip,
@@ -72,35 +79,7 @@ impl Serialize for Ledger {
             rolling_work,
             rolling,
             attraction_loss,
-            channels: _,
-        } = self.balance;
-        let first = self.channels[0][0];
-        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, first];
-        ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
-    }
-}
-
-impl<'d> Deserialize<'d> for Ledger {
-    fn deserialize<D: Deserializer<'d>>(from: D) -> Result<Ledger, D::Error> {
-        let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
-            <([f64; 2], [f64; 7], [f64; 2])>::deserialize(from)?;
-        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, first] = lost;
-        let mut ledger = Ledger {
-            balance: EnergyBalance {
-                boundary_work,
-                tangential_work,
-                friction,
-                micro_slip,
-                damping,
-                adhesion_made,
-                adhesion_broken,
-                rolling_work,
-                rolling,
-                attraction_loss,
-                channels: BTreeMap::new(),
-            },
-            ..Ledger::default()
-        };
+        });
         ledger.channels[0][0] = first;
         Ok(ledger)
     }

@@ -1,10 +1,11 @@
-//! Observers of a preparation or a test: one trait for showing progress, recording and stopping.
+//! Observers of a preparation or a test that need the simulation: recorders, probes, the display of stresses.
 //!
-//! It is built on the general observers of [`granum_core::observer`], which receive owned data only: [`Follower`] makes each
-//! of them an observer of runs. The trait of this module also gives access to the simulation, which sensors need.
+//! There is one trait for following any work, [`Observer`], and whatever implements it follows a run as well: it receives
+//! the progress and the events as owned data. [`SimulationObserver`] adds access to the simulation, which sensors need; every
+//! [`Observer`] is one.
 
-use granum_core::observer::{self as general, Event};
-pub use granum_core::observer::{Flow, NoObserver};
+use granum_core::observer::{self, Event};
+pub use granum_core::observer::{Flow, NoObserver, Observer};
 
 use crate::loading::measure::Measure;
 use crate::simulation::Simulation;
@@ -46,7 +47,7 @@ impl Phase {
 /// The progress of a phase.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
-pub struct Progress<'a> {
+pub struct SimulationProgress<'a> {
     /// The phase.
     pub phase: Phase,
     /// Number of the trial of the preparation, from 1.
@@ -70,10 +71,10 @@ pub struct Progress<'a> {
     pub simulation: &'a Simulation,
 }
 
-impl<'a> Progress<'a> {
+impl<'a> SimulationProgress<'a> {
     /// The progress of a phase.
-    pub fn new(phase: Phase, steps: u64, time: f64, simulation: &'a Simulation) -> Progress<'a> {
-        Progress {
+    pub fn new(phase: Phase, steps: u64, time: f64, simulation: &'a Simulation) -> SimulationProgress<'a> {
+        SimulationProgress {
             phase,
             trial: 1,
             stage: None,
@@ -88,9 +89,9 @@ impl<'a> Progress<'a> {
     }
 
     /// The same progress as owned data, with the simulated time and, once it has been measured, the speed among its values.
-    pub fn report(&self) -> general::Progress {
+    pub fn report(&self) -> observer::Progress {
         let mut report =
-            general::Progress::new(self.phase.name(), "steps", self.steps).fraction(self.fraction);
+            observer::Progress::new(self.phase.name(), "steps", self.steps).fraction(self.fraction);
         report.part = self.stage.map(str::to_owned);
         report = report.with("time", self.time, "s");
         if self.trial > 1 {
@@ -103,7 +104,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Work between two calls of [`Observer::progress`] that may take seconds.
+/// Work between two calls of [`SimulationObserver::progress`] that may take seconds.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub enum Work<'a> {
@@ -115,17 +116,17 @@ pub enum Work<'a> {
         count: usize,
     },
     /// Steps are made; this is the progress so far.
-    Steps(&'a Progress<'a>),
+    Steps(&'a SimulationProgress<'a>),
     /// Another program makes the steps; this is what it told last.
-    Elsewhere(&'a general::Progress),
+    Elsewhere(&'a observer::Progress),
 }
 
 impl Work<'_> {
     /// The same as owned data.
-    pub fn report(&self) -> general::Progress {
+    pub fn report(&self) -> observer::Progress {
         match self {
             Work::Placing { placed, count } => {
-                general::Progress::new(Phase::Placing.name(), "grains", *placed as u64).out_of(*count as u64)
+                observer::Progress::new(Phase::Placing.name(), "grains", *placed as u64).out_of(*count as u64)
             }
             Work::Steps(progress) => progress.report(),
             Work::Elsewhere(progress) => (*progress).clone(),
@@ -140,12 +141,13 @@ pub const WORK_EVERY: u64 = 1_000_000;
 /// Follows a preparation or a test. It has only a shared reference to the simulation, so that it can stop the run but cannot change
 /// a result, and a run that was stopped is resumed with the same bits.
 ///
-/// Every method has a default, so that an observer implements only the methods that it needs. A closure that takes a
-/// [`Progress`] and returns a [`Flow`] is an observer; several observers can be combined into one ([`Observers`]).
+/// Every method has a default, so that an observer implements only the methods that it needs. Who does not need the simulation
+/// implements [`Observer`], or gives a closure that takes a [`observer::Progress`] and returns a [`Flow`]; a closure that needs it
+/// is an [`EachProgress`]. Several observers can be combined into one ([`SimulationObservers`]).
 ///
 /// ```
 /// use granum_dem::config::{ContactModel, Grains, Preparation};
-/// use granum_dem::observer::{Flow, Observer, Progress};
+/// use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress};
 /// use granum_dem::preparation::{PreparationError, SampleSpecification, prepare};
 ///
 /// /// Stops once the grains fill two fifths of the cell.
@@ -154,8 +156,8 @@ pub const WORK_EVERY: u64 = 1_000_000;
 ///     calls: usize,
 /// }
 ///
-/// impl Observer for UntilDense {
-///     fn progress(&mut self, progress: &Progress) -> Flow {
+/// impl SimulationObserver for UntilDense {
+///     fn progress(&mut self, progress: &SimulationProgress) -> Flow {
 ///         self.calls += 1;
 ///         let dense = progress.simulation.state().solid_fraction() > 0.4;
 ///         if dense { Flow::Stop } else { Flow::Continue }
@@ -169,21 +171,21 @@ pub const WORK_EVERY: u64 = 1_000_000;
 /// assert!(matches!(prepare(&specification, &mut observer), Err(PreparationError::Stopped { .. })));
 /// assert!(observer.calls > 1);
 /// ```
-pub trait Observer {
+pub trait SimulationObserver {
     /// Called every few hundred steps; returns whether to continue or to stop.
-    fn progress(&mut self, progress: &Progress) -> Flow {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         let _ = progress;
         Flow::Continue
     }
 
-    /// Called during work that may take seconds, between two calls of [`Observer::progress`], so that it can be shown and stopped;
+    /// Called during work that may take seconds, between two calls of [`SimulationObserver::progress`], so that it can be shown and stopped;
     /// returns whether to continue. How often it is called is no part of a result: nothing is to be recorded here.
     fn work(&mut self, work: &Work) -> Flow {
         let _ = work;
         Flow::Continue
     }
 
-    /// Number of grain-steps after which [`Observer::work`] is to be called.
+    /// Number of grain-steps after which [`SimulationObserver::work`] is to be called.
     fn work_every(&self) -> u64 {
         WORK_EVERY
     }
@@ -193,7 +195,7 @@ pub trait Observer {
         self.event(&Event::StageStarted { number });
     }
 
-    /// Value of the measure that a stage records by at which [`Observer::observe`] is to be called next; infinity for never.
+    /// Value of the measure that a stage records by at which [`SimulationObserver::observe`] is to be called next; infinity for never.
     fn next_observation(&self) -> f64 {
         f64::INFINITY
     }
@@ -215,52 +217,52 @@ pub trait Observer {
     }
 }
 
-impl Observer for NoObserver {}
-
-/// An observer of any work as an observer of runs: it receives the progress and the events as owned data.
+/// Every observer of work follows runs: it receives the progress, also that of work between two checks, and the events, as owned data.
 ///
 /// ```
-/// use granum_core::observer::{Event, Observer as General};
-/// use granum_dem::observer::{Follower, Observer};
+/// use granum_core::observer::{Event, Observer};
+/// use granum_dem::observer::SimulationObserver;
 ///
 /// struct Warnings(Vec<Event>);
 ///
-/// impl General for Warnings {
+/// impl Observer for Warnings {
 ///     fn event(&mut self, event: &Event) {
 ///         self.0.push(event.clone());
 ///     }
 /// }
 ///
 /// let mut warnings = Warnings(Vec::new());
-/// Follower(&mut warnings).warn("the sample is loose");
+/// warnings.warn("the sample is loose");
 /// assert_eq!(warnings.0, [Event::Warning { text: "the sample is loose".into() }]);
 /// ```
-pub struct Follower<'a>(pub &'a mut dyn general::Observer);
-
-impl Observer for Follower<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
-        self.0.progress(&progress.report())
+impl<O: Observer + ?Sized> SimulationObserver for O {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
+        Observer::progress(self, &progress.report())
     }
 
     fn work(&mut self, work: &Work) -> Flow {
-        self.0.progress(&work.report())
+        Observer::progress(self, &work.report())
     }
 
     fn event(&mut self, event: &Event) {
-        self.0.event(event);
+        Observer::event(self, event);
     }
 }
 
-impl<F: FnMut(&Progress) -> Flow> Observer for F {
-    fn progress(&mut self, progress: &Progress) -> Flow {
-        self(progress)
+/// A closure that is called with each progress and its simulation, and can stop the run.
+pub struct EachProgress<F>(pub F);
+
+impl<F: FnMut(&SimulationProgress) -> Flow> SimulationObserver for EachProgress<F> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
+        self.0(progress)
     }
 }
 
 /// Several observers as one: they are called one after the other, and the run stops if one of them requests it.
 ///
 /// ```
-/// use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};
+/// use granum_core::observer::{Flow, NoObserver, Progress};
+/// use granum_dem::observer::{SimulationObserver, SimulationObservers};
 ///
 /// let mut calls = 0;
 /// let mut counting = |_: &Progress| {
@@ -268,13 +270,13 @@ impl<F: FnMut(&Progress) -> Flow> Observer for F {
 ///     Flow::Continue
 /// };
 /// let mut none = NoObserver;
-/// let both = Observers(vec![&mut counting, &mut none]);
+/// let both = SimulationObservers(vec![&mut counting, &mut none]);
 /// assert_eq!(both.next_observation(), f64::INFINITY);
 /// ```
-pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
+pub struct SimulationObservers<'a>(pub Vec<&'a mut dyn SimulationObserver>);
 
-impl Observer for Observers<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl SimulationObserver for SimulationObservers<'_> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         // Every observer is notified, also after one has requested the stop.
         self.0.iter_mut().fold(Flow::Continue, |flow, observer| flow.and(observer.progress(progress)))
     }

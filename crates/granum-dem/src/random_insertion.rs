@@ -8,7 +8,7 @@ use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
 use crate::initial_sphere::InitialSphere;
-use crate::observer::{Flow, NoObserver, Observer, Work};
+use crate::observer::{Flow, NoObserver, SimulationObserver, Work};
 use crate::random::unit;
 use crate::sizes::SizeError;
 
@@ -72,7 +72,7 @@ pub fn followed_insertion(
     grains: &Grains,
     solid_fraction: f64,
     seed: u64,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<(Cell, Vec<InitialSphere>), InsertionError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut radii: Vec<f64> =
@@ -117,7 +117,7 @@ pub fn followed_insertion(
 
 /// Tells the observer of the work now and then.
 struct Listen<'a> {
-    observer: &'a mut dyn Observer,
+    observer: &'a mut dyn SimulationObserver,
     calls: u64,
     count: usize,
 }
@@ -296,7 +296,7 @@ mod tests {
         stop_at: usize,
     }
 
-    impl Observer for Counting {
+    impl SimulationObserver for Counting {
         fn work(&mut self, work: &Work) -> Flow {
             assert!(matches!(work, Work::Placing { count: 2000, .. }));
             self.calls += 1;

@@ -1,8 +1,8 @@
 //! Many steps in short slices, between which an observer is told of the work and can stop it. The bits of the result do not depend on
 //! the slices.
 
-use crate::loading::MeasureGoal;
-use crate::observer::{Flow, Observer, Progress, Work};
+use crate::loading::measure::MeasureGoal;
+use crate::observer::{Flow, SimulationObserver, SimulationProgress, Work};
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 
@@ -15,8 +15,8 @@ pub(crate) fn advance(
     simulation: &mut Simulation,
     goals: &[MeasureGoal],
     steps: u64,
-    observer: &mut dyn Observer,
-    progress: impl for<'a> Fn(&'a Simulation) -> Progress<'a>,
+    observer: &mut dyn SimulationObserver,
+    progress: impl for<'a> Fn(&'a Simulation) -> SimulationProgress<'a>,
 ) -> Result<Flow, SimulationError> {
     let end = simulation.state().step().saturating_add(steps);
     loop {

@@ -7,8 +7,8 @@ use granum_dem::config::{
     TangentialKind,
 };
 use granum_dem::loading::{begin, follow, preset};
-use granum_dem::observer::{NoObserver, Observer};
-use granum_dem::preparation::{Flow, Progress, SampleSpecification, prepare};
+use granum_dem::observer::{NoObserver, SimulationObserver};
+use granum_dem::preparation::{SampleSpecification, prepare};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
@@ -71,12 +71,12 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
     let contact = ContactModel::default();
     let specification =
         SampleSpecification { hardware, ..SampleSpecification::new(&grains, &contact, &preparation) };
-    prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+    prepare(&specification, &mut NoObserver).unwrap().simulation
 }
 
 /// An observer that measures often and thoroughly.
 struct Everything(f64);
-impl Observer for Everything {
+impl SimulationObserver for Everything {
     fn next_observation(&self) -> f64 {
         self.0
     }
@@ -86,7 +86,7 @@ impl Observer for Everything {
     }
 }
 
-fn sheared(sample: &Simulation, hardware: Hardware, observer: &mut dyn Observer) -> String {
+fn sheared(sample: &Simulation, hardware: Hardware, observer: &mut dyn SimulationObserver) -> String {
     let mut s = sample.clone();
     s.set_hardware(hardware);
     let rate = Rate::StrainRate { strain_rate: 100.0, density_scaling: 1.0 };

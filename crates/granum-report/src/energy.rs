@@ -1,5 +1,6 @@
 //! The energy balance by mechanism.
 
+use granum_core::energy::MechanismGroup;
 use granum_dem::contact::EnergyFate;
 
 use super::data::{RunReport, column};
@@ -25,24 +26,21 @@ struct Mechanism {
     values: Vec<f64>,
 }
 
-/// Mechanisms with the column of each, in the order of the figure.
-const ALWAYS: [(&str, Fate, &str); 8] = [
-    ("sliding friction", Fate::Lost, "friction_loss"),
-    ("micro-slip", Fate::Lost, "micro_slip_loss"),
-    ("contact damping", Fate::Lost, "damping_loss"),
-    ("making adhesive contacts", Fate::Lost, "adhesion_made_loss"),
-    ("breaking adhesive contacts", Fate::Lost, "adhesion_broken_loss"),
+/// Energies that every set of laws stores, with the column of each, in the order of the figure.
+const STORED: [(&str, Fate, &str); 3] = [
     ("normal elastic", Fate::Elastic(0), "elastic_normal_energy"),
     ("tangential elastic", Fate::Elastic(1), "elastic_tangential_energy"),
     ("kinetic", Fate::Kinetic, "kinetic_energy"),
 ];
-/// Those whose columns exist only if contacts resist rolling, or if grains attract each other at a distance.
-const SOMETIMES: [(&str, Fate, &str); 4] = [
-    ("rolling", Fate::Lost, "rolling_loss"),
-    ("rolling elastic", Fate::Elastic(2), "elastic_rolling_energy"),
-    ("attraction ended", Fate::Lost, "attraction_loss"),
-    ("attraction", Fate::Elastic(3), "attraction_energy"),
-];
+/// The energy that only contacts which resist rolling store, and that of grains that attract each other at a distance.
+const ROLLING: (&str, Fate, &str) = ("rolling elastic", Fate::Elastic(2), "elastic_rolling_energy");
+const ATTRACTION: (&str, Fate, &str) = ("attraction", Fate::Elastic(3), "attraction_energy");
+
+/// What is lost in the mechanisms of a group, with the column of each.
+fn losses(group: MechanismGroup) -> impl Iterator<Item = (&'static str, Fate, &'static str)> {
+    group.mechanisms().filter_map(|mechanism| Some((mechanism.loss?, Fate::Lost, mechanism.column)))
+}
+
 /// Range of the shares of the final work that is shown.
 const SHOWN: [f64; 2] = [1e-6, 2.0];
 
@@ -62,7 +60,7 @@ impl Balance {
             (values.len() == rows).then(|| values.iter().map(|value| value - first).collect())
         };
         let mut parts = Vec::new();
-        for (name, fate, column) in ALWAYS {
+        for (name, fate, column) in losses(MechanismGroup::Forces).chain(STORED) {
             parts.push(Mechanism { name, fate, values: since_start(column)? });
         }
         // The columns of the channels that contact laws declare exist if there is energy in them.
@@ -77,7 +75,10 @@ impl Balance {
             };
             (channel.label, fate, channel.key)
         });
-        for (name, fate, column) in SOMETIMES.into_iter().chain(channels) {
+        // The columns of rolling and of attraction exist only where a law has them.
+        let rolling = losses(MechanismGroup::Couples).chain([ROLLING]);
+        let attraction = losses(MechanismGroup::Attraction).chain([ATTRACTION]);
+        for (name, fate, column) in rolling.chain(attraction).chain(channels) {
             parts.extend(since_start(column).map(|values| Mechanism { name, fate, values }));
         }
         Some(Balance { work: since_start("boundary_work")?, parts })

@@ -18,7 +18,10 @@ pub mod stiffness;
 pub mod strength;
 
 pub use engine::{Engine, EngineError, EngineRun, Engines, Resources, Sink, Task};
-pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress, Work};
+pub use granum_core::observer::{Flow, NoObserver, Observer, Observers, Progress};
+pub use granum_dem::observer::{
+    EachProgress, SimulationObserver, SimulationObservers, SimulationProgress, Work,
+};
 pub use granum_io::RunKind;
 pub use laboratory::{Laboratory, LaboratoryError, PlannedRun, RunResult, Source};
 pub use registry::RunRegistry;

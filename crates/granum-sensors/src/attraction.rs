@@ -5,7 +5,9 @@
 //! The energy balance of [`crate::energy`] then includes `change of attraction_energy + attraction_loss`.
 
 use granum_core::Part;
+use granum_core::energy::MechanismGroup;
 
+use crate::energy::mechanism_columns;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 
 /// The sensor.
@@ -13,22 +15,20 @@ pub struct Attraction;
 
 impl Sensor for Attraction {
     fn description(&self) -> SensorDescription {
+        let energy = SensorColumn::new(
+            "attraction_energy",
+            "J",
+            "of the attraction of all pairs, zero where they just touch",
+        );
+        let pairs =
+            SensorColumn::new("pairs_apart", "1", "pairs of grains that attract each other without touching");
+        let columns =
+            [energy].into_iter().chain(mechanism_columns(MechanismGroup::Attraction)).chain([pairs]);
         SensorDescription::new(
             "attraction",
             "energy of additional adhesion, and number of separated pairs that it attracts",
         )
-        .columns([
-            SensorColumn::new(
-                "attraction_energy",
-                "J",
-                "of the attraction of all pairs, zero where they just touch",
-            )
-            .optional(),
-            SensorColumn::new("attraction_loss", "J", "lost where attractions beyond touch begin or end")
-                .optional(),
-            SensorColumn::new("pairs_apart", "1", "pairs of grains that attract each other without touching")
-                .optional(),
-        ])
+        .columns(columns.map(SensorColumn::optional))
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }
 
@@ -37,7 +37,9 @@ impl Sensor for Attraction {
         let pairs = assembly.contacts.iter().chain(&assembly.apart);
         let energy: f64 = pairs.map(|pair| pair.attraction_energy).sum();
         // The sum over no contacts is minus zero.
-        values.extend([energy + 0.0, assembly.energy.attraction_loss, assembly.apart.len() as f64]);
+        values.push(energy + 0.0);
+        values.extend(MechanismGroup::Attraction.values(&assembly.energy));
+        values.push(assembly.apart.len() as f64);
     }
 }
 

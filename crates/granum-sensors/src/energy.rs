@@ -9,6 +9,7 @@
 
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
+use granum_core::energy::MechanismGroup;
 use granum_core::geometry::dot;
 
 /// The sensor.
@@ -16,11 +17,7 @@ pub struct Energy;
 
 impl Sensor for Energy {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new(
-            "energy",
-            "stored energies and the energy balance of work and losses since the start of the phase",
-        )
-        .columns([
+        let stored = [
             SensorColumn::new("kinetic_energy", "J", "of the fluctuating velocities and the spins")
                 .needing(&[Part::Radii, Part::Masses, Part::Velocities, Part::Spins]),
             SensorColumn::new(
@@ -41,27 +38,12 @@ impl Sensor for Energy {
                 "work that the deformation of the cell did on the grains",
             )
             .needing(&[Part::EnergyBalance]),
-            SensorColumn::new("tangential_work", "J", "work taken up by the elastic tangential forces")
-                .needing(&[Part::EnergyBalance]),
-            SensorColumn::new(
-                "friction_loss",
-                "J",
-                "lost to sliding at the friction limit, part of tangential_work",
-            )
-            .needing(&[Part::EnergyBalance]),
-            SensorColumn::new(
-                "micro_slip_loss",
-                "J",
-                "lost in the slip zones of contacts that do not slide, part of tangential_work",
-            )
-            .needing(&[Part::EnergyBalance]),
-            SensorColumn::new("damping_loss", "J", "lost in the contact dashpots")
-                .needing(&[Part::EnergyBalance]),
-            SensorColumn::new("adhesion_made_loss", "J", "lost when adhesive contacts were made")
-                .needing(&[Part::EnergyBalance]),
-            SensorColumn::new("adhesion_broken_loss", "J", "lost when adhesive contacts broke")
-                .needing(&[Part::EnergyBalance]),
-        ])
+        ];
+        SensorDescription::new(
+            "energy",
+            "stored energies and the energy balance of work and losses since the start of the phase",
+        )
+        .columns(stored.into_iter().chain(mechanism_columns(MechanismGroup::Forces)))
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
@@ -71,19 +53,16 @@ impl Sensor for Energy {
             tangential += contact.tangential_energy;
         }
         let balance = &observation.assembly.energy;
-        values.extend([
-            kinetic_energy(observation),
-            normal,
-            tangential,
-            balance.boundary_work,
-            balance.tangential_work,
-            balance.friction,
-            balance.micro_slip,
-            balance.damping,
-            balance.adhesion_made,
-            balance.adhesion_broken,
-        ]);
+        values.extend([kinetic_energy(observation), normal, tangential, balance.boundary_work]);
+        values.extend(MechanismGroup::Forces.values(balance));
     }
+}
+
+/// The columns of the mechanisms of a group.
+pub(crate) fn mechanism_columns(group: MechanismGroup) -> impl Iterator<Item = SensorColumn> {
+    group.mechanisms().map(|mechanism| {
+        SensorColumn::new(mechanism.column, "J", mechanism.meaning).needing(&[Part::EnergyBalance])
+    })
 }
 
 /// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.

@@ -4,46 +4,36 @@
 //! `rolling_work = change of elastic rolling energy + rolling_loss`; the loss in dashpots against rolling is part of
 //! `damping_loss`.
 
+use crate::energy::mechanism_columns;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
+use granum_core::energy::MechanismGroup;
 
 /// The sensor.
 pub struct Rolling;
 
 impl Sensor for Rolling {
     fn description(&self) -> SensorDescription {
+        let stored = SensorColumn::new(
+            "elastic_rolling_energy",
+            "J",
+            "stored by the rolling and twisting of all contacts",
+        );
         SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them")
-            .columns([
-                SensorColumn::new(
-                    "elastic_rolling_energy",
-                    "J",
-                    "stored by the rolling and twisting of all contacts",
-                )
-                .optional(),
-                SensorColumn::new(
-                    "rolling_work",
-                    "J",
-                    "work taken up by the elastic couples of rolling and twisting",
-                )
-                .optional(),
-                SensorColumn::new(
-                    "rolling_loss",
-                    "J",
-                    "lost by rolling and twisting without dashpots, part of rolling_work",
-                )
-                .optional(),
-            ])
+            .columns(
+                [stored]
+                    .into_iter()
+                    .chain(mechanism_columns(MechanismGroup::Couples))
+                    .map(SensorColumn::optional),
+            )
             .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let stored: f64 = observation.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
         // The sum over no contacts is minus zero.
-        values.extend([
-            stored + 0.0,
-            observation.assembly.energy.rolling_work,
-            observation.assembly.energy.rolling,
-        ]);
+        values.push(stored + 0.0);
+        values.extend(MechanismGroup::Couples.values(&observation.assembly.energy));
     }
 }
 

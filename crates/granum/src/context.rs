@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use granum_campaign::scheduler::Schedulers;
 use granum_io::case::Vocabulary;
 use granum_io::{Formats, Reading, Run};
 use granum_learn::SurrogateMethods;
@@ -55,6 +56,11 @@ impl Context {
     /// The methods of surrogates that the program knows by name.
     pub fn methods(&self) -> &SurrogateMethods {
         &self.registry.methods
+    }
+
+    /// The schedulers of campaigns that the program knows by name.
+    pub fn schedulers(&self) -> &Schedulers {
+        &self.registry.schedulers
     }
 
     /// What runs know by name.

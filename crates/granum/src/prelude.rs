@@ -39,7 +39,7 @@ pub use granum_learn::{
 
 pub use granum_run::{
     Engine, EngineRun, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Resources, RunKind,
-    RunRegistry, RunResult, Sink, Source, Task,
+    RunRegistry, RunResult, SimulationObserver, SimulationProgress, Sink, Source, Task,
 };
 pub use granum_sensors::{
     Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,

@@ -1,8 +1,9 @@
-//! What a program knows by name: all that runs know, and the methods of surrogates.
+//! What a program knows by name: all that runs know, the methods of surrogates, and the schedulers of campaigns.
 
 use std::path::Path;
 
 use granum_antony2006::MappingMethod;
+use granum_campaign::scheduler::{SchedulerKind, Schedulers};
 use granum_core::RegistrationError;
 use granum_dem::contact::choice::registry::Law;
 use granum_dem::loading::preset::Preset;
@@ -12,8 +13,8 @@ use granum_learn::{SurrogateMethod, SurrogateMethods};
 use granum_run::{Engine, RunRegistry};
 use granum_sensors::Sensor;
 
-/// What a program knows by name: contact laws, named paths, sensors, formats, engines and methods of surrogates. A program builds it
-/// once and passes it on: to a [`Laboratory`](granum_run::Laboratory), to a study, or to the whole command line of granum
+/// What a program knows by name: contact laws, named paths, sensors, formats, engines, methods of surrogates and schedulers. A program
+/// builds it once and passes it on: to a [`Laboratory`](granum_run::Laboratory), to a study, or to the whole command line of granum
 /// ([`granum::program::run`](crate::program::run)).
 ///
 /// ```
@@ -33,6 +34,8 @@ pub struct Registry {
     pub runs: RunRegistry,
     /// Methods of surrogates, for studies and for the files of surrogates.
     pub methods: SurrogateMethods,
+    /// Schedulers of campaigns.
+    pub schedulers: Schedulers,
 }
 
 impl Default for Registry {
@@ -59,6 +62,7 @@ impl Registry {
         Registry {
             runs: RunRegistry::standard(),
             methods: SurrogateMethods::standard().replaced_by(MappingMethod::default()),
+            schedulers: Schedulers::standard(),
         }
     }
 
@@ -133,6 +137,14 @@ impl Registry {
     /// As [`SurrogateMethods::with`].
     pub fn with_method(self, method: impl SurrogateMethod + 'static) -> Result<Registry, RegistrationError> {
         Ok(Registry { methods: self.methods.with(method)?, ..self })
+    }
+
+    /// Adds a scheduler, which `granum campaign --scheduler` then knows.
+    ///
+    /// # Errors
+    /// As [`Schedulers::with`].
+    pub fn with_scheduler(self, kind: SchedulerKind) -> Result<Registry, RegistrationError> {
+        Ok(Registry { schedulers: self.schedulers.with(kind)?, ..self })
     }
 
     /// Reads the text of a case file that can name these laws, paths and sensors; `file` is its name for messages.

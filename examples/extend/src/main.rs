@@ -1,5 +1,6 @@
 //! A program with what granum does not have, one file each: a contact law, a sensor, a loading path, a packing format, an engine, a
-//! method of surrogates with memory, a study and a subcommand. It has all commands of granum as well, which know them by name.
+//! method of surrogates with memory, a study, a scheduler of campaigns and a
+//! subcommand. It has all commands of granum as well, which know them by name.
 //!
 //! `cargo run` tries them all; `cargo run -- pair --help` and other words are commands.
 
@@ -11,6 +12,7 @@ mod lattice;
 mod replay;
 mod rolling_spring;
 mod spheres;
+mod this_process;
 mod trial;
 
 use std::process::ExitCode;
@@ -25,7 +27,8 @@ fn registry() -> Result<Registry, RegistrationError> {
         .with_path(&biaxial::BIAXIAL)?
         .with_sensor(fluctuating_speeds::FluctuatingSpeeds)?
         .with_packing_format(spheres::Spheres)?
-        .with_method(fading_memory::FadingMemory)
+        .with_method(fading_memory::FadingMemory)?
+        .with_scheduler(this_process::THIS_PROCESS)
 }
 
 fn main() -> ExitCode {

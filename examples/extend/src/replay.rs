@@ -1,6 +1,6 @@
 //! An engine: it gives the measurements of a test that was made before, as one that starts another program gives what it reads.
 
-use granum::dem::observer::Observer;
+use granum::dem::observer::SimulationObserver;
 use granum::prelude::*;
 use granum::run::{EngineError, LaboratoryError};
 
@@ -16,7 +16,7 @@ impl Engine for Replay {
         "the measurements of a test that was made before"
     }
 
-    fn plan(&self, task: Task, _: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+    fn plan(&self, task: Task, _: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
         if task.kind == RunKind::Sample {
             let what = "it makes no samples; use the engine granum".to_string();
             return Err(EngineError::Refused { engine: self.name().into(), what }.into());

@@ -9,6 +9,24 @@ use crate::hardening_study::hardening_study;
 use crate::replay::Replay;
 use crate::spheres::loose_lattice;
 
+/// A campaign of such tests: its base case, its variables and its conditions name what is added here.
+const PLAN: &str = r#"
+case = "case.toml"
+accept = ["inertial_number < 1", "unbalanced_force < 1", "servo_error_rms < 1", "servo_error_largest < 9"]
+[set]
+grains.count = 60
+recording.largest_speed = 4
+[design]
+kind = "full-factorial"
+[[variable]]
+key = "contact.rolling_spring_friction"
+values = [0.1, 0.3]
+[[variable]]
+name = "strain"
+key = "stage.1.axial_strain"
+values = [0.01, 0.02]
+"#;
+
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// A case that names the law, the path and the sensor, and gives their parameters.
@@ -135,5 +153,33 @@ fn commands(folder: &Path) -> Outcome {
     assert!(run(&["schema"])?.contains("rolling_spring_friction"));
     run(&["run", "case.toml", "--packing", "sample.spheres", "--out", "run"])?;
     println!("the commands know the additions");
+    campaign(folder, &run)
+}
+
+/// The commands of campaigns: their cases name the law, the path and the sensor, and the scheduler is that of this program.
+fn campaign(folder: &Path, run: &dyn Fn(&[&str]) -> Result<String, Box<dyn std::error::Error>>) -> Outcome {
+    std::fs::write(folder.join("plan.toml"), PLAN)?;
+    assert!(run(&["campaign", "--help"])?.contains("this-process"));
+    let planned = run(&["campaign", "plan.toml", "--dry-run", "--pilots", "1"])?;
+    assert!(planned.starts_with("4 runs"), "{planned}");
+    run(&["campaign", "plan.toml", "--out", "local"])?;
+    run(&["campaign", "plan.toml", "--out", "study", "--scheduler", "this-process"])?;
+    let status = run(&["campaign", "status", "study", "--json"])?;
+    assert!(status.contains("\"done\":true") && !status.contains("\"accepted\":false"), "{status}");
+    run(&["report", "study"])?;
+    run(&["table", "study", "-o", "runs.csv"])?;
+    run(&["export", "study", "-o", "states.csv"])?;
+    let states = std::fs::read_to_string(folder.join("states.csv"))?;
+    let head = states.lines().next().unwrap_or_default();
+    for column in ["rolling_spring_friction", "strain", "fluctuating_speed", "rolling_release_loss"] {
+        assert!(head.split(',').any(|name| name.starts_with(column)), "{column} is not in {head}");
+    }
+    let train =
+        ["train", "study", "--input", "contact.rolling_spring_friction", "--output", "fluctuating_speed"];
+    run(&[&train[..], &["--coordinate", "arc_length", "--method", "fading-memory", "--out", "surrogate"]]
+        .concat())?;
+    let data = |name: &str| std::fs::read(folder.join(name).join("dataset/states.parquet"));
+    assert_eq!(data("local")?, data("study")?, "the same data, whoever executes the runs");
+    println!("campaigns know them, and the scheduler of this program");
     Ok(())
 }

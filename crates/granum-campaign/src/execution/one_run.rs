@@ -6,7 +6,7 @@ use std::sync::PoisonError;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use granum_dem::observer::{Flow, Progress};
+use granum_dem::observer::{Flow, SimulationProgress};
 use granum_dem::preparation::Phase;
 use granum_io::{OutputFolder, Result};
 use granum_run::Laboratory;
@@ -166,7 +166,7 @@ struct Teller<'a> {
 }
 
 impl QueueObserver for Teller<'_> {
-    fn progress(&self, run: usize, progress: &Progress) -> Flow {
+    fn progress(&self, run: usize, progress: &SimulationProgress) -> Flow {
         let mut held = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         let (shares, last) = &mut *held;
         if last.is_none_or(|last| last.elapsed() >= TELL_EVERY) {

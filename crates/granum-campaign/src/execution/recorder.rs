@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use granum_dem::observer::{Flow, Progress};
+use granum_dem::observer::{Flow, SimulationProgress};
 use granum_io::Result;
 use granum_run::queue::{Outcome, Queue, QueueObserver, RunKind, Shares};
 
@@ -294,7 +294,7 @@ impl QueueObserver for Recorder<'_> {
         self.follow(&mut held);
     }
 
-    fn progress(&self, run: usize, progress: &Progress) -> Flow {
+    fn progress(&self, run: usize, progress: &SimulationProgress) -> Flow {
         let mut held = self.lock();
         held.shares.update(run, progress);
         self.follow(&mut held);

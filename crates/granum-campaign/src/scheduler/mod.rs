@@ -1,18 +1,18 @@
 //! Schedulers: who executes the runs of a campaign, and where.
 //!
-//! A scheduler has a file of its own here and a line in [`ALL`].
+//! A scheduler has a file of its own here and a line in [`Schedulers::standard`]; a program adds its own with [`Schedulers::with`].
 
 mod job_record;
 mod jobs;
 mod local;
 mod packing;
-mod registry;
 mod scheduler_error;
 mod scheduler_trait;
+mod schedulers;
 mod slurm;
 
 pub use job_record::{JOBS, JobRecord, element_journal};
 pub use jobs::{JobState, Jobs, Place};
-pub use registry::{ALL, DEFAULT, by_name, names, poll};
 pub use scheduler_error::SchedulerError;
 pub use scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submission, Submitted};
+pub use schedulers::{DEFAULT, Schedulers};

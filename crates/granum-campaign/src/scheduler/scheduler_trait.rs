@@ -24,6 +24,11 @@ pub trait Scheduler: Send + Sync {
         Ok(())
     }
 
+    /// True if it packs several runs into one job, for which it needs to know how long runs take ([`Order::pace`]).
+    fn packs(&self) -> bool {
+        false
+    }
+
     /// Gives it all runs that are neither finished nor already given to it. A scheduler that executes runs itself returns when they have
     /// ended; one that queues them returns at once.
     ///
@@ -96,7 +101,7 @@ pub struct Submission {
 }
 
 /// A kind of scheduler.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct SchedulerKind {
     /// Its name.
     pub name: &'static str,

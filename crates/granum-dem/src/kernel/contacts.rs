@@ -6,6 +6,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use granum_core::energy::MechanismEnergies;
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
 use super::fetch::{ROWS_AHEAD, coming_rows};
@@ -136,18 +137,20 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
             *target = ContactSums {
                 virial: std::array::from_fn(|a| s[a]),
-                tangential_work: s[9],
-                friction_loss: s[10],
-                damping_loss: s[11],
+                mechanisms: MechanismEnergies {
+                    tangential_work: s[9],
+                    friction: s[10],
+                    damping: s[11],
+                    micro_slip: s[15],
+                    adhesion_made: s[16],
+                    adhesion_broken: s[17],
+                    rolling_work: s[18],
+                    rolling: s[19],
+                    attraction_loss: s[20],
+                },
                 boundary_power: s[12],
                 stiffness: s[13],
                 normal_force: s[14],
-                micro_slip_loss: s[15],
-                adhesion_made: s[16],
-                adhesion_broken: s[17],
-                moment_work: s[18],
-                moment_loss: s[19],
-                attraction_loss: s[20],
                 channels: reduced_channels(&laws, &channels),
                 // For equal grains the single mass is divided by here.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },

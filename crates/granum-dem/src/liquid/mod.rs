@@ -154,7 +154,7 @@ impl Integrator {
         // SAFETY: guaranteed by the caller; nothing else refers to the sums of the contacts.
         unsafe {
             let done = exchange(views, Scope::Changed, |slot| self.pair_constants(slot));
-            views.contact_sums.write(0..1)[0].attraction_loss += done.lost;
+            views.contact_sums.write(0..1)[0].mechanisms.attraction_loss += done.lost;
             done.made
         }
     }

@@ -23,7 +23,7 @@ pub use self::recorded_states::RecordedStates;
 pub(crate) use self::until::overlap_text;
 pub use self::until::{Reason, StageProgress, Until};
 use crate::config::{LARGEST_OVERLAP, Rate};
-use crate::observer::{Flow, Observer, Phase, Progress};
+use crate::observer::{Flow, Phase, SimulationObserver, SimulationProgress};
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 use crate::slices;
@@ -259,7 +259,7 @@ pub fn follow(
     stage: &Stage,
     stage_progress: &mut StageProgress,
     simulation: &mut Simulation,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Ending, SimulationError> {
     let measure = stage.record.measure;
     let origin = stage_progress.origin(measure);
@@ -307,18 +307,18 @@ fn progress_of<'a>(
     stage: &Stage,
     stage_progress: &StageProgress,
     simulation: &'a Simulation,
-) -> Progress<'a> {
+) -> SimulationProgress<'a> {
     let (steps, time) = (simulation.state().step(), simulation.state().time());
     let fraction = stage.fraction(stage_progress, simulation);
-    let progress = Progress::new(Phase::Test, steps, time, simulation);
-    Progress { fraction, measure: Some(stage.record.measure), ..progress }
+    let progress = SimulationProgress::new(Phase::Test, steps, time, simulation);
+    SimulationProgress { fraction, measure: Some(stage.record.measure), ..progress }
 }
 
 /// The goals at which something may be due in a stage.
 fn add_events(
     stage: &Stage,
     stage_progress: &StageProgress,
-    observer: &dyn Observer,
+    observer: &dyn SimulationObserver,
     goals: &mut Vec<MeasureGoal>,
 ) {
     goals.clear();

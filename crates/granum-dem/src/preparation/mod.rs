@@ -45,7 +45,7 @@ use crate::cell::Cell;
 use crate::config::Preparation;
 use crate::initial_sphere::InitialSphere;
 use crate::observer::NoObserver;
-pub use crate::observer::{Flow, Observer, Phase, Progress};
+pub use crate::observer::{Flow, Phase, SimulationObserver, SimulationProgress};
 use crate::random_insertion::{InsertionError, followed_insertion};
 use crate::servo::CellControl;
 use crate::simulation::Simulation;
@@ -103,7 +103,7 @@ pub enum PreparationOutcome {
 /// As for [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
 pub fn prepare(
     specification: &SampleSpecification,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Sample, PreparationError> {
     complete(Preparing::followed(specification, observer)?, specification, observer)
 }
@@ -116,7 +116,7 @@ pub fn prepare(
 pub fn settle(
     simulation: Simulation,
     specification: &SampleSpecification,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Sample, PreparationError> {
     complete(Preparing::settling(simulation, specification), specification, observer)
 }
@@ -124,7 +124,7 @@ pub fn settle(
 fn complete(
     preparing: Preparing,
     specification: &SampleSpecification,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Sample, PreparationError> {
     match preparing.go_on(specification, observer)? {
         PreparationOutcome::Sample(sample) => Ok(*sample),
@@ -149,7 +149,7 @@ impl Preparing {
     /// As for [`Preparing::new`]; [`PreparationError::Stopped`] if the observer stops it. Nothing is then left to be continued.
     pub fn followed(
         specification: &SampleSpecification,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Preparing, PreparationError> {
         let placed = place(specification, observer)?;
         Preparing::trial(specification, NextTrial::first(specification), &placed)
@@ -258,7 +258,7 @@ impl Preparing {
     pub fn go_on(
         mut self,
         specification: &SampleSpecification,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<PreparationOutcome, PreparationError> {
         self.simulation.set_hardware(specification.hardware);
         loop {
@@ -298,7 +298,7 @@ impl Preparing {
     }
 
     /// Advances to the next check, at a multiple of [`CHECK_EVERY`] steps, unless the observer stops it before.
-    fn advance_to_check(&mut self, observer: &mut dyn Observer) -> Result<Flow, SimulationError> {
+    fn advance_to_check(&mut self, observer: &mut dyn SimulationObserver) -> Result<Flow, SimulationError> {
         let since = self.simulation.state().step() % CHECK_EVERY;
         // After a stop between two checks it goes on to the next one.
         if since == 0 && observer.progress(&self.progress()) == Flow::Stop {
@@ -333,7 +333,7 @@ impl Preparing {
         Ok(())
     }
 
-    fn progress(&self) -> Progress<'_> {
+    fn progress(&self) -> SimulationProgress<'_> {
         self.progress.progress(&self.simulation)
     }
 
@@ -457,7 +457,7 @@ type Placed = (Cell, Vec<InitialSphere>);
 /// Places the grains at random, unless the observer stops it.
 fn place(
     specification: &SampleSpecification,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Placed, PreparationError> {
     let p = &specification.preparation;
     let placed = followed_insertion(&specification.grains, p.initial_solid_fraction, p.seed, observer);

@@ -9,7 +9,7 @@ use crate::loading::preset::{self, Given, PathValue};
 use crate::loading::{
     Constraint, Control, Drive, Measure, Reason, RecordedStates, Speed, Start, Target, Turns, Until,
 };
-use crate::observer::NoObserver;
+use crate::observer::{EachProgress, NoObserver};
 use crate::simulation::Simulation;
 
 fn contact() -> ContactModel {
@@ -95,14 +95,18 @@ fn consolidation_in_an_oedometer_leaves_a_denser_sample_at_an_isotropic_stress()
     ));
     let mut ratios = Vec::new();
     let mut named = false;
-    let sample = prepare(&consolidated, &mut |progress: &Progress| {
-        if progress.phase == Phase::PreparationStage {
-            ratios.push(Measure::StressRatio.value(&progress.simulation.state().macro_state()));
-            named |= progress.stage == Some("loading") && progress.steps > progress.simulation.state().step();
-            assert_eq!(progress.simulation.properties().material.friction, 0.3);
-        }
-        Flow::Continue
-    })
+    let sample = prepare(
+        &consolidated,
+        &mut EachProgress(|progress: &SimulationProgress| {
+            if progress.phase == Phase::PreparationStage {
+                ratios.push(Measure::StressRatio.value(&progress.simulation.state().macro_state()));
+                named |=
+                    progress.stage == Some("loading") && progress.steps > progress.simulation.state().step();
+                assert_eq!(progress.simulation.properties().material.friction, 0.3);
+            }
+            Flow::Continue
+        }),
+    )
     .unwrap();
     assert!(named && ratios.last().is_some_and(|ratio| *ratio > 0.2), "{ratios:?}");
     let before = prepared(&plain);
@@ -126,7 +130,7 @@ fn nothing_is_recorded_and_the_recording_has_no_effect() {
     let bare = recording.iter().cloned().map(|stage| stage.recording(RecordedStates::default())).collect();
     let specification = SampleSpecification::new(&grains, &contact, &preparation);
     struct Eager;
-    impl Observer for Eager {
+    impl SimulationObserver for Eager {
         fn next_observation(&self) -> f64 {
             0.0
         }
@@ -153,17 +157,21 @@ fn cycles_turn_at_their_amplitude() {
     };
     let specification = SampleSpecification::new(&grains, &contact, &preparation);
     let (mut extremes, mut step) = ([0.0f64; 2], 0.0f64);
-    prepare(&specification, &mut |progress: &Progress| {
-        let state = progress.simulation.state();
-        if progress.phase == Phase::Cycles {
-            let strain = state.strain()[0][0];
-            extremes = [extremes[0].min(strain), extremes[1].max(strain)];
-            let rate = progress.simulation.strain_rate(preparation.inertial_number, preparation.mean_stress);
-            step = step.max(rate * state.time_step());
-            assert!((state.mean_stress() / preparation.mean_stress - 1.0).abs() < 0.2);
-        }
-        Flow::Continue
-    })
+    prepare(
+        &specification,
+        &mut EachProgress(|progress: &SimulationProgress| {
+            let state = progress.simulation.state();
+            if progress.phase == Phase::Cycles {
+                let strain = state.strain()[0][0];
+                extremes = [extremes[0].min(strain), extremes[1].max(strain)];
+                let rate =
+                    progress.simulation.strain_rate(preparation.inertial_number, preparation.mean_stress);
+                step = step.max(rate * state.time_step());
+                assert!((state.mean_stress() / preparation.mean_stress - 1.0).abs() < 0.2);
+            }
+            Flow::Continue
+        }),
+    )
     .unwrap();
     let late = [-extremes[0] - amplitude, extremes[1] - amplitude];
     assert!(step > 0.0 && late.iter().all(|late| (0.0..=1.5 * step).contains(late)), "{late:?} {step}");

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::config::Preparation;
 use crate::loading::{self, Constraint, Control, Drive, Ending, Measure, Speed, Start, Target, Turns, Until};
-use crate::observer::{Flow, Observer, Phase, Progress, Work};
+use crate::observer::{Flow, Phase, SimulationObserver, SimulationProgress, Work};
 
 /// Arc length of strain after which a stage of the specification ends that has no limit of its own.
 const MOST_ARC_LENGTH: f64 = 1.0;
@@ -108,7 +108,7 @@ impl Preparing {
     pub(super) fn follow_stage(
         &mut self,
         specification: &SampleSpecification,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Flow, PreparationError> {
         let PhaseState::Loading { index, .. } = self.progress.stage else { return Ok(Flow::Continue) };
         let Some(stage) = self.progress.stage_at(specification, index) else {
@@ -149,16 +149,16 @@ struct InPreparation<'a> {
     time: f64,
     /// Name of the stage, if the specification gives it.
     stage: Option<&'a str>,
-    observer: &'a mut dyn Observer,
+    observer: &'a mut dyn SimulationObserver,
 }
 
 impl<'a> InPreparation<'a> {
     /// The progress of the preparation at that of a stage.
-    fn announced<'b>(&self, progress: &Progress<'b>) -> Progress<'b>
+    fn announced<'b>(&self, progress: &SimulationProgress<'b>) -> SimulationProgress<'b>
     where
         'a: 'b,
     {
-        Progress {
+        SimulationProgress {
             phase: self.phase,
             trial: self.trial,
             stage: self.stage,
@@ -171,8 +171,8 @@ impl<'a> InPreparation<'a> {
     }
 }
 
-impl Observer for InPreparation<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl SimulationObserver for InPreparation<'_> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         self.observer.progress(&self.announced(progress))
     }
 

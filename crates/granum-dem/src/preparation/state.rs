@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Procedure, Trial};
 use crate::loading::StageProgress;
-use crate::observer::{Phase, Progress};
+use crate::observer::{Phase, SimulationProgress};
 use crate::simulation::Simulation;
 
 /// The progress of a preparation.
@@ -86,11 +86,14 @@ impl PreparationState {
     }
 
     /// The progress as observers see it.
-    pub(super) fn progress<'a>(&self, simulation: &'a Simulation) -> Progress<'a> {
+    pub(super) fn progress<'a>(&self, simulation: &'a Simulation) -> SimulationProgress<'a> {
         let state = simulation.state();
         let steps = self.steps.saturating_add(state.step());
         let time = self.time + state.time();
-        Progress { trial: self.trial(), ..Progress::new(self.phase(), steps, time, simulation) }
+        SimulationProgress {
+            trial: self.trial(),
+            ..SimulationProgress::new(self.phase(), steps, time, simulation)
+        }
     }
 
     /// Adds the steps and the time of a phase that is complete.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::config::{Grains, LARGEST_OVERLAP, NormalKind, TangentialKind};
 use crate::contact::choice::contact_model::ContactModel;
-use crate::observer::Work;
+use crate::observer::{EachProgress, Work};
 use crate::random_insertion::random_insertion;
 
 pub(super) fn grains(spread: f64) -> Grains {
@@ -38,13 +38,13 @@ pub(super) fn in_pieces(
     loop {
         preparing = written_and_read(&preparing);
         let mut left = strides;
-        let mut observer = |p: &Progress| {
+        let mut observer = EachProgress(|p: &SimulationProgress| {
             if seen.last() != Some(&(p.trial, p.phase)) {
                 seen.push((p.trial, p.phase));
             }
             left -= 1;
             if left == 0 { Flow::Stop } else { Flow::Continue }
-        };
+        });
         match preparing.go_on(specification, &mut observer).unwrap() {
             PreparationOutcome::Sample(sample) => return (*sample, stops, seen),
             PreparationOutcome::Stopped(at) => preparing = *at,
@@ -72,7 +72,7 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
         let preparation =
             Preparation { solid_fraction: Some(0.6), solid_fraction_tolerance: 1e-9, ..quick() };
         let specification = SampleSpecification::new(&grains, &contact, &preparation);
-        let straight = prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap();
+        let straight = prepare(&specification, &mut NoObserver).unwrap();
         assert!(straight.trials.len() >= 2 && !straight.solid_fraction_met, "{:?}", straight.trials);
         let (pieces, stops, seen) = in_pieces(Preparing::new(&specification).unwrap(), &specification, 3);
         assert!(stops > 20, "{stops}");
@@ -88,7 +88,7 @@ struct Impatient {
     placings: u32,
 }
 
-impl Observer for Impatient {
+impl SimulationObserver for Impatient {
     fn work(&mut self, work: &Work) -> Flow {
         if matches!(work, Work::Placing { .. }) {
             self.placings += 1;
@@ -164,10 +164,10 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
     let grains = grains(0.0);
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
     let first = SampleSpecification::new(&grains, &contact, &preparation);
-    let packing = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    let packing = prepare(&first, &mut NoObserver).unwrap().simulation;
     let denser = Preparation { mean_stress: 60e3, unbalanced_force: 1e-4, ..preparation.clone() };
     let second = SampleSpecification::new(&grains, &contact, &denser);
-    let straight = settle(packing.clone(), &second, &mut |_: &Progress| Flow::Continue).unwrap();
+    let straight = settle(packing.clone(), &second, &mut NoObserver).unwrap();
     let (pieces, stops, _) = in_pieces(Preparing::settling(packing, &second), &second, 2);
     assert!(stops >= 2 && straight.trials.is_empty(), "{stops}");
     assert_same(&straight, &pieces);
@@ -183,7 +183,7 @@ fn compacted(
         let simulation = Simulation::new(packing.0, &packing.1, next.properties(specification)).unwrap();
         assert!(is_loose(&simulation, &specification.preparation));
         let preparing = Preparing::compacting(simulation, specification, next);
-        match preparing.go_on(specification, &mut |_: &Progress| Flow::Continue).unwrap() {
+        match preparing.go_on(specification, &mut NoObserver).unwrap() {
             PreparationOutcome::Sample(sample) => return *sample,
             PreparationOutcome::Again(again) => next = again,
             PreparationOutcome::Stopped(_) => panic!("nobody stopped it"),
@@ -217,14 +217,13 @@ fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
     let (grains, contact) = (grains(0.0), ContactModel::default());
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
     let first = SampleSpecification::new(&grains, &contact, &preparation);
-    let sample = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    let sample = prepare(&first, &mut NoObserver).unwrap().simulation;
     for mean_stress in [200e3, 5e3] {
         let other = Preparation { mean_stress, ..preparation.clone() };
         let specification = SampleSpecification::new(&grains, &contact, &other);
         let start = || Preparing::consolidating(sample.clone(), &specification);
         assert_eq!(start().progress.phase(), Phase::Consolidation);
-        let PreparationOutcome::Sample(straight) =
-            start().go_on(&specification, &mut |_: &Progress| Flow::Continue).unwrap()
+        let PreparationOutcome::Sample(straight) = start().go_on(&specification, &mut NoObserver).unwrap()
         else {
             panic!("nobody stopped it")
         };
@@ -240,7 +239,11 @@ fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
 fn an_observer_ends_a_preparation() {
     let (grains, contact, preparation) = (grains(0.0), ContactModel::default(), quick());
     let specification = SampleSpecification::new(&grains, &contact, &preparation);
-    let error = prepare(&specification, &mut |_: &Progress| Flow::Stop).err().unwrap();
+    // It is asked while grains are placed as well; one that needs the simulation is first asked when there is one.
+    let error = prepare(&specification, &mut |_: &granum_core::observer::Progress| Flow::Stop).err().unwrap();
+    assert!(matches!(error, PreparationError::Stopped { phase: Phase::Placing }), "{error}");
+    let error =
+        prepare(&specification, &mut EachProgress(|_: &SimulationProgress| Flow::Stop)).err().unwrap();
     assert!(matches!(error, PreparationError::Stopped { phase: Phase::Compaction }), "{error}");
 }
 
@@ -251,8 +254,7 @@ fn cycles_make_a_sample_denser_and_can_be_interrupted() {
     let plain = Preparation { solid_fraction: None, friction: Some(0.3), ..quick() };
     let cycled = Preparation { cycles: 3, cycle_strain: 0.02, ..plain.clone() };
     let sample = |preparation: &Preparation| {
-        prepare(&SampleSpecification::new(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue)
-            .unwrap()
+        prepare(&SampleSpecification::new(&grains, &contact, preparation), &mut NoObserver).unwrap()
     };
     let (before, after) = (sample(&plain), sample(&cycled));
     let density = |sample: &Sample| sample.simulation.state().solid_fraction();
@@ -301,10 +303,8 @@ fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation =
         Preparation { initial_solid_fraction: 0.45, friction: Some(0.1), solid_fraction: None, ..quick() };
-    let sample = prepare(&SampleSpecification::new(&grains, &contact, &preparation), &mut |_: &Progress| {
-        Flow::Continue
-    })
-    .unwrap();
+    let sample =
+        prepare(&SampleSpecification::new(&grains, &contact, &preparation), &mut NoObserver).unwrap();
     let state = sample.simulation.state();
     assert!(sample.settled && state.solid_fraction() > 0.66, "{}", state.solid_fraction());
     let assembly = sample.simulation.assembly();

@@ -9,7 +9,7 @@ struct Impatient {
     calls: u64,
 }
 
-impl Observer for Impatient {
+impl SimulationObserver for Impatient {
     fn next_observation(&self) -> f64 {
         self.notes.next_observation()
     }

@@ -14,7 +14,7 @@ use granum_dem::loading::{
     Control, Drive, Ending, History, HistoryQuantity, Measure, Ramp, Reason, Speed, Stage, StageEnd,
     StageProgress, Start, Target, Turns, Until, begin, follow, preset,
 };
-use granum_dem::observer::{Flow, Observer, Progress, Work};
+use granum_dem::observer::{Flow, NoObserver, SimulationObserver, SimulationProgress, Work};
 use granum_dem::preparation::{SampleSpecification, prepare};
 use granum_dem::simulation::{Hardware, Simulation};
 
@@ -35,7 +35,7 @@ fn sample() -> Simulation {
             preparation.unbalanced_force = 2e-3;
         });
         let specification = SampleSpecification::new(&grains, &contact, &preparation);
-        prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+        prepare(&specification, &mut NoObserver).unwrap().simulation
     };
     SAMPLE.get_or_init(make).clone()
 }
@@ -53,7 +53,7 @@ impl Default for Notes {
     }
 }
 
-impl Observer for Notes {
+impl SimulationObserver for Notes {
     fn next_observation(&self) -> f64 {
         self.next
     }
@@ -61,7 +61,7 @@ impl Observer for Notes {
         self.taken.push((simulation.state().stress(), simulation.state().strain()));
         self.next += 2e-4;
     }
-    fn progress(&mut self, progress: &Progress) -> Flow {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         if progress.steps >= self.stop_at { Flow::Stop } else { Flow::Continue }
     }
 }

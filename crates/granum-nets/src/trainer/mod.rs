@@ -97,3 +97,5 @@ pub use traingdx::Traingdx;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod traingdx_tests;

@@ -7,7 +7,7 @@ use granum_dem::config::{
     ContactModel, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
 use granum_dem::loading::{begin, follow, preset};
-use granum_dem::observer::{NoObserver, Observer};
+use granum_dem::observer::{NoObserver, SimulationObserver};
 use granum_dem::preparation::{SampleSpecification, prepare, settle};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_run::laboratory::{cell, spheres};
@@ -127,7 +127,7 @@ pub fn of_seeds(
 
 struct SeriesObserver(Recorder);
 
-impl Observer for SeriesObserver {
+impl SimulationObserver for SeriesObserver {
     fn next_observation(&self) -> f64 {
         self.0.next_observation()
     }

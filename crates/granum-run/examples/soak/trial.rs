@@ -11,7 +11,7 @@ use granum_dem::Isa;
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunFolder, RunRecord, RunStatus};
 use granum_run::laboratory::{CHECKPOINT, Laboratory, Source};
-use granum_run::{Flow, Observer, Progress};
+use granum_run::{Flow, SimulationObserver, SimulationProgress};
 
 use crate::draw::Way;
 
@@ -53,8 +53,8 @@ struct Stopper {
     since: Instant,
 }
 
-impl Observer for Stopper {
-    fn progress(&mut self, _: &Progress) -> Flow {
+impl SimulationObserver for Stopper {
+    fn progress(&mut self, _: &SimulationProgress) -> Flow {
         self.observations += 1;
         let over = self.observations >= self.stop_at || self.since.elapsed() > LONGEST;
         if over { Flow::Stop } else { Flow::Continue }

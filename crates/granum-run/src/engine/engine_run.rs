@@ -1,13 +1,13 @@
 //! A run of an engine whose inputs have been checked.
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::run::RunRecord;
 
 use super::sink::Sink;
 use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The work of an [`EngineRun`].
-type Work = dyn FnOnce(&mut dyn Sink, &mut dyn Observer) -> Result<(), LaboratoryError> + Send;
+type Work = dyn FnOnce(&mut dyn Sink, &mut dyn SimulationObserver) -> Result<(), LaboratoryError> + Send;
 
 /// A run of an engine whose inputs have been checked. Nothing has been written yet.
 pub struct EngineRun {
@@ -21,7 +21,9 @@ impl EngineRun {
     /// stops it: then it sets the status of the sink's record to [`RunStatus::Interrupted`](granum_io::RunStatus::Interrupted).
     pub fn new(
         record: RunRecord,
-        work: impl FnOnce(&mut dyn Sink, &mut dyn Observer) -> Result<(), LaboratoryError> + Send + 'static,
+        work: impl FnOnce(&mut dyn Sink, &mut dyn SimulationObserver) -> Result<(), LaboratoryError>
+        + Send
+        + 'static,
     ) -> EngineRun {
         EngineRun { record, work: Box::new(work) }
     }
@@ -30,7 +32,11 @@ impl EngineRun {
     ///
     /// # Errors
     /// If the run fails, or the sink cannot take what it finds.
-    pub fn run(self, sink: &mut dyn Sink, observer: &mut dyn Observer) -> Result<(), LaboratoryError> {
+    pub fn run(
+        self,
+        sink: &mut dyn Sink,
+        observer: &mut dyn SimulationObserver,
+    ) -> Result<(), LaboratoryError> {
         (self.work)(sink, observer)
     }
 }

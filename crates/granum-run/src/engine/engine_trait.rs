@@ -1,6 +1,6 @@
 //! The trait of engines.
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::case::Vocabulary;
 use granum_io::run::RunRecord;
 use granum_io::{Case, RunFolder};
@@ -14,7 +14,7 @@ use crate::laboratory::laboratory_error::LaboratoryError;
 /// states as they come, the measurements, snapshots, a checkpoint or restart files of its own, and the record of the run.
 ///
 /// ```
-/// use granum_dem::observer::{NoObserver, Observer};
+/// use granum_dem::observer::{NoObserver, SimulationObserver};
 /// use granum_io::{Case, RunFolder, RunKind};
 /// use granum_run::record::read_record;
 /// use granum_run::{Engine, EngineError, EngineRun, Laboratory, LaboratoryError, RunRegistry, Source, Task};
@@ -29,7 +29,7 @@ use crate::laboratory::laboratory_error::LaboratoryError;
 ///     fn help(&self) -> &'static str {
 ///         "the measurements of a run that was made before"
 ///     }
-///     fn plan(&self, task: Task, _: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+///     fn plan(&self, task: Task, _: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
 ///         // What this engine cannot do is refused here, before a folder is created.
 ///         if task.kind == RunKind::Sample {
 ///             let what = "it makes no samples; use the engine granum".to_string();
@@ -89,7 +89,7 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// If the case or the sample is invalid, or the computer is not sufficient.
-    fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError>;
+    fn plan(&self, task: Task, observer: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError>;
 
     /// Reads and checks what is needed to continue a run that was interrupted, was killed or failed; `None` if it is complete and
     /// nothing of it needs to be written again. `record` is that of the run.
@@ -101,7 +101,7 @@ pub trait Engine: Send + Sync {
         task: Task,
         record: RunRecord,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Option<EngineRun>, LaboratoryError> {
         let _ = (task, record, folder, observer);
         Err(EngineError::CannotResume { engine: self.name().into() }.into())

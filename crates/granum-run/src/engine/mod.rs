@@ -7,6 +7,7 @@ pub(crate) mod engine_error;
 pub(crate) mod engine_run;
 pub(crate) mod engine_trait;
 pub(crate) mod engines;
+mod flags;
 mod lammps;
 pub mod native;
 pub(crate) mod resources;

@@ -1,5 +1,5 @@
 use granum_core::observer::{Event, NamedValue};
-use granum_dem::observer::{NoObserver, Observer};
+use granum_dem::observer::{NoObserver, SimulationObserver};
 use granum_io::{Case, RunFolder, RunKind, RunStatus};
 use granum_sensors::RecordedState;
 
@@ -19,7 +19,7 @@ impl Engine for Clerk {
     fn version(&self) -> Result<String, EngineError> {
         Ok("3.1".into())
     }
-    fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+    fn plan(&self, task: Task, observer: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
         if task.kind == RunKind::Sample {
             let what = "it makes no samples; use the engine granum".to_string();
             return Err(EngineError::Refused { engine: self.name().into(), what }.into());

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_dem::observer::{NoObserver, Observer};
+use granum_dem::observer::{NoObserver, SimulationObserver};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::run::{OWN_ENGINE, RunFolder, RunKind, RunRecord, RunStatus};
 use granum_io::{Case, Error as FileError};
@@ -86,7 +86,7 @@ impl Laboratory {
         kind: RunKind,
         case: &Case,
         source: &Source,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<PlannedRun, LaboratoryError> {
         let engine = self.engine(self.engine_for(kind)?)?;
         let mut run = engine.plan(self.task(engine, kind, case.clone(), source.clone()), observer)?;
@@ -105,7 +105,7 @@ impl Laboratory {
         case: &Case,
         source: &Source,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<RunRecord, LaboratoryError> {
         self.plan(kind, case, source, observer)?.in_folder(folder, observer)
     }
@@ -138,7 +138,7 @@ impl Laboratory {
     pub fn resume(
         &self,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<RunRecord, LaboratoryError> {
         let run = folder.run().with_vocabulary(&self.registry.vocabulary);
         let mut record = run.record()?;

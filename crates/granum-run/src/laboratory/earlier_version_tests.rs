@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use granum_core::observer::{Flow, NoObserver, Progress};
 use granum_dem::config::Rate;
-use granum_dem::observer::{Flow, NoObserver, Progress};
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
@@ -45,7 +45,7 @@ fn a_test_that_an_earlier_version_interrupted_ends_in_the_same_bytes() {
         let finished = lab.run(RunKind::Test, &case, &Source::Case, &whole, &mut NoObserver).unwrap();
         let mut calls = 0;
         let mut stopper = |progress: &Progress| {
-            calls += u32::from(progress.phase == Phase::Test);
+            calls += u32::from(progress.activity == Phase::Test.name());
             if calls == 3 { Flow::Stop } else { Flow::Continue }
         };
         let stopped = lab.run(RunKind::Test, &case, &Source::Case, &broken, &mut stopper).unwrap();

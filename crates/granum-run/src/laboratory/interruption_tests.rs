@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use granum_dem::config::{AdhesionKind, ContactModel, NormalKind, TangentialKind};
-use granum_dem::observer::{Flow, NoObserver, Observer, Progress};
+use granum_dem::observer::{Flow, NoObserver, SimulationObserver, SimulationProgress};
 use granum_dem::simulation::Hardware;
 use granum_io::Case;
 use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunFolder, RunRecord, RunStatus};
@@ -28,8 +28,8 @@ impl Stopper {
     }
 }
 
-impl Observer for Stopper {
-    fn progress(&mut self, _: &Progress) -> Flow {
+impl SimulationObserver for Stopper {
+    fn progress(&mut self, _: &SimulationProgress) -> Flow {
         self.observations = self.observations.saturating_sub(1);
         if self.observations == 0 { Flow::Stop } else { Flow::Continue }
     }

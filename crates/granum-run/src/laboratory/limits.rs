@@ -14,7 +14,7 @@
 //! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they
 //! collapse to denser states than the above (measured in the book).
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::run::{RunKind, RunStatus};
 use granum_io::{Case, RunRecord};
 
@@ -75,8 +75,12 @@ impl Laboratory {
     ///
     /// # Errors
     /// [`LaboratoryError`] if a sample cannot be prepared, or the observer stops it.
-    pub fn limits(&self, case: &Case, observer: &mut dyn Observer) -> Result<Limits, LaboratoryError> {
-        let sample = |case: Case, observer: &mut dyn Observer| {
+    pub fn limits(
+        &self,
+        case: &Case,
+        observer: &mut dyn SimulationObserver,
+    ) -> Result<Limits, LaboratoryError> {
+        let sample = |case: Case, observer: &mut dyn SimulationObserver| {
             case.check()?;
             let sample = self.plan(RunKind::Sample, &case, &Source::Case, observer)?.in_memory(observer)?;
             match sample.about.status {

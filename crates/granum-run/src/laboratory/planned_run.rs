@@ -1,6 +1,6 @@
 //! A run whose inputs have been checked, and where its results go.
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_dem::preparation::PreparationError;
 use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord, RunStatus};
@@ -36,7 +36,7 @@ impl PlannedRun {
     pub fn in_folder(
         self,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<RunRecord, LaboratoryError> {
         let PlannedRun { case, run } = self;
         let mut record = run.record.clone();
@@ -52,7 +52,7 @@ impl PlannedRun {
     ///
     /// # Errors
     /// [`LaboratoryError`] if the run fails.
-    pub fn in_memory(self, observer: &mut dyn Observer) -> Result<RunResult, LaboratoryError> {
+    pub fn in_memory(self, observer: &mut dyn SimulationObserver) -> Result<RunResult, LaboratoryError> {
         let mut sink = MemorySink::new(self.run.record.clone());
         self.run.run(&mut sink, observer)?;
         let MemorySink { mut about, measurements, simulation } = sink;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use granum_core::observer::Progress as Report;
 use granum_dem::invariants::{deviatoric_strain, signed_von_mises};
 use granum_dem::loading::Measure;
-use granum_dem::observer::Progress;
+use granum_dem::observer::SimulationProgress;
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
 
@@ -28,7 +28,7 @@ impl ProgressField {
 }
 
 /// The progress of a run as one readable line.
-pub fn line(progress: &Progress) -> String {
+pub fn line(progress: &SimulationProgress) -> String {
     let s = progress.simulation.state();
     let mut parts = Vec::new();
     if progress.trial > 1 && progress.phase != Phase::Test {
@@ -52,7 +52,7 @@ pub fn line(progress: &Progress) -> String {
 /// The progress of a run in short form, for a line of a terminal. If the line is too long, the mean stress, which a test
 /// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last. A sample that is
 /// being made has its coordination number Z in place of the stress ratio.
-pub fn fields(progress: &Progress) -> Vec<ProgressField> {
+pub fn fields(progress: &SimulationProgress) -> Vec<ProgressField> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
     if progress.trial > 1 && progress.phase != Phase::Test {
@@ -94,18 +94,18 @@ pub fn fields_of_report(report: &Report) -> Vec<ProgressField> {
 }
 
 /// True if the progress is that of a loading path, in a test or in a preparation.
-fn is_of_path(progress: &Progress) -> bool {
+fn is_of_path(progress: &SimulationProgress) -> bool {
     matches!(progress.phase, Phase::Test | Phase::PreparationStage)
 }
 
 /// Contacts of a grain, of all grains.
-fn coordination_number(progress: &Progress) -> f64 {
+fn coordination_number(progress: &SimulationProgress) -> f64 {
     let s = progress.simulation.state();
     2.0 * s.contacts() as f64 / s.grains().max(1) as f64
 }
 
 /// The deviator strain where it spaces the states of the stage, and else the deviatoric strain.
-fn strain(progress: &Progress) -> f64 {
+fn strain(progress: &SimulationProgress) -> f64 {
     let s = progress.simulation.state();
     match progress.measure {
         Some(Measure::AxialDeviatorStrain) => s.deviator_strain(),
@@ -115,7 +115,7 @@ fn strain(progress: &Progress) -> f64 {
 
 /// The ratio q/p of an axisymmetric stage, with the axial stress less the mean lateral one as q; of a general stage that of the von
 /// Mises stress, without sign. Zero if p is zero.
-fn stress_ratio(progress: &Progress) -> String {
+fn stress_ratio(progress: &SimulationProgress) -> String {
     let s = progress.simulation.state();
     let (name, q) = match progress.axis {
         Some(axis) => ("q/p", axial_deviator(&s.stress(), axis)),
@@ -190,7 +190,7 @@ mod tests {
         let properties = Properties::new(Material::default(), ContactModel::default());
         let simulation = Simulation::new(Cell::cuboid([4e-4; 3]), &spheres, properties).unwrap();
         let shown = |phase| {
-            let progress = Progress::new(phase, 0, 0.0, &simulation);
+            let progress = SimulationProgress::new(phase, 0, 0.0, &simulation);
             let fields: Vec<String> = fields(&progress).into_iter().map(|field| field.text).collect();
             (line(&progress), fields.join("  "))
         };

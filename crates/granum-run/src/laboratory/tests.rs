@@ -1,6 +1,6 @@
-use granum_core::observer;
+use granum_core::observer::{Event, Flow, NamedValue, NoObserver, Observer, Progress};
 use granum_dem::config::{Rate, Recording};
-use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Progress};
+use granum_dem::observer::{SimulationObserver, SimulationProgress};
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Hardware;
 use granum_io::Case;
@@ -35,8 +35,8 @@ pub(super) fn laboratory() -> Laboratory {
 
 /// An observer that stops the run after a number of calls.
 struct Stopper(u32);
-impl Observer for Stopper {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl SimulationObserver for Stopper {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         assert!(line(progress).contains("kPa"));
         if progress.phase == Phase::Test {
             self.0 = self.0.saturating_sub(1);
@@ -49,10 +49,10 @@ impl Observer for Stopper {
 #[derive(Default)]
 struct Listener {
     stop_at: usize,
-    heard: Vec<observer::Progress>,
+    heard: Vec<Progress>,
 }
-impl observer::Observer for Listener {
-    fn progress(&mut self, progress: &observer::Progress) -> Flow {
+impl Observer for Listener {
+    fn progress(&mut self, progress: &Progress) -> Flow {
         self.heard.push(progress.clone());
         if self.heard.len() == self.stop_at { Flow::Stop } else { Flow::Continue }
     }
@@ -60,9 +60,9 @@ impl observer::Observer for Listener {
 
 /// Notes the events of a run.
 #[derive(Default)]
-struct Events(Vec<observer::Event>);
-impl observer::Observer for Events {
-    fn event(&mut self, event: &observer::Event) {
+struct Events(Vec<Event>);
+impl Observer for Events {
+    fn event(&mut self, event: &Event) {
         self.0.push(event.clone());
     }
 }
@@ -76,22 +76,21 @@ fn states_and_ends_of_stages_are_told_as_they_come() {
     let mut events = Events::default();
     let planned = laboratory().plan(RunKind::Test, &case, &Source::Case, &mut NoObserver).unwrap();
     // What is planned can be executed in another thread.
-    let test = std::thread::scope(|scope| {
-        scope.spawn(|| planned.in_memory(&mut Follower(&mut events))).join().unwrap().unwrap()
-    });
+    let test =
+        std::thread::scope(|scope| scope.spawn(|| planned.in_memory(&mut events)).join().unwrap().unwrap());
     let mut row = 0;
     let mut ends = Vec::new();
     for event in &events.0 {
         match event {
-            observer::Event::StateRecorded { values } => {
-                for observer::NamedValue { name, value, .. } in values {
+            Event::StateRecorded { values } => {
+                for NamedValue { name, value, .. } in values {
                     let recorded = test.record.series.values(name).unwrap()[row];
                     assert_eq!(value.to_bits(), recorded.to_bits(), "{name} of row {row}");
                 }
                 assert!(values.iter().any(|value| value.name == "overlap" || value.name == "mean_stress"));
                 row += 1;
             }
-            observer::Event::StageEnded { number, name, steps, reason } => {
+            Event::StageEnded { number, name, steps, reason } => {
                 assert!(*steps > 0 && reason.contains("reached"), "{name}: {reason}");
                 ends.push((*number, row));
             }
@@ -118,10 +117,10 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     assert_eq!(record.status, RunStatus::Interrupted);
     // An observer of any work follows a run as well, and stops it.
     let mut listener = Listener { stop_at: 3, ..Listener::default() };
-    let record = lab.resume(&broken, &mut Follower(&mut listener)).unwrap();
+    let record = lab.resume(&broken, &mut listener).unwrap();
     assert_eq!((record.status, listener.heard.len()), (RunStatus::Interrupted, 3));
     let mut listener = Listener::default();
-    let record = lab.resume(&broken, &mut Follower(&mut listener)).unwrap();
+    let record = lab.resume(&broken, &mut listener).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     let last = listener.heard.last().unwrap();
     assert_eq!((last.activity.as_ref(), last.completed().unwrap() > 0.5), ("test", true), "{last}");

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::run::file_digest;
 use granum_io::{Run, RunFolder, RunRecord, RunSource, RunStatus};
 
@@ -112,7 +112,7 @@ pub(super) fn check_folder(
 pub(super) fn execute(
     laboratory: &Laboratory,
     run: &QueuedRun,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<RunRecord, RunError> {
     catch_unwind(AssertUnwindSafe(|| go_on(laboratory, run, observer))).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -124,7 +124,7 @@ pub(super) fn execute(
 fn go_on(
     laboratory: &Laboratory,
     run: &QueuedRun,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<RunRecord, RunError> {
     match Held::by(run, laboratory) {
         Ok(Held::Finished(record)) => return Ok(*record),

@@ -1,7 +1,7 @@
 //! An observer of any work that follows a queue of runs.
 
-use granum_core::observer::{self as general, Event, SharedObserver};
-use granum_dem::observer::{Flow, Progress};
+use granum_core::observer::{Event, Flow, Observer, SharedObserver};
+use granum_dem::observer::SimulationProgress;
 
 use super::outcome::Outcome;
 use super::queue_observer::QueueObserver;
@@ -15,21 +15,21 @@ pub struct QueueFollower<'a> {
 
 impl<'a> QueueFollower<'a> {
     /// Lets an observer follow a queue.
-    pub fn new(queue: &Queue, observer: &'a mut dyn general::Observer) -> QueueFollower<'a> {
+    pub fn new(queue: &Queue, observer: &'a mut dyn Observer) -> QueueFollower<'a> {
         let names = queue.runs().iter().map(|run| run.name.clone()).collect();
         QueueFollower { names, shared: SharedObserver::new(observer) }
     }
 }
 
 impl QueueObserver for QueueFollower<'_> {
-    fn progress(&self, run: usize, progress: &Progress) -> Flow {
-        general::Observer::progress(&mut self.shared.part(&self.names[run]), &progress.report())
+    fn progress(&self, run: usize, progress: &SimulationProgress) -> Flow {
+        Observer::progress(&mut self.shared.part(&self.names[run]), &progress.report())
     }
 
     fn warn(&self, run: usize, text: &str) {
         let name = &self.names[run];
         let event = Event::Warning { text: format!("{name}: {text}") };
-        general::Observer::event(&mut self.shared.part(name), &event);
+        Observer::event(&mut self.shared.part(name), &event);
     }
 
     fn ends(&self, run: usize, outcome: &Outcome) {

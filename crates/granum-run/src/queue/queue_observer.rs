@@ -1,6 +1,6 @@
 //! What follows a queue of runs.
 
-use granum_dem::observer::{Flow, Observer, Progress, Work};
+use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress, Work};
 
 use super::outcome::Outcome;
 
@@ -13,7 +13,7 @@ pub trait QueueObserver: Sync {
     }
 
     /// The progress of a run; returns whether it continues. A stop ends it in good order, with a checkpoint.
-    fn progress(&self, run: usize, progress: &Progress) -> Flow {
+    fn progress(&self, run: usize, progress: &SimulationProgress) -> Flow {
         let _ = (run, progress);
         self.flow()
     }
@@ -53,8 +53,8 @@ pub(super) struct OfOneRun<'a> {
     pub(super) run: usize,
 }
 
-impl Observer for OfOneRun<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl SimulationObserver for OfOneRun<'_> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         self.observer.progress(self.run, progress)
     }
 

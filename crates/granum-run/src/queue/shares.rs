@@ -1,6 +1,6 @@
 //! The completed share of all runs of a queue.
 
-use granum_dem::observer::Progress;
+use granum_dem::observer::SimulationProgress;
 use granum_dem::preparation::Phase;
 
 use super::outcome::Outcome;
@@ -37,7 +37,7 @@ impl Shares {
     }
 
     /// Notes the progress of a run.
-    pub fn update(&mut self, run: usize, progress: &Progress) {
+    pub fn update(&mut self, run: usize, progress: &SimulationProgress) {
         // The solid fraction of a sample grows from nearly nothing to about two thirds.
         let prepared = progress.simulation.state().solid_fraction();
         let share = match (progress.phase, self.is_sample[run]) {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use granum_dem::observer::{Flow, Progress};
+use granum_dem::observer::{Flow, SimulationProgress};
 use granum_dem::simulation::Hardware;
 use granum_io::{Case, Run, RunStatus};
 
@@ -49,7 +49,7 @@ impl QueueObserver for Notes {
     fn begins(&self, run: usize) {
         self.said.lock().unwrap().push(format!("begins {run}"));
     }
-    fn progress(&self, _: usize, progress: &Progress) -> Flow {
+    fn progress(&self, _: usize, progress: &SimulationProgress) -> Flow {
         let in_test = progress.phase == granum_dem::preparation::Phase::Test;
         if self.stops && in_test { Flow::Stop } else { Flow::Continue }
     }

@@ -2,7 +2,7 @@
 
 use granum_core::{Column, Table};
 use granum_dem::invariants::signed_von_mises;
-use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress};
 use granum_dem::servo::COMPONENTS;
 use granum_dem::simulation::Simulation;
 
@@ -50,7 +50,7 @@ impl Probed {
 ///
 /// ```
 /// use granum_run::stiffness::{Probes, Probing};
-/// use granum_run::Observer;
+/// use granum_run::SimulationObserver;
 ///
 /// let mut probes = Probes::new(1, vec![0.0, 0.01], Probing::default());
 /// assert_eq!(probes.next_observation(), f64::INFINITY, "no stage has begun");
@@ -90,7 +90,7 @@ impl Probes {
     }
 }
 
-impl Observer for Probes {
+impl SimulationObserver for Probes {
     fn stage(&mut self, number: usize) {
         self.is_on = number == self.number;
     }
@@ -111,7 +111,7 @@ impl Observer for Probes {
         }
     }
 
-    fn progress(&mut self, _: &Progress) -> Flow {
+    fn progress(&mut self, _: &SimulationProgress) -> Flow {
         if self.failed.is_some() { Flow::Stop } else { Flow::Continue }
     }
 }

@@ -5,7 +5,7 @@ use granum_io::RunKind;
 use std::path::{Path, PathBuf};
 
 use granum_dem::config::{Grains, Preparation, Recording};
-use granum_dem::preparation::{Flow, Progress, SampleSpecification, settle};
+use granum_dem::preparation::{SampleSpecification, settle};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, Table, read_table};
 use granum_run::laboratory::{cell, spheres};
@@ -31,7 +31,7 @@ fn the_start_of_the_curves_is_that_of_lammps() {
         hardware,
         ..SampleSpecification::new(&grains, &properties.contact, &preparation)
     };
-    let mut s = settle(simulation, &specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    let mut s = settle(simulation, &specification, &mut NoObserver).unwrap().simulation;
     s.set_hardware(hardware);
     compress(&mut s, 0, 1e-3);
     // The states are those of the stored table: 0, 0.005, 0.01.

@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use granum_core::assembly::{Assembly, Matrix};
 use granum_core::cell::Cell;
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation, TangentialKind};
-use granum_dem::preparation::{Flow, Progress, SampleSpecification, prepare};
+use granum_dem::observer::NoObserver;
+use granum_dem::preparation::{SampleSpecification, prepare};
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 
@@ -41,7 +42,7 @@ pub fn prepared(grains: &Grains, contact: &ContactModel) -> Simulation {
         preparation.unbalanced_force = 2e-3;
     });
     let specification = SampleSpecification::new(grains, contact, &preparation);
-    prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+    prepare(&specification, &mut NoObserver).unwrap().simulation
 }
 
 pub fn spheres(assembly: &Assembly) -> Vec<InitialSphere> {

@@ -1,7 +1,7 @@
 //! Averages observations into recorded states during a test.
 
 mod schedule;
-mod sums;
+pub(crate) mod sums;
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use granum_dem::loading;
 use serde::{Deserialize, Serialize, Serializer};
 
 use self::schedule::Schedule;
-pub(crate) use self::sums::StateSums;
+use self::sums::StateSums;
 use crate::recorded_state::RecordedState;
 use crate::registry::Known;
 use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensors, Values};

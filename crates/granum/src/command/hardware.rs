@@ -7,7 +7,7 @@ use granum_dem::simulation::Hardware;
 use std::time::{Duration, Instant};
 
 use granum_run::laboratory::{self, Laboratory, LaboratoryError, ProgressField};
-use granum_run::{Flow, Observer, Progress as RunProgress, Work};
+use granum_run::{Flow, SimulationObserver, SimulationProgress, Work};
 
 use super::checkpoints::CheckpointFlags;
 use crate::context::Context;
@@ -144,8 +144,8 @@ impl<'a> Show<'a> {
     }
 }
 
-impl Observer for Show<'_> {
-    fn progress(&mut self, progress: &RunProgress) -> Flow {
+impl SimulationObserver for Show<'_> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         self.placing_since = None;
         self.begin(progress.phase.name());
         self.progress.update(progress.fraction, |room| match room {

@@ -132,4 +132,5 @@ pub fn described(mut line: clap::Command, registry: &Registry) -> clap::Command 
         line = line.mut_subcommand(name, |command| law::described(command, laws));
     }
     line.mut_subcommand("train", |command| train_study::described(command, &registry.methods))
+        .mut_subcommand("campaign", |command| campaign::described(command, &registry.schedulers))
 }

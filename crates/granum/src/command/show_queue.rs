@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use granum_run::laboratory::{self, ProgressField};
 use granum_run::queue::{Outcome, Queue, QueueObserver, Shares};
-use granum_run::{Flow, Progress as RunProgress};
+use granum_run::{Flow, SimulationProgress};
 
 use crate::context::Context;
 use crate::progress::{Progress, Room};
@@ -37,7 +37,7 @@ impl<'a> ShowQueue<'a> {
 }
 
 impl QueueObserver for ShowQueue<'_> {
-    fn progress(&self, run: usize, status: &RunProgress) -> Flow {
+    fn progress(&self, run: usize, status: &SimulationProgress) -> Flow {
         let mut held = self.lock();
         let (progress, shares) = &mut *held;
         shares.update(run, status);

@@ -10,7 +10,7 @@ use granum_core::quantity::{Dimension, parse_quantity};
 use granum_dem::simulation::Simulation;
 use granum_io::shell::ShowPath;
 use granum_run::stiffness::{Probed, Probes, Probing, degradation, degradation_table, table};
-use granum_run::{Laboratory, Observers, Source};
+use granum_run::{Laboratory, SimulationObservers, Source};
 use serde_json::{Value, json};
 
 use super::case_flags::CaseFlags;
@@ -102,7 +102,7 @@ impl MeasureStiffness {
         let mut show = Show::new(context);
         let mut probes = Probes::new(self.stage, at, probing);
         let mut until = Until { probes: &mut probes };
-        let mut observers = Observers(vec![&mut show, &mut until]);
+        let mut observers = SimulationObservers(vec![&mut show, &mut until]);
         let planned = laboratory.plan(RunKind::Test, &case, &source, &mut observers);
         let test = planned.and_then(|planned| planned.in_memory(&mut observers));
         // Warnings would begin behind the bar.
@@ -167,7 +167,7 @@ struct Until<'a> {
     probes: &'a mut Probes,
 }
 
-impl granum_run::Observer for Until<'_> {
+impl granum_run::SimulationObserver for Until<'_> {
     fn stage(&mut self, number: usize) {
         self.probes.stage(number);
     }
@@ -177,7 +177,7 @@ impl granum_run::Observer for Until<'_> {
     fn observe(&mut self, simulation: &Simulation) {
         self.probes.observe(simulation);
     }
-    fn progress(&mut self, progress: &granum_run::Progress) -> granum_run::Flow {
+    fn progress(&mut self, progress: &granum_run::SimulationProgress) -> granum_run::Flow {
         match self.probes.due().is_empty() {
             true => granum_run::Flow::Stop,
             false => self.probes.progress(progress),

@@ -48,6 +48,10 @@ const MOST_SAID: usize = 3;
 struct Slurm(SchedulerOptions);
 
 impl Scheduler for Slurm {
+    fn packs(&self) -> bool {
+        true
+    }
+
     fn check(&self) -> Result<(), SchedulerError> {
         cluster::queued().map(drop)
     }

@@ -3,14 +3,9 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use crate::contact::adhesion::{CapillaryBridge, CapillaryBridgeFilms, NoAdhesion, VanDerWaals};
 use crate::contact::law::{AdhesionLaw, MomentLaw, NormalLaw, TangentialLaw};
-use crate::contact::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
-use crate::contact::rolling::{
-    ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments, SpringDashpotSlider,
-};
 use crate::contact::slot::slot_traits::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
-use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
+use crate::contact::{adhesion, normal, rolling, tangential};
 
 /// A law behind a pointer. A law of granum is reached through a variable of this crate: its code is then compiled here and not once more
 /// in every crate that names the law.
@@ -39,7 +34,7 @@ impl<S: ?Sized> Copy for Held<S> {}
 /// The choice of a law as a value that can be copied and compared; the name identifies it in files. To add a law to granum, add its
 /// file, and its line to the list of its kind.
 macro_rules! kind {
-    ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:ident,)*) => {
+    ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:path,)*) => {
         #[doc = concat!("A choice of ", $what, ", identified in files by its name.")]
         #[derive(Clone, Copy)]
         pub struct $kind(Held<dyn $slot>);
@@ -108,31 +103,31 @@ macro_rules! kind {
 
 kind! {
     NormalKind, NormalSlot, NormalLaw, "normal law",
-    HERTZ = Hertz,
-    JKR = Jkr,
-    HOOKE = Hooke,
-    DMT = Dmt,
-    JKR_DMT = JkrDmt,
-    ROUGH_HERTZ = RoughHertz,
-    LUDING = Luding,
+    HERTZ = normal::Hertz,
+    JKR = normal::Jkr,
+    HOOKE = normal::Hooke,
+    DMT = normal::Dmt,
+    JKR_DMT = normal::JkrDmt,
+    ROUGH_HERTZ = normal::RoughHertz,
+    LUDING = normal::Luding,
 }
 kind! {
     TangentialKind, TangentialSlot, TangentialLaw, "tangential law",
-    MINDLIN_DERESIEWICZ = MindlinDeresiewicz,
-    NO_SLIP = NoSlip,
-    PEELING = Peeling,
+    MINDLIN_DERESIEWICZ = tangential::MindlinDeresiewicz,
+    NO_SLIP = tangential::NoSlip,
+    PEELING = tangential::Peeling,
 }
 kind! {
     RollingKind, MomentSlot, MomentLaw, "law of contact moments",
-    NONE = NoMoments,
-    ELASTIC_PLASTIC = ElasticPlasticRolling,
-    ELASTIC_PLASTIC_TWISTING = ElasticPlasticTwisting,
-    SPRING_DASHPOT_SLIDER = SpringDashpotSlider,
+    NONE = rolling::NoMoments,
+    ELASTIC_PLASTIC = rolling::ElasticPlasticRolling,
+    ELASTIC_PLASTIC_TWISTING = rolling::ElasticPlasticTwisting,
+    SPRING_DASHPOT_SLIDER = rolling::SpringDashpotSlider,
 }
 kind! {
     AdhesionKind, AdhesionSlot, AdhesionLaw, "law of additional adhesion",
-    NONE = NoAdhesion,
-    CAPILLARY_BRIDGE = CapillaryBridge,
-    CAPILLARY_BRIDGE_FILMS = CapillaryBridgeFilms,
-    VAN_DER_WAALS = VanDerWaals,
+    NONE = adhesion::NoAdhesion,
+    CAPILLARY_BRIDGE = adhesion::CapillaryBridge,
+    CAPILLARY_BRIDGE_FILMS = adhesion::CapillaryBridgeFilms,
+    VAN_DER_WAALS = adhesion::VanDerWaals,
 }

@@ -33,9 +33,14 @@ pub struct Moment<R: Real> {
     pub twisting_dashpot: R,
     /// Where the couple is at its limit.
     pub at_limit: R::Mask,
-    /// Work of the elastic couple in this step, positive where energy is absorbed, J.
+    /// Work that the elastic couple took up in this step, J: the mean of the couples before and after the step times the relative
+    /// rotation `dt * spin` (trapezoidal rule, error of second order in the step), positive where the contact absorbs energy. It
+    /// equals the change of [`MomentLaw::energy`] plus `loss`, which the energy balance of a test assumes: a law that puts part of
+    /// it into one of its [`MomentLaw::CHANNELS`] leaves that part out here. The work of the dashpots is not contained; granum
+    /// computes it from `dashpot` and `twisting_dashpot`.
     pub work: R,
-    /// The part of it that was dissipated, J: rolling at the limit, and energy that a changed stiffness no longer stores.
+    /// The part of `work` that was dissipated, J: rolling or twisting at the limit, and energy that a changed stiffness no longer
+    /// stores. Zero for a couple that is a spring of constant stiffness.
     pub loss: R,
     /// Contribution of the couple to the stiffness that limits the time step, as a tangential stiffness, N/m.
     pub step_stiffness: R,

@@ -1,6 +1,17 @@
 //! Tests of the Parquet format.
 
+use std::ops::Range;
+use std::sync::Arc;
+
+use granum_core::{Column, ColumnKind, Table};
+use parquet::basic::Type as Physical;
+use parquet::data_type::DoubleType;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+
 use super::*;
+use crate::error::Error;
 use proptest::prelude::*;
 use std::fs::{self, File};
 

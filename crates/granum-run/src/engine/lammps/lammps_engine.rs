@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use granum_dem::config::NormalKind;
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::Case;
 use granum_io::case::Vocabulary;
 use granum_io::run::{RunFolder, RunRecord, RunStatus};
@@ -110,7 +110,7 @@ impl Engine for Lammps {
         Unknown::new(case, vocabulary.sensors(), frame::parts()).map(drop)
     }
 
-    fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+    fn plan(&self, task: Task, observer: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
         self.check(&task.case, &task.vocabulary)?;
         let test = Test::new(&task, self.command.clone(), true)?;
         program::about(&self.command)?;
@@ -130,7 +130,7 @@ impl Engine for Lammps {
         task: Task,
         record: RunRecord,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Option<EngineRun>, LaboratoryError> {
         if record.status == RunStatus::Finished {
             if let Some(fault) = folder.run().faults()?.first() {

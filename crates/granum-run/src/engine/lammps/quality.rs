@@ -5,6 +5,7 @@ use granum_io::run::{QualityFlag, RunRecord};
 use granum_sensors::Record;
 
 use super::reading::Reading;
+use crate::engine::flags;
 use crate::engine::native::{note, quality};
 
 /// Largest root mean square difference of the mean stress of the recorded contacts from that of LAMMPS, relative to it.
@@ -21,54 +22,22 @@ pub(super) fn add(reading: &Reading, seen: &Record, record: &mut RunRecord) {
     let unmet = progress.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
     let mean = quality::mean_of_carrying(seen);
     let largest = |name: &str| seen.series.values(name).unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
-    let mut flags = vec![
-        QualityFlag::at_most(
-            "stages_cut_short",
-            unmet as f64,
-            0.0,
-            "a stage met none of its end conditions; the reason why it ended is in the notes of the run",
-        ),
-        QualityFlag::at_most(
-            "inertial_number",
-            mean("inertial_number"),
-            quality::LARGEST_INERTIAL_NUMBER,
-            format!("the test is too fast to be quasi-static; lower {speed_key}"),
-        ),
-        QualityFlag::at_most(
-            "unbalanced_force",
-            mean("unbalanced_force"),
-            quality::LARGEST_UNBALANCED_FORCE,
-            format!("grains are far from equilibrium; lower {speed_key}"),
-        ),
-        QualityFlag::at_most(
-            "largest_overlap",
-            largest("largest_overlap"),
-            quality::LARGEST_OVERLAP,
-            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
-        ),
-        QualityFlag::at_most(
-            "time_step_fraction",
-            progress.time_step_fraction,
-            reading.grains.properties().contact.stable_fraction(MOST_CONTACTS),
-            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower numerics.time_step_factor",
-        ),
+    let limit = reading.grains.properties().contact.stable_fraction(MOST_CONTACTS);
+    let mut flags = vec![flags::stages_cut_short(unmet)];
+    flags.extend(flags::quasi_static(mean, speed_key));
+    flags.extend([
+        flags::overlap("largest_overlap", largest("largest_overlap")),
+        flags::time_step("time_step_fraction", progress.time_step_fraction, limit),
         QualityFlag::at_most(
             "stress_differs_from_lammps",
             (progress.differences / progress.compared.max(1) as f64).sqrt(),
             STRESSES_DIFFER,
             "the mean stress of the recorded contacts is not that of LAMMPS, whose dashpots it leaves out; lower the speed",
         ),
-    ];
+    ]);
     let controlled = reading.stages.iter().any(|stage| controls_stress(&stage.control));
     if controlled && !judged.is_empty() {
-        flags.push(QualityFlag::at_most(
-            "servo_error_rms",
-            servo_error,
-            servo_limit,
-            format!(
-                "the controlled stress fluctuates about its target; lower {speed_key} or take more grains"
-            ),
-        ));
+        flags.push(flags::servo_error(servo_error, servo_limit, speed_key));
     }
     record.quality.extend(flags);
     note(

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant as Clock};
 
 use granum_core::observer::Event;
-use granum_dem::observer::{Flow, Observer, Work};
+use granum_dem::observer::{Flow, SimulationObserver, Work};
 use granum_io::run::{RunStatus, TEST};
 use granum_io::{Case, Error, Packing};
 use granum_sensors::Sensors;
@@ -92,7 +92,7 @@ pub(super) fn run(
     test: Test,
     sample: SampleMaker,
     sink: &mut dyn Sink,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<(), LaboratoryError> {
     if let Some(text) = &test.note {
         note(sink.record(), text.clone());
@@ -140,7 +140,7 @@ pub(super) fn run(
 }
 
 /// The lock of the folder; LAMMPS of a process that was killed is asked to stop. `None` if the observer does not wait for it.
-fn lock(place: &Place, observer: &mut dyn Observer) -> Result<Option<File>, LaboratoryError> {
+fn lock(place: &Place, observer: &mut dyn SimulationObserver) -> Result<Option<File>, LaboratoryError> {
     let mut told = false;
     loop {
         if let Some(lock) = place.lock()? {
@@ -214,7 +214,7 @@ struct Follower<'a, 's> {
     test: &'a Test,
     reading: &'a mut Reading,
     sink: &'a mut (dyn Sink + 's),
-    observer: &'a mut dyn Observer,
+    observer: &'a mut dyn SimulationObserver,
 }
 
 impl Follower<'_, '_> {
@@ -308,7 +308,7 @@ fn save_measurements(reading: &Reading, sink: &mut dyn Sink) -> Result<(), Labor
 fn complete(
     reading: &mut Reading,
     sink: &mut dyn Sink,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<(), LaboratoryError> {
     let end = reading.last()?.assembly;
     sink.save_snapshot(END, &end)?;

@@ -1,5 +1,6 @@
 //! What cannot be measured on the grains that LAMMPS tells of: columns of sensors whose parts of an assembly it does not give.
 
+use granum_core::words::listed;
 use granum_core::{Part, Parts};
 use granum_io::Case;
 use granum_sensors::{Record, RecordedState, Sensors};
@@ -36,7 +37,7 @@ impl Unknown {
                     description.columns.iter().flat_map(|column| lacks(column.needs)).collect();
                 parts.sort_unstable();
                 parts.dedup();
-                let parts = listed(parts.iter().map(|part| part.name()));
+                let parts = listed(&parts.iter().map(|part| part.name()).collect::<Vec<_>>());
                 let what = format!(
                     "recording.sensors = {name:?} cannot be measured: it needs {parts}, which LAMMPS does not give; leave it out"
                 );
@@ -63,8 +64,8 @@ impl Unknown {
         (!self.columns.is_empty()).then(|| {
             format!(
                 "not recorded: {}; LAMMPS does not give {}",
-                listed(self.columns.iter().map(String::as_str)),
-                listed(self.parts.iter().map(|part| part.name()))
+                listed(&self.columns),
+                listed(&self.parts.iter().map(|part| part.name()).collect::<Vec<_>>())
             )
         })
     }
@@ -104,14 +105,4 @@ fn histograms_of(sensors: &Sensors, case: &Case, name: &str) -> Result<Vec<Strin
         .map(|bins| bins.name.to_string())
         .filter(|name| own(name))
         .collect())
-}
-
-/// Names with commas, and "and" before the last.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.collect();
-    match names.as_slice() {
-        [] => String::new(),
-        [one] => (*one).to_string(),
-        [others @ .., last] => format!("{} and {last}", others.join(", ")),
-    }
 }

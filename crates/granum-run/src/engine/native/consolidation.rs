@@ -1,7 +1,7 @@
 //! Consolidation: brings a sample to the mean stress of its test, if that differs from the mean stress of the sample.
 
 use granum_dem::config::Preparation;
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_dem::preparation::{Phase, PreparationOutcome, Preparing};
 use granum_io::Case;
 
@@ -43,7 +43,7 @@ impl TaskExecution {
         case: &Case,
         run_state: RunState,
         speedometer: &mut Speedometer,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<(RunState, Segment), LaboratoryError> {
         let RunState { simulation, part, mut results, older } = run_state;
         let (RunPart::Consolidation(progress), Some(preparation)) = (&part, wanted(case)) else {

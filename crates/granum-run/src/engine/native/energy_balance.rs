@@ -37,10 +37,8 @@ pub(super) fn energy_gap(before: &StoredEnergy, end: &Assembly) -> f64 {
     let e = &end.energy;
     let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
     // The work of the tangential forces includes their elastic energy, which need not be separated here.
-    let accounted =
-        stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
     // What a law stores in a channel is accounted for like what it dissipates.
-    let accounted = e.channels.values().fold(accounted + e.attraction_loss, |sum, energy| sum + energy);
+    let accounted = e.accounted(stored);
     // If hardly any work is done, as in a cell at rest, the gap is compared with the stored energy.
     let measure = e.boundary_work.abs().max(HARDLY_ANY * before.elastic_normal.abs());
     if measure == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / measure).abs() }

@@ -8,7 +8,7 @@ use granum_core::observer::Event;
 use granum_core::quantity::format_number;
 use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Measure, StageProgress};
-use granum_dem::observer::{Flow, Observer, Progress, Work};
+use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress, Work};
 use granum_dem::simulation::Simulation;
 use granum_sensors::{RecordedState, Recorder};
 
@@ -18,7 +18,7 @@ use crate::laboratory::status::Speedometer;
 
 /// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
 pub(super) struct Follow<'a, 's> {
-    pub(super) observer: &'a RefCell<&'s mut dyn Observer>,
+    pub(super) observer: &'a RefCell<&'s mut dyn SimulationObserver>,
     pub(super) speedometer: &'a mut Speedometer,
     pub(super) checkpoint: Interval,
     /// Name of the current stage of a test.
@@ -33,7 +33,7 @@ pub(super) struct Follow<'a, 's> {
 
 impl<'a> Follow<'a, '_> {
     /// The progress in the whole test, with its speed.
-    fn announced<'p>(&mut self, progress: &Progress<'p>) -> Progress<'p>
+    fn announced<'p>(&mut self, progress: &SimulationProgress<'p>) -> SimulationProgress<'p>
     where
         'a: 'p,
     {
@@ -47,8 +47,8 @@ impl<'a> Follow<'a, '_> {
     }
 }
 
-impl Observer for Follow<'_, '_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl SimulationObserver for Follow<'_, '_> {
+    fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         let announced = self.announced(progress);
         self.stopped = self.observer.borrow_mut().progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
@@ -118,7 +118,7 @@ impl<'a, 's> StageRecording<'a, 's> {
     }
 }
 
-impl Observer for StageRecording<'_, '_> {
+impl SimulationObserver for StageRecording<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.recorder.next_observation()
     }
@@ -127,7 +127,7 @@ impl Observer for StageRecording<'_, '_> {
         self.recorder.observe(&self.assembly);
         self.tell(self.recorder.complete_states());
     }
-    fn progress(&mut self, _: &Progress) -> Flow {
+    fn progress(&mut self, _: &SimulationProgress) -> Flow {
         if self.failed.is_some() { Flow::Stop } else { Flow::Continue }
     }
 }
@@ -135,7 +135,7 @@ impl Observer for StageRecording<'_, '_> {
 /// Where the recorder and the snapshots of a test go: the sink of the run, and its observer.
 pub(super) struct Outlet<'s> {
     pub(super) sink: RefCell<&'s mut dyn Sink>,
-    pub(super) observer: RefCell<&'s mut dyn Observer>,
+    pub(super) observer: RefCell<&'s mut dyn SimulationObserver>,
 }
 
 impl Outlet<'_> {
@@ -158,7 +158,7 @@ pub(super) struct Snapshots<'a, 's> {
     pub(super) failed: Option<granum_io::Error>,
 }
 
-impl Observer for Snapshots<'_, '_> {
+impl SimulationObserver for Snapshots<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.due.first().copied().unwrap_or(f64::INFINITY)
     }
@@ -172,7 +172,7 @@ impl Observer for Snapshots<'_, '_> {
             }
         }
     }
-    fn progress(&mut self, _: &Progress) -> Flow {
+    fn progress(&mut self, _: &SimulationProgress) -> Flow {
         if self.failed.is_some() { Flow::Stop } else { Flow::Continue }
     }
 }

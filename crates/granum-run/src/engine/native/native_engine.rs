@@ -1,7 +1,7 @@
 //! The engine of granum ([`granum_dem`]): it executes the parts of a run one after another and writes checkpoints, from
 //! which an interrupted run is resumed with bit-identical results.
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::run::{RunFolder, RunRecord};
 
 use super::run;
@@ -23,7 +23,7 @@ impl Engine for Native {
         "granum's own engine: the same bits on any number of threads, with checkpoints"
     }
 
-    fn plan(&self, task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+    fn plan(&self, task: Task, observer: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
         run::plan(task, observer)
     }
 
@@ -32,7 +32,7 @@ impl Engine for Native {
         task: Task,
         record: RunRecord,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Option<EngineRun>, LaboratoryError> {
         run::resume(task, record, folder, observer)
     }

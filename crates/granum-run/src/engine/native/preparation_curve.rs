@@ -1,6 +1,6 @@
 //! The history of a preparation: the evolution of stress, density and contacts, as a table in the folder of the sample.
 
-use granum_dem::observer::Progress;
+use granum_dem::observer::SimulationProgress;
 use granum_dem::preparation::{Phase, Sample};
 use granum_dem::simulation::Simulation;
 use granum_io::{Column, ColumnKind, Table};
@@ -70,7 +70,7 @@ fn row(simulation: &Simulation, trial: usize, phase: u8, steps: u64, time: f64) 
 
 impl PreparationCurve {
     /// Stores a row if one is due.
-    pub(super) fn observe(&mut self, progress: &Progress) {
+    pub(super) fn observe(&mut self, progress: &SimulationProgress) {
         let phase = number(progress.phase);
         let here = Some((progress.trial, phase, progress.steps));
         if self.last == here {

@@ -11,6 +11,7 @@ use granum_sensors::{MissedObservations, Observation, Record};
 
 use super::energy_balance::energy_gap;
 use super::test_state::Test;
+use crate::engine::flags;
 use crate::strength::{CARRIES_STRESS, ended_liquefied};
 
 /// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
@@ -28,17 +29,11 @@ fn momentum_drift(assembly: &Assembly) -> f64 {
     if sum == 0.0 { 0.0 } else { net.iter().map(|x| x * x).sum::<f64>().sqrt() / sum }
 }
 
-/// Largest ratio of overlap to the sum of the radii for which the theory of small contacts holds.
-pub(in crate::engine) const LARGEST_OVERLAP: f64 = 0.02;
 /// Limit on the root mean square error of each controlled stress over the mean stress, in a stage whose rates grow from zero.
 const SERVO_ERROR: f64 = 0.005;
 /// The same in a stage whose rates begin at once, as in the test of the paper: the stresses still settle after the strain of the
 /// start, which is not judged.
 const SERVO_ERROR_WITHOUT_EASE: f64 = 0.01;
-/// Largest mean inertial number of a quasi-static test.
-pub(in crate::engine) const LARGEST_INERTIAL_NUMBER: f64 = 1.05e-3;
-/// Largest mean unbalanced force of a quasi-static test.
-pub(in crate::engine) const LARGEST_UNBALANCED_FORCE: f64 = 0.05;
 /// Largest net momentum over the sum of the magnitudes of the momenta.
 const LARGEST_MOMENTUM_DRIFT: f64 = 1e-6;
 /// Limit on the relative deviation of the mean stress of a sample at rest from its target.
@@ -65,7 +60,7 @@ pub(super) fn judge_rest(
             MEAN_STRESS_MISSED,
             "the sample did not come to rest at its mean stress; lower preparation.inertial_number",
         ),
-        judge_overlap(
+        flags::overlap(
             format!("{what}_largest_overlap"),
             largest_overlap(&Observation::new(&simulation.assembly())),
         ),
@@ -73,17 +68,9 @@ pub(super) fn judge_rest(
     ]
 }
 
-fn judge_overlap(name: impl Into<String>, largest: f64) -> QualityFlag {
-    let advice =
-        "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus";
-    QualityFlag::at_most(name, largest, LARGEST_OVERLAP, advice)
-}
-
 fn judge_time_step(name: impl Into<String>, simulation: &Simulation) -> QualityFlag {
     let limit = simulation.properties().contact.stable_fraction(MOST_CONTACTS);
-    let advice = "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
-                  numerics.time_step_factor";
-    QualityFlag::at_most(name, simulation.state().time_step_fraction(), limit, advice)
+    flags::time_step(name, simulation.state().time_step_fraction(), limit)
 }
 
 /// True for a stage that has no limit after which it would be cut short, such as that of the section `[shear]`: that it met its end
@@ -197,35 +184,12 @@ pub(super) fn judge(
     let mut flags = if unmet == 0 && test.list().iter().all(is_certain_to_end) {
         Vec::new()
     } else {
-        vec![QualityFlag::at_most(
-            "stages_cut_short",
-            unmet as f64,
-            0.0,
-            "a stage met none of its end conditions; the reason why it ended is in the notes of the run",
-        )]
+        vec![flags::stages_cut_short(unmet)]
     };
     let lost = state.target_mean_stress().map_or(0.0, |t| 1.0 - state.mean_stress() / t);
+    flags.extend(flags::quasi_static(mean, speed_key));
     flags.extend([
-        QualityFlag::at_most(
-            "inertial_number",
-            mean("inertial_number"),
-            LARGEST_INERTIAL_NUMBER,
-            format!("the test is too fast to be quasi-static; lower {speed_key}"),
-        ),
-        QualityFlag::at_most(
-            "unbalanced_force",
-            mean("unbalanced_force"),
-            LARGEST_UNBALANCED_FORCE,
-            format!("grains are far from equilibrium; lower {speed_key}"),
-        ),
-        QualityFlag::at_most(
-            "servo_error_rms",
-            servo_error,
-            servo_limit,
-            format!(
-                "the controlled stress fluctuates about its target; lower {speed_key} or take more grains"
-            ),
-        ),
+        flags::servo_error(servo_error, servo_limit, speed_key),
         QualityFlag::at_most(
             "servo_error_largest",
             errors.iter().map(|(_, error)| error.largest()).fold(0.0, f64::max),
@@ -234,7 +198,7 @@ pub(super) fn judge(
                 "the controlled stress deviated too far at least once; lower {speed_key} or take more grains"
             ),
         ),
-        judge_overlap("largest_overlap", largest("largest_overlap")),
+        flags::overlap("largest_overlap", largest("largest_overlap")),
         QualityFlag::at_most(
             "momentum_drift",
             momentum_drift(end),

@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use granum_dem::loading::StageEnd;
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_io::Case;
 use granum_io::run::{FileFault, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};
 use granum_sensors::Record;
@@ -30,7 +30,7 @@ use crate::strength;
 ///
 /// # Errors
 /// [`LaboratoryError`] if the case does not fit into memory, or if its sample, packing or sensors cannot be used.
-pub(super) fn plan(task: Task, observer: &mut dyn Observer) -> Result<EngineRun, LaboratoryError> {
+pub(super) fn plan(task: Task, observer: &mut dyn SimulationObserver) -> Result<EngineRun, LaboratoryError> {
     let is_test = task.kind == RunKind::Test;
     let Begun { execution, run_state, record } = begin(&task, is_test, observer)?;
     let case = task.case;
@@ -48,7 +48,7 @@ pub(super) struct Begun {
 pub(super) fn begin(
     task: &Task,
     with_test: bool,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Begun, LaboratoryError> {
     let execution = TaskExecution::new(task);
     let Task { case, source, .. } = task;
@@ -81,7 +81,7 @@ pub(super) fn resume(
     task: Task,
     record: RunRecord,
     folder: &RunFolder,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Option<EngineRun>, LaboratoryError> {
     let execution = TaskExecution::new(&task);
     let case = task.case;
@@ -114,7 +114,7 @@ pub(super) fn resume(
 fn changed_files(
     run: &Run,
     run_state: Option<&RunState>,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<bool, LaboratoryError> {
     let faults = run.faults()?;
     let snapshot = |fault: &FileFault| {
@@ -140,7 +140,7 @@ impl TaskExecution {
         case: &Case,
         run_state: RunState,
         sink: &mut dyn Sink,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<(), LaboratoryError> {
         self.go_on_to(case, run_state, false, sink, observer).map(|_| ())
     }
@@ -153,7 +153,7 @@ impl TaskExecution {
         mut run_state: RunState,
         sample_only: bool,
         sink: &mut dyn Sink,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Option<RunState>, LaboratoryError> {
         run_state.results.case_digest.clone_from(&sink.record().case_digest);
         // This first checkpoint makes the run independent of all files outside its folder.
@@ -269,7 +269,7 @@ fn complete(
     case: &Case,
     run_state: &RunState,
     sink: &mut dyn Sink,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<(), LaboratoryError> {
     let RunPart::Test(test) = &run_state.part else { return Ok(()) };
     let end = run_state.simulation.assembly();
@@ -292,7 +292,7 @@ fn complete(
 
 /// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test
 /// with more than [`MOST_STAGES_NOTED`] stages only these are noted, with the number of the others.
-fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &mut dyn Observer) {
+fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &mut dyn SimulationObserver) {
     let many = test.ends.len() > MOST_STAGES_NOTED;
     let lost_stress = quality::stages_without_stress(seen, &test.ends);
     for (k, end) in test.ends.iter().enumerate() {

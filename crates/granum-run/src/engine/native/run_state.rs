@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_dem::preparation::{Phase, PreparationState};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
@@ -200,7 +200,7 @@ pub(super) fn last_good(
     record: &RunRecord,
     case: &Case,
     vocabulary: &Vocabulary,
-    observer: &mut dyn Observer,
+    observer: &mut dyn SimulationObserver,
 ) -> Result<Option<RunState>, LaboratoryError> {
     let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), vocabulary) {
         Ok(Some(run_state)) => return Ok(Some(run_state)),

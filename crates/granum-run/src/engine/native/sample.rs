@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use granum_dem::config::Preparation;
-use granum_dem::observer::{Flow, Observer, Observers, Progress};
+use granum_dem::observer::{EachProgress, Flow, SimulationObserver, SimulationObservers, SimulationProgress};
 use granum_dem::preparation::{Phase, PreparationOutcome, Preparing, Sample, SampleSpecification, Trial};
 use granum_dem::simulation::Simulation;
 use granum_io::case::{Vocabulary, decides_sample, differences};
@@ -32,7 +32,7 @@ impl TaskExecution {
         source: &Source,
         packing: Option<Packing>,
         record: &mut RunRecord,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<RunState, LaboratoryError> {
         let specification = self.specification(case, &case.preparation, case.grains.count);
         let preparing = match source {
@@ -80,7 +80,7 @@ impl TaskExecution {
         run_state: RunState,
         source: &RunSource,
         speedometer: &mut Speedometer,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<(RunState, Segment), LaboratoryError> {
         // The state is passed by value, because memory may not hold a large simulation twice.
         let RunState { simulation, part, mut results, older } = run_state;
@@ -116,12 +116,12 @@ impl TaskExecution {
         specification: &SampleSpecification,
         curve: &mut PreparationCurve,
         speedometer: &mut Speedometer,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<(PreparationOutcome, bool), LaboratoryError> {
-        let mut note = |progress: &Progress| {
+        let mut note = EachProgress(|progress: &SimulationProgress| {
             curve.observe(progress);
             Flow::Continue
-        };
+        });
         let observer = RefCell::new(observer);
         let mut follow = Follow {
             observer: &observer,
@@ -132,7 +132,8 @@ impl TaskExecution {
             place: [0, 1],
             stopped: false,
         };
-        let outcome = preparing.go_on(specification, &mut Observers(vec![&mut note, &mut follow]))?;
+        let outcome =
+            preparing.go_on(specification, &mut SimulationObservers(vec![&mut note, &mut follow]))?;
         // A stop that is requested while the sample becomes complete takes effect in the next segment.
         let stopped = follow.stopped && matches!(outcome, PreparationOutcome::Stopped(_));
         Ok((outcome, stopped))

@@ -1,6 +1,6 @@
 //! The sample of a test that another engine carries out: granum's own engine prepares and consolidates it.
 
-use granum_dem::observer::Observer;
+use granum_dem::observer::SimulationObserver;
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord};
@@ -27,7 +27,7 @@ impl SampleMaker {
     /// As for a run of granum's own engine.
     pub(in crate::engine) fn plan(
         task: &Task,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<(SampleMaker, RunRecord), LaboratoryError> {
         let Begun { execution, run_state, record } = run::begin(task, false, observer)?;
         Ok((SampleMaker { execution, run_state: Some(run_state) }, record))
@@ -41,7 +41,7 @@ impl SampleMaker {
         task: &Task,
         record: &RunRecord,
         folder: &RunFolder,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<SampleMaker, LaboratoryError> {
         let execution = TaskExecution::new(task);
         let run_state = run_state::last_good(folder, record, &task.case, &execution.vocabulary, observer)?;
@@ -56,7 +56,7 @@ impl SampleMaker {
         self,
         case: &Case,
         sink: &mut dyn Sink,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Option<Simulation>, LaboratoryError> {
         let SampleMaker { execution, run_state } = self;
         let run_state = match run_state {

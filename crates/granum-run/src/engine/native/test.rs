@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use granum_core::observer::Event;
 use granum_dem::loading::{self, Ending, StageEnd};
-use granum_dem::observer::{Observer, Observers};
+use granum_dem::observer::{SimulationObserver, SimulationObservers};
 use granum_io::Case;
 
 use super::follow::{self, Follow, Outlet, Snapshots, stage_snapshot};
@@ -42,7 +42,7 @@ impl TaskExecution {
         run_state: &mut RunState,
         sink: &mut dyn Sink,
         speedometer: &mut Speedometer,
-        observer: &mut dyn Observer,
+        observer: &mut dyn SimulationObserver,
     ) -> Result<Segment, LaboratoryError> {
         let RunPart::Test(test) = &mut run_state.part else { return Ok(Segment::GoOn) };
         let simulation = &mut run_state.simulation;
@@ -75,7 +75,7 @@ impl TaskExecution {
             outlet: &outlet,
             failed: None,
         };
-        let mut observers = Observers(vec![&mut record, &mut snapshots, &mut follow]);
+        let mut observers = SimulationObservers(vec![&mut record, &mut snapshots, &mut follow]);
         let ending = loading::follow(stage, &mut test.stage_progress, simulation, &mut observers)?;
         let stopped = follow.stopped;
         if matches!(ending, Ending::Complete(_)) {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_campaign::scheduler::{self, SchedulerOptions};
+use granum_campaign::scheduler::SchedulerOptions;
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::json;
 
@@ -26,7 +26,7 @@ impl Cancel {
         let name = self.folder.shown();
         let campaign = campaign_in(context, &self.folder)?;
         let mut count = 0;
-        for kind in scheduler::ALL {
+        for kind in context.schedulers().all() {
             count += (kind.make)(SchedulerOptions::default()).cancel(&campaign)?;
         }
         let result = json!({ "folder": output::path(&self.folder), "cancelled": count });

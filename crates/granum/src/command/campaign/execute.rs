@@ -69,7 +69,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         scheduling::check_none_queued(context, &campaign)?;
         return carry_out(context, &*scheduler, &flags.carry_out, None, &campaign, &folder);
     }
-    let pace = pace(context, flags, &plan, &planned, &campaign)?;
+    let pace = if scheduler.packs() { pace(context, flags, &plan, &planned, &campaign)? } else { None };
     let submitted = carry_out(context, &*scheduler, &flags.carry_out, pace, &campaign, &folder);
     // So that the state is that of a campaign on which none is at work here.
     drop(folder);
@@ -111,7 +111,7 @@ fn pace(
 fn collect(context: &Context, campaign: &Campaign) -> Result<Collected, Failure> {
     let submitted = JobRecord::open_in(campaign.folder())?.into_iter().map(|record| record.scheduler).next();
     let name = submitted.unwrap_or_else(|| scheduler::DEFAULT.into());
-    collect_by(context, &*scheduler::by_name(&name, SchedulerOptions::default())?, campaign)
+    collect_by(context, &*context.schedulers().named(&name, SchedulerOptions::default())?, campaign)
 }
 
 /// Takes up what ended, unless the user stops it.

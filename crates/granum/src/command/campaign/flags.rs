@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
 use clap::builder::PossibleValuesParser;
+use clap::{Args, Command};
 use granum_campaign::clock::duration;
-use granum_campaign::scheduler;
+use granum_campaign::scheduler::{self, Schedulers};
 
 use crate::command::checkpoints::CheckpointFlags;
 use crate::command::engine_flags::LammpsFlags;
@@ -47,7 +47,7 @@ pub struct PlanFlags {
 #[derive(Args, Clone, Debug)]
 pub struct SchedulerFlags {
     /// Who executes the runs: this machine, or a cluster; the same command later submits what is left.
-    #[arg(long, value_name = "NAME", default_value = scheduler::DEFAULT, value_parser = PossibleValuesParser::new(scheduler::names()))]
+    #[arg(long, value_name = "NAME", default_value = scheduler::DEFAULT)]
     pub scheduler: String,
     /// Cluster: the time of a job, e.g. 4 h. So many runs are packed into each element of a job that they take about so long.
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -64,6 +64,12 @@ pub struct SchedulerFlags {
     /// Cluster: a file whose lines stand at the beginning of the script of each job, such as #SBATCH and module load.
     #[arg(long, value_name = "FILE")]
     pub header: Option<PathBuf>,
+}
+
+/// The same command, whose `--scheduler` takes the schedulers that the program knows.
+pub fn described(command: Command, schedulers: &Schedulers) -> Command {
+    let names = PossibleValuesParser::new(schedulers.names());
+    command.mut_arg("scheduler", |argument| argument.value_parser(names))
 }
 
 /// How runs are carried out.

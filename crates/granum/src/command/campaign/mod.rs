@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use flags::PlanFlags;
 
 pub use execute::{carry_out_for, resume};
-pub use flags::CarryOutFlags;
+pub use flags::{CarryOutFlags, described};
 pub use status::print as print_status;
 
 /// Carry out a plan: many runs of one base case with variables over its keys, in one folder.

@@ -83,7 +83,7 @@ impl SchedulerFlags {
                 .map(|text| if text.is_empty() || text.ends_with('\n') { text } else { text + "\n" }),
             ..carry_out.options(context)?
         };
-        let scheduler = scheduler::by_name(&self.scheduler, options)?;
+        let scheduler = context.schedulers().named(&self.scheduler, options)?;
         scheduler.check()?;
         Ok(scheduler)
     }
@@ -91,7 +91,7 @@ impl SchedulerFlags {
 
 /// Refuses to execute runs here that another scheduler still has.
 pub fn check_none_queued(context: &Context, campaign: &Campaign) -> Result<(), Failure> {
-    let waiting: usize = match scheduler::poll(campaign) {
+    let waiting: usize = match context.schedulers().poll(campaign) {
         Ok(jobs) => jobs.jobs.iter().map(|job| job.queued + job.running).sum(),
         Err(error) => {
             context.warn(&format!("it is not known whether jobs of this campaign go on: {error}"));
@@ -110,7 +110,7 @@ pub fn check_none_queued(context: &Context, campaign: &Campaign) -> Result<(), F
 
 /// Where the runs of a campaign are that a scheduler has; without an answer a warning.
 pub fn jobs(context: &Context, campaign: &Campaign) -> Jobs {
-    scheduler::poll(campaign).unwrap_or_else(|error| {
+    context.schedulers().poll(campaign).unwrap_or_else(|error| {
         context.warn(&format!(
             "the scheduler cannot be asked, so that only the folders of the runs are known: {error}"
         ));
