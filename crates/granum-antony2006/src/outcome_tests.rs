@@ -3,33 +3,23 @@
 use granum_io::RunKind;
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use granum_core::observer::Progress as Step;
-use granum_learn::curve::RunCurves;
-use granum_learn::input_use::Verdict;
-use granum_learn::networks::{Form, NetworkCheckpoints, SubModelNetworks, networks_of};
-use granum_learn::study::{KeptStudy, NoStudyObserver, Study, StudyObserver, StudyPlan};
+use granum_learn::networks::NetworkCheckpoints;
+use granum_learn::study::{NoStudyObserver, StudyObserver};
 use granum_learn::surrogate::RunInputs;
-use granum_learn::{LearnError, NamedRecord, RunStates, Surrogate};
-use granum_nets::trainer::{
-    Flow, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
-    TrainingReport, by_name,
-};
-use granum_nets::{Data, Differentiable, Model, ModelDefinition};
+use granum_learn::{NamedRecord, RunStates, Surrogate};
+use granum_nets::Model;
 use granum_sensors::Record;
 
 use crate::Evaluation;
-use crate::data::{PaperData, PaperDataOptions};
-use crate::evaluation::{networks, score_run, scored_run, strain_only, training_seconds};
+use crate::evaluation::{networks, score_run, scored_run};
 use crate::figures::figures;
 use crate::interpretation;
-use crate::mapping::{Mapping, paper_mapping};
-use crate::options::{PaperOptions, is_of_paper};
+use crate::options::PaperOptions;
 use crate::size_study::{SizeStudy, SizeStudyOptions};
 use crate::summary::MappingSummary;
 use crate::synthetic::{Law, record};
-use crate::tests::{DEFAULT, data, evaluate, small};
+use crate::tests::{data, small};
 
 #[test]
 fn any_record_can_be_scored() {

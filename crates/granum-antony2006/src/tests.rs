@@ -1,8 +1,5 @@
 //! Whole studies on synthetic records.
 
-use granum_io::RunKind;
-
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_core::observer::Progress as Step;
@@ -10,7 +7,6 @@ use granum_learn::curve::RunCurves;
 use granum_learn::input_use::Verdict;
 use granum_learn::networks::{Form, NetworkCheckpoints, SubModelNetworks, networks_of};
 use granum_learn::study::{KeptStudy, NoStudyObserver, Study, StudyObserver, StudyPlan};
-use granum_learn::surrogate::RunInputs;
 use granum_learn::{LearnError, NamedRecord, RunStates, Surrogate};
 use granum_nets::trainer::{
     Flow, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
@@ -21,13 +17,10 @@ use granum_sensors::Record;
 
 use crate::Evaluation;
 use crate::data::{PaperData, PaperDataOptions};
-use crate::evaluation::{networks, score_run, scored_run, strain_only, training_seconds};
-use crate::figures::figures;
+use crate::evaluation::{networks, strain_only, training_seconds};
 use crate::interpretation;
 use crate::mapping::{Mapping, paper_mapping};
 use crate::options::{PaperOptions, is_of_paper};
-use crate::size_study::{SizeStudy, SizeStudyOptions};
-use crate::summary::MappingSummary;
 use crate::synthetic::{Law, record};
 
 pub(crate) fn data(law: Law, training: u64, unseen: u64, intervals: usize) -> PaperData {

@@ -75,6 +75,7 @@ pub use granum_simd::Isa;
 pub use gru::Gru;
 pub use intervals::Intervals;
 pub use lstm::Lstm;
+pub use minimise::dot;
 pub use model::Model;
 pub use model_definition::{ModelColumn, ModelDefinition};
 pub use model_error::ModelError;

@@ -96,7 +96,8 @@ pub(crate) fn quasi_newton(gradient: &[f64], pairs: &[(Vec<f64>, Vec<f64>)]) -> 
     direction
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// The scalar product of two vectors, summed in order; the elements that only one of them has are left out.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

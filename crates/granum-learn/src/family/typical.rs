@@ -10,7 +10,9 @@
 //! with the known inputs `z`, scaled to mean zero and standard deviation one, positive ones that vary by more than a factor of five as
 //! their logarithms. The standard deviation of the runs about it says how uncertain the value is.
 
-use crate::regression::deviations::{Equations, dot};
+use granum_nets::dot;
+
+use crate::regression::deviations::Equations;
 
 /// Ratio of the largest to the smallest value beyond which logarithms are taken.
 const WIDE: f64 = 5.0;

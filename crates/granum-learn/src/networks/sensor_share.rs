@@ -13,9 +13,11 @@
 //! and the share with the smallest squared error is chosen. This needs at least two runs; for a single run an intermediate
 //! share is used.
 
+use granum_nets::dot;
+
 use super::mapping::NetworkMapping;
 use crate::error::{LearnError, Result};
-use crate::regression::deviations::{Deviation, Regression, dot, row};
+use crate::regression::deviations::{Deviation, Regression, row};
 use crate::regression::spline::basis;
 
 /// The shares that are tried.

@@ -8,6 +8,7 @@
 //! (`c_k`, with the same functions), divided by the standard deviation `s_k` of this deviation. The coefficients minimise
 //! the sum of squared errors over the rows plus `sum p_k b_k^2 + 1e-6 |a|^2` (Hoerl and Kennard 1970).
 
+use granum_nets::dot;
 use serde::{Deserialize, Serialize};
 
 use super::cholesky::Cholesky;
@@ -145,9 +146,4 @@ impl Equations {
         }
         self.factor.solve(&sums)
     }
-}
-
-/// The scalar product of two vectors, summed in order.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -100,8 +100,8 @@ struct Kept {
     runs: usize,
     /// Place of the coordinate among the inputs.
     coordinate: usize,
-    first: Stage,
-    second: Stage,
+    first: CascadeStage,
+    second: CascadeStage,
     /// For each output.
     calibrations: Vec<Calibration>,
 }
@@ -109,16 +109,16 @@ struct Kept {
 /// A fitted stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stage {
+struct CascadeStage {
     method: String,
     columns: Columns,
     content: serde_json::Value,
 }
 
-impl Stage {
-    fn new(surrogate: &dyn Surrogate) -> Result<Stage> {
+impl CascadeStage {
+    fn new(surrogate: &dyn Surrogate) -> Result<CascadeStage> {
         let (method, columns) = (surrogate.method().to_owned(), surrogate.columns().clone());
-        Ok(Stage { method, columns, content: surrogate.content()?.0 })
+        Ok(CascadeStage { method, columns, content: surrogate.content()?.0 })
     }
 }
 
@@ -419,8 +419,8 @@ impl Surrogate for FittedCascade {
         Content::new(&Kept {
             runs: self.runs,
             coordinate: self.coordinate,
-            first: Stage::new(self.first.as_ref())?,
-            second: Stage::new(self.second.as_ref())?,
+            first: CascadeStage::new(self.first.as_ref())?,
+            second: CascadeStage::new(self.second.as_ref())?,
             calibrations: self.calibrations.clone(),
         })
     }

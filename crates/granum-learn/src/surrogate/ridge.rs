@@ -22,6 +22,7 @@
 //! Welch and Satterthwaite: n - gamma for the first two parts, and the number of runs minus one for the third.
 
 use granum_core::observer::Observer;
+use granum_nets::dot;
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
@@ -33,7 +34,7 @@ use crate::curve::range;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::cholesky::Cholesky;
-use crate::regression::deviations::{Deviation, Equations, Regression, dot, row};
+use crate::regression::deviations::{Deviation, Equations, Regression, row};
 use crate::regression::spline::{FUNCTIONS, basis};
 
 /// Ridge regression with its penalty.

@@ -2,8 +2,6 @@
 
 use super::tests::surface;
 use super::*;
-use crate::activation::Activation;
-use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;
 
