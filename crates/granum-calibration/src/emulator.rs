@@ -206,7 +206,7 @@ fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
 /// A quantity of a simulation at strains; constant beyond its last state.
 pub fn at_strains(curves: &LaboratoryTest, quantity: Quantity, strains: &[f64]) -> Vec<f64> {
     let values = readings(curves, quantity);
-    let at = |x: &f64| granum_learn::curve::interpolated(*x, &curves.axial_strain, values);
+    let at = |x: &f64| granum_learn::curve::interpolated(*x, &curves.axial_strain, &values);
     strains.iter().map(at).collect()
 }
 

@@ -1,5 +1,6 @@
 //! Targets of a calibration: the tests of a laboratory with their conditions and with what is compared of them.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use granum_io::{Error, LaboratoryTest};
@@ -25,12 +26,17 @@ pub struct Target {
 }
 
 /// The values of a quantity of a test; empty if it has none.
-pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> &[f64] {
+pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> Cow<'_, [f64]> {
     match quantity {
-        Quantity::DeviatorStress => &test.deviator_stress,
-        Quantity::MeanStress => &test.mean_stress,
-        Quantity::VolumetricStrain => &test.volumetric_strain,
-        Quantity::VoidRatio => &test.void_ratio,
+        Quantity::DeviatorStress => Cow::from(&test.deviator_stress),
+        Quantity::MeanStress => Cow::from(&test.mean_stress),
+        Quantity::VolumetricStrain => Cow::from(&test.volumetric_strain),
+        Quantity::VoidRatio => Cow::from(&test.void_ratio),
+        Quantity::PorePressure => {
+            let lateral: Vec<f64> =
+                test.mean_stress.iter().zip(&test.deviator_stress).map(|(p, q)| p - q / 3.0).collect();
+            Cow::from(lateral.iter().map(|now| lateral[0] - now).collect::<Vec<f64>>())
+        }
     }
 }
 
@@ -143,6 +149,11 @@ fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Target> {
                 let [densest, loosest] = file.calibration.void_ratio_limits.unwrap_or([0.0, 1.0]);
                 (loosest - e) / (loosest - densest)
             }
+            TestCondition::StateParameter => {
+                let e = first(&test.void_ratio, "void ratio")?;
+                // The file was refused without the line.
+                e - file.calibration.critical_state.map_or(f64::NAN, |line| line.at(mean_stress))
+            }
         })
     };
     let conditions = file.conditions.iter().map(condition).collect::<Result<Vec<f64>>>()?;
@@ -169,7 +180,7 @@ pub(crate) fn measured(test: &LaboratoryTest, compared: &ComparedQuantity) -> Op
         return None;
     }
     let strain: Vec<f64> = compared.strains.iter().copied().filter(|x| (first..=last).contains(x)).collect();
-    let measured = strain.iter().map(|x| interpolated(*x, &test.axial_strain, values)).collect();
+    let measured = strain.iter().map(|x| interpolated(*x, &test.axial_strain, &values)).collect();
     (!strain.is_empty()).then(|| MeasuredCurve {
         test: test.name.clone(),
         quantity: compared.quantity.word().into(),
@@ -196,14 +207,16 @@ pub fn understood(file: &CalibrationFile, targets: &[Target]) -> Vec<String> {
                 TestCondition::LateralStress | TestCondition::MeanStress => {
                     format!("{name} {}", kilopascal(*value))
                 }
-                TestCondition::VoidRatio | TestCondition::RelativeDensity => format!("{name} {value:.3}"),
+                TestCondition::VoidRatio | TestCondition::RelativeDensity | TestCondition::StateParameter => {
+                    format!("{name} {value:.3}")
+                }
             });
         }
         for (_, curve) in &target.curves {
             let (Some(first), Some(last)) = (curve.strain.first(), curve.strain.last()) else { continue };
             let largest =
                 curve.measured.iter().fold(0.0, |most: f64, y| if y.abs() > most.abs() { *y } else { most });
-            let is_stress = curve.quantity.ends_with("stress");
+            let is_stress = ["stress", "pressure"].iter().any(|end| curve.quantity.ends_with(end));
             let is_strain = curve.quantity.ends_with("strain");
             let largest = match (is_stress, is_strain) {
                 (true, _) => kilopascal(largest),

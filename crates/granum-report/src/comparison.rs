@@ -1,11 +1,12 @@
 //! Runs over the curves of laboratory tests: deviator stress, volumetric strain and void ratio against axial strain.
 
+use granum_core::{Column, Table, TableError};
 use granum_dem::loading::Stage;
 use granum_io::LaboratoryTest;
 use granum_run::strength::as_laboratory;
 use granum_sensors::Record;
 
-use super::figure::palette::INK;
+use super::figure::palette::{INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, literal};
 use super::overlay::stroke;
 use super::strength::Measures;
@@ -84,11 +85,54 @@ pub fn errors(run: &ComparedRun, test: &LaboratoryTest) -> Errors {
     }
 }
 
+/// The differences of runs from the tests with which they are compared, at the axial strains of the tests: a row for each reading that both have,
+/// with the run, the test, the axial strain and what the run has more of deviator stress, volumetric strain and void ratio (not finite where one
+/// of them has none).
+///
+/// # Errors
+/// If the columns do not make a table.
+pub fn residuals(pairs: &[(&ComparedRun, &LaboratoryTest)]) -> Result<Table, TableError> {
+    let (mut runs, mut tests) = (Vec::new(), Vec::new());
+    let mut numbers: [Vec<f64>; 4] = Default::default();
+    for (run, test) in pairs {
+        let strains = &run.curves.axial_strain;
+        for (k, x) in test.axial_strain.iter().enumerate() {
+            if at(*x, strains, strains).is_none() {
+                continue;
+            }
+            let more = |own: &[f64], other: &[f64]| {
+                at(*x, strains, own).zip(other.get(k)).map_or(f64::NAN, |(own, other)| own - other)
+            };
+            runs.push(run.name.clone());
+            tests.push(test.name.clone());
+            let row = [
+                *x,
+                more(&run.curves.deviator_stress, &test.deviator_stress),
+                more(&run.curves.volumetric_strain, &test.volumetric_strain),
+                more(&run.curves.void_ratio, &test.void_ratio),
+            ];
+            numbers.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names =
+        [("axial_strain", ""), ("deviator_stress", "Pa"), ("volumetric_strain", ""), ("void_ratio", "")];
+    let mut columns = vec![Column::of_words("run", runs), Column::of_words("test", tests)];
+    columns.extend(names.iter().zip(numbers).map(|((name, unit), values)| Column::new(*name, *unit, values)));
+    Table::new(columns)
+}
+
 /// The values of a test over its axial strains.
 type Values = fn(&LaboratoryTest) -> &[f64];
 
-/// Draws runs as lines over tests as open marks; without tests, runs over each other.
-pub fn figure(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> (Figure, String) {
+/// Draws runs as lines over tests as open marks; without tests, runs over each other. Runs that are repetitions of one another (`groups` has their
+/// places) are drawn as a band from the smallest to the largest of them, with their mean. Below, the differences of the runs from the
+/// tests with which they are compared.
+pub fn figure(
+    runs: &[ComparedRun],
+    tests: &[LaboratoryTest],
+    compared: &[(&ComparedRun, &LaboratoryTest)],
+    groups: &[Vec<usize>],
+) -> (Figure, String) {
     let curves: [(&str, Axis, Values); 3] = [
         ("deviator stress", Axis::new("Deviator stress *q*").unit("Pa").including(0.0), |test| {
             &test.deviator_stress
@@ -96,22 +140,21 @@ pub fn figure(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> (Figure, Strin
         ("volumetric strain", Axis::new("Volumetric strain *ε*_{v}"), |test| &test.volumetric_strain),
         ("void ratio", Axis::new("Void ratio *e*"), |test| &test.void_ratio),
     ];
-    let mut panels = Vec::new();
-    let mut names = Vec::new();
+    let strain_axis = || Axis::new("Axial strain *ε*_{1}");
+    let (mut panels, mut names) = (Vec::new(), Vec::new());
     for (what, axis, of) in curves {
         let points = |test: &LaboratoryTest| -> Vec<[f64; 2]> {
             test.axial_strain.iter().zip(of(test)).map(|(x, y)| [*x, *y]).collect()
         };
         let has = |test: &LaboratoryTest| !of(test).is_empty();
-        let drawn = if tests.is_empty() {
-            runs.iter().any(|run| has(&run.curves))
-        } else {
-            tests.iter().any(|test| has(test))
+        let drawn = match tests.is_empty() {
+            true => runs.iter().any(|run| has(&run.curves)),
+            false => tests.iter().any(has),
         };
         if !drawn {
             continue;
         }
-        let mut plot = Plot::new(Axis::new("Axial strain *ε*_{1}"), axis);
+        let mut plot = Plot::new(strain_axis(), axis);
         for (k, test) in tests.iter().enumerate() {
             // About forty markers per curve can be distinguished.
             let every = points(test).len().div_ceil(40).max(1);
@@ -120,18 +163,71 @@ pub fn figure(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> (Figure, Strin
             plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], INK).named(name));
         }
         for (k, run) in runs.iter().enumerate() {
-            let line = Layer::stroked(points(&run.curves), stroke(k));
-            plot = plot.with(line.named(&literal(&run.name)));
+            match groups.iter().find(|group| group.len() > 1 && group.contains(&k)) {
+                Some(group) if group[0] == k => {
+                    let own: Vec<&LaboratoryTest> =
+                        group.iter().filter_map(|k| runs.get(*k)).map(|run| &run.curves).collect();
+                    let band = band(&own, of);
+                    let mean = band.iter().map(|[x, _, _, mean]| [*x, *mean]).collect();
+                    let ends = band.iter().map(|[x, low, high, _]| [*x, *low, *high]).collect();
+                    let name = format!("{} and {} repetitions", literal(&run.name), own.len() - 1);
+                    plot = plot.with(Layer::area(ends, color(k), 0.25));
+                    plot = plot.with(Layer::stroked(mean, stroke(k)).named(&name));
+                }
+                Some(_) => {}
+                None => {
+                    let line = Layer::stroked(points(&run.curves), stroke(k));
+                    plot = plot.with(line.named(&literal(&run.name)));
+                }
+            }
         }
         panels.push(Panel::plot(plot));
         names.push(what);
     }
+    let differences: [(Axis, Values); 2] = [
+        (Axis::new("*q* of the run minus that of the test").unit("Pa").including(0.0), |test| {
+            &test.deviator_stress
+        }),
+        (Axis::new("*ε*_{v} of the run minus that of the test").including(0.0), |test| {
+            &test.volumetric_strain
+        }),
+    ];
+    for (axis, of) in differences.into_iter().filter(|_| !tests.is_empty()) {
+        let mut plot = Plot::new(strain_axis(), axis);
+        for (run, test) in compared {
+            let difference =
+                |(x, y): (&f64, &f64)| Some([*x, at(*x, &run.curves.axial_strain, of(&run.curves))? - y]);
+            let line: Vec<[f64; 2]> = test.axial_strain.iter().zip(of(test)).filter_map(difference).collect();
+            let place = runs.iter().position(|other| std::ptr::eq(other, *run)).unwrap_or(0);
+            if !line.is_empty() {
+                plot = plot.with(Layer::stroked(line, stroke(place)));
+            }
+        }
+        if !plot.is_empty() {
+            panels.push(Panel::plot(plot));
+        }
+    }
     let whose = if tests.is_empty() { "runs" } else { "runs (lines) and laboratory tests (marks)" };
+    let below = if tests.is_empty() { "" } else { " Last, the differences of the runs from the tests." };
     let caption = format!(
-        "{} against axial strain: {whose}. Engineering strains, compression positive.",
+        "{} against axial strain: {whose}. Engineering strains, compression positive.{below}",
         names.join(", ")
     );
     (Figure::new(&caption, panels.len().clamp(1, 2), panels), caption)
+}
+
+/// The smallest, the largest and the mean value of curves at the strains of the first one that all of them reach: strain, low, high, mean.
+fn band(curves: &[&LaboratoryTest], of: Values) -> Vec<[f64; 4]> {
+    let Some(first) = curves.first() else { return Vec::new() };
+    let row = |x: &f64| {
+        let values: Option<Vec<f64>> =
+            curves.iter().map(|curve| at(*x, &curve.axial_strain, of(curve))).collect();
+        let values = values?;
+        let [low, high] =
+            values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], y| [a.min(*y), b.max(*y)]);
+        Some([*x, low, high, values.iter().sum::<f64>() / values.len() as f64])
+    };
+    first.axial_strain.iter().filter_map(row).collect()
 }
 
 #[cfg(test)]
@@ -168,13 +264,44 @@ mod tests {
     }
 
     #[test]
+    fn residuals_are_at_the_readings_that_both_have() {
+        let mut run = ComparedRun { name: "run".into(), curves: test(110e3), ..Default::default() };
+        run.curves.axial_strain.truncate(11);
+        let other = LaboratoryTest { void_ratio: Vec::new(), ..test(100e3) };
+        let table = residuals(&[(&run, &other)]).unwrap();
+        assert_eq!(table.rows(), 11);
+        let more = table.values("deviator_stress").unwrap();
+        assert!((more[10] - 5e3).abs() < 1e-6, "{more:?}");
+        assert!(table.values("void_ratio").unwrap().iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn repetitions_are_a_band() {
+        let (low, high) = (test(90e3), test(110e3));
+        let found = band(&[&low, &high], |test| &test.deviator_stress);
+        assert_eq!(found.len(), 21);
+        let [x, low, high, mean] = found[20];
+        assert!((x - 0.2).abs() < 1e-12 && (low - 90e3).abs() < 1e-6 && (high - 110e3).abs() < 1e-6);
+        assert!((mean - 100e3).abs() < 1e-6);
+        let runs = [test(90e3), test(110e3)].map(|curves| ComparedRun {
+            name: "r".into(),
+            curves,
+            ..Default::default()
+        });
+        let drawn = figure(&runs, &[], &[], &[vec![0, 1]]).0.to_svg();
+        assert!(drawn.contains("r and 1 repetitions"), "{drawn}");
+    }
+
+    #[test]
     fn what_a_test_lacks_is_not_compared() {
         let run = ComparedRun { name: "run".into(), curves: test(1e5), ..Default::default() };
         let lacking = LaboratoryTest { deviator_stress: Vec::new(), void_ratio: Vec::new(), ..test(1e5) };
         let found = errors(&run, &lacking);
         assert_eq!((found.deviator_stress, found.peak, found.void_ratio), (None, None, None));
-        let (figure, caption) = figure(&[run], &[&lacking]);
-        assert_eq!(figure.panels.len(), 1);
+        let (runs, tests) = ([run], [lacking]);
+        let (figure, caption) = figure(&runs, &tests, &[(&runs[0], &tests[0])], &[]);
+        // The volumetric strain, and its difference.
+        assert_eq!(figure.panels.len(), 2);
         assert!(caption.starts_with("volumetric strain against"));
         assert!(figure.to_svg().contains("T1"));
     }

@@ -14,6 +14,7 @@ mod energy;
 pub mod figure;
 mod forces;
 mod further;
+pub mod laboratory_summary;
 mod learning_curve;
 mod material;
 pub mod numbers;

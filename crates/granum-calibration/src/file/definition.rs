@@ -45,15 +45,39 @@ pub enum TestCondition {
     VoidRatio,
     /// The relative density `(e_max - e) / (e_max - e_min)` between the void ratios of the loosest and densest state of the laboratory.
     RelativeDensity,
+    /// The state parameter `psi = e - e_c(p)`: the void ratio less that of the critical state at the mean stress (Been and Jefferies 1985).
+    StateParameter,
 }
+
+/// The critical state line of the laboratory, `e_c = e_Gamma - lambda_c (p / 101.325 kPa)^xi` (Li and Wang 1998).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CriticalStateOfTests {
+    /// e_Gamma, the void ratio without stress.
+    pub void_ratio: f64,
+    /// lambda_c.
+    pub slope: f64,
+    /// xi.
+    pub exponent: f64,
+}
+
+impl CriticalStateOfTests {
+    /// The void ratio of the critical state at an effective mean stress in Pa.
+    pub fn at(&self, mean_stress: f64) -> f64 {
+        self.void_ratio - self.slope * libm::pow(mean_stress / ATMOSPHERE, self.exponent)
+    }
+}
+
+/// The pressure of the atmosphere, Pa.
+const ATMOSPHERE: f64 = 101_325.0;
 
 impl TestCondition {
     /// All of them with their words.
-    pub const ALL: [(TestCondition, &'static str); 4] = [
+    pub const ALL: [(TestCondition, &'static str); 5] = [
         (TestCondition::LateralStress, "lateral_stress"),
         (TestCondition::MeanStress, "mean_stress"),
         (TestCondition::VoidRatio, "void_ratio"),
         (TestCondition::RelativeDensity, "relative_density"),
+        (TestCondition::StateParameter, "state_parameter"),
     ];
 }
 
@@ -87,6 +111,8 @@ pub struct CalibrationTable {
     pub seed: u32,
     /// Void ratios of the densest and the loosest state of the laboratory, e_min and e_max.
     pub void_ratio_limits: Option<[f64; 2]>,
+    /// The critical state line of the laboratory.
+    pub critical_state: Option<CriticalStateOfTests>,
     /// Inadequacy of the model; `None` if the model is taken to be right.
     pub inadequacy: Option<Discrepancy>,
     /// What is compared.
@@ -140,15 +166,19 @@ pub enum Quantity {
     VolumetricStrain,
     /// Void ratio e.
     VoidRatio,
+    /// Excess pore pressure of a test whose total lateral stress and back pressure stay as they are, Pa: what the effective lateral stress
+    /// `p - q / 3` has lost since the start. In a drained test it is zero.
+    PorePressure,
 }
 
 impl Quantity {
     /// All of them with their words.
-    pub const ALL: [(Quantity, &'static str); 4] = [
+    pub const ALL: [(Quantity, &'static str); 5] = [
         (Quantity::DeviatorStress, "deviator_stress"),
         (Quantity::MeanStress, "mean_stress"),
         (Quantity::VolumetricStrain, "volumetric_strain"),
         (Quantity::VoidRatio, "void_ratio"),
+        (Quantity::PorePressure, "pore_pressure"),
     ];
 
     /// Its word.
@@ -163,14 +193,14 @@ impl Quantity {
 
     /// True for a stress.
     pub fn is_stress(self) -> bool {
-        matches!(self, Quantity::DeviatorStress | Quantity::MeanStress)
+        matches!(self, Quantity::DeviatorStress | Quantity::MeanStress | Quantity::PorePressure)
     }
 
     /// The error of measurement unless the file states another one: 1 kPa and 2 % of stresses, 0.05 % and 5 % of volumetric strains, 0.002
     /// of void ratios, alike over 2 % of axial strain.
     pub fn usual_error(self) -> MeasurementError {
         let (absolute, relative) = match self {
-            Quantity::DeviatorStress | Quantity::MeanStress => (1e3, 0.02),
+            Quantity::DeviatorStress | Quantity::MeanStress | Quantity::PorePressure => (1e3, 0.02),
             Quantity::VolumetricStrain => (5e-4, 0.05),
             Quantity::VoidRatio => (2e-3, 0.0),
         };

@@ -40,6 +40,6 @@ mod tests;
 mod words;
 
 pub use definition::{
-    CalibrationFile, CalibrationTable, ComparedQuantity, FreeVariable, Method, PredictedTests, Quantity,
-    TestCondition,
+    CalibrationFile, CalibrationTable, ComparedQuantity, CriticalStateOfTests, FreeVariable, Method,
+    PredictedTests, Quantity, TestCondition,
 };

@@ -109,21 +109,28 @@ fn check_uses(reader: &mut Reader, plan: &Plan) {
     }
 }
 
-/// Refuses a relative density without the void ratios that it counts between.
+/// Refuses a relative density without the void ratios that it counts between, and a state parameter without the critical state.
 fn check_conditions(
     reader: &mut Reader,
     conditions: &[(String, TestCondition)],
     calibration: &CalibrationTable,
     variables: &[PlanVariable],
 ) {
-    let lacking = conditions.iter().find(|(_, condition)| {
-        *condition == TestCondition::RelativeDensity && calibration.void_ratio_limits.is_none()
-    });
-    let Some((name, _)) = lacking else { return };
-    let span =
-        variables.iter().find(|variable| variable.name == *name).map_or(0..0, |found| found.span.clone());
-    let help = "add [calibration.density] with densest_void_ratio and loosest_void_ratio of the laboratory";
-    reader.error(span, format!("{name}: a relative density counts between two void ratios"), help);
+    for (name, condition) in conditions {
+        let (message, help) = match condition {
+            TestCondition::RelativeDensity if calibration.void_ratio_limits.is_none() => (
+                format!("{name}: a relative density counts between two void ratios"),
+                "add [calibration.density] with densest_void_ratio and loosest_void_ratio of the laboratory",
+            ),
+            TestCondition::StateParameter if calibration.critical_state.is_none() => (
+                format!("{name}: a state parameter counts from the critical state"),
+                "add [calibration.critical_state] with void_ratio and slope of the laboratory's critical state line",
+            ),
+            _ => continue,
+        };
+        let span = variables.iter().find(|variable| variable.name == *name);
+        reader.error(span.map_or(0..0, |found| found.span.clone()), message, help);
+    }
 }
 
 /// Refuses strains that the tests of the case do not reach, whose axial strain is logarithmic.

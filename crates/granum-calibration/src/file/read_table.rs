@@ -3,12 +3,14 @@
 use granum_campaign::plan::{Node, Reader};
 use toml::de::{DeTable, DeValue};
 
-use super::definition::{CalibrationTable, ComparedQuantity, Method, PredictedTests, Quantity};
+use super::definition::{
+    CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests, Quantity,
+};
 use super::words::word;
 use crate::likelihood::Discrepancy;
 
 /// The keys of the table.
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 14] = [
     "tests",
     "predict",
     "method",
@@ -20,6 +22,7 @@ const KEYS: [&str; 13] = [
     "most_draws",
     "seed",
     "density",
+    "critical_state",
     "inadequacy",
     "quantity",
 ];
@@ -31,6 +34,8 @@ const USUAL_STRAINS: ([f64; 2], usize) = ([0.005, 0.15], 16);
 /// Most strains of a quantity: the cost of the likelihood grows as their third power.
 const MOST_STRAINS: u64 = 200;
 const STRAIN_UNIT: &str = "";
+/// Exponent of the critical state line of most sands (Li and Wang 1998).
+const USUAL_EXPONENT: f64 = 0.7;
 
 pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<CalibrationTable> {
     let Some(node) = node else {
@@ -61,6 +66,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
     let [chains, most_draws] = [count("chains", 2, 64, 4), count("most_draws", 1000, 10_000_000, 100_000)];
     let seed = count("seed", 0, u64::from(u32::MAX), 1) as u32;
     let void_ratio_limits = table.get("density").and_then(|node| limits(reader, node));
+    let critical_state = table.get("critical_state").and_then(|node| critical_state(reader, node));
     let inadequacy = match table.get("inadequacy") {
         None => Some(Discrepancy::default()),
         Some(node) => inadequacy(reader, node),
@@ -80,6 +86,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         most_draws,
         seed,
         void_ratio_limits,
+        critical_state,
         inadequacy,
         quantities,
     })
@@ -131,6 +138,23 @@ fn limits(reader: &mut Reader, node: &Node) -> Option<[f64; 2]> {
         return None;
     }
     Some([densest, loosest])
+}
+
+/// The critical state line of the laboratory.
+fn critical_state(reader: &mut Reader, node: &Node) -> Option<CriticalStateOfTests> {
+    let table = as_table(reader, node, "critical_state")?;
+    reader.refuse_unknown(table, &["void_ratio", "slope", "exponent"], "critical_state");
+    let needed = ["void_ratio", "slope"].into_iter().find(|key| !table.contains_key(*key));
+    if let Some(key) = needed {
+        let help =
+            "e_c = void_ratio - slope (p / 101.325 kPa)^exponent, with an exponent of 0.7 unless it is given";
+        reader.error(node.span(), format!("critical_state needs {key}"), help);
+        return None;
+    }
+    let void_ratio = positive(reader, table, "void_ratio", 1.0)?;
+    let slope = positive(reader, table, "slope", 0.02)?;
+    let exponent = positive(reader, table, "exponent", USUAL_EXPONENT)?;
+    Some(CriticalStateOfTests { void_ratio, slope, exponent })
 }
 
 /// The inadequacy; `false` for a model that is taken to be right.

@@ -125,3 +125,45 @@ fn mistakes_are_told_with_their_lines() {
         assert!(parts.iter().all(|part| told.contains(part)), "{from} -> {to}: {told}");
     }
 }
+
+#[test]
+fn a_state_parameter_counts_from_the_critical_state() {
+    let with = |line: &str| {
+        FILE.replace("test = \"relative_density\"", "test = \"state_parameter\"")
+            .replace("[[calibration.quantity]]", line)
+    };
+    let quantity = "[[calibration.quantity]]";
+    let refused = |text: &str| parsed(text).unwrap_err().to_string();
+    let told = refused(&with(quantity));
+    assert!(told.contains("state parameter counts from the critical state"), "{told}");
+    let told = refused(&with(&format!("[calibration.critical_state]\nslope = 0.02\n{quantity}")));
+    assert!(told.contains("critical_state needs void_ratio"), "{told}");
+    let line = "[calibration.critical_state]\nvoid_ratio = 1.0\nslope = 0.02\n";
+    let file = parsed(&with(&format!("{line}{quantity}"))).unwrap();
+    let line = file.calibration.critical_state.unwrap();
+    assert!((line.at(101_325.0) - 0.98).abs() < 1e-12 && line.exponent == 0.7);
+    let test = granum_io::LaboratoryTest {
+        name: "A".into(),
+        axial_strain: vec![0.0, 0.2],
+        deviator_stress: vec![0.0, 1e5],
+        mean_stress: vec![101_325.0, 1.3e5],
+        void_ratio: vec![0.9, 0.95],
+        ..granum_io::LaboratoryTest::default()
+    };
+    let other = granum_io::LaboratoryTest { name: "B".into(), ..test.clone() };
+    let targets = crate::target::targets(&file, &[test, other]).unwrap();
+    // Denser than the critical state by 0.08.
+    assert!((targets[0].conditions[1] + 0.08).abs() < 1e-12, "{:?}", targets[0].conditions);
+}
+
+#[test]
+fn pore_pressure_is_what_the_lateral_stress_has_lost() {
+    let test = granum_io::LaboratoryTest {
+        axial_strain: vec![0.0, 0.1],
+        deviator_stress: vec![0.0, 6e4],
+        mean_stress: vec![1e5, 7e4],
+        ..granum_io::LaboratoryTest::default()
+    };
+    // The lateral stress falls from 100 to 50 kPa.
+    assert_eq!(*crate::target::readings(&test, Quantity::PorePressure), [0.0, 5e4]);
+}

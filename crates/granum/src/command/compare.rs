@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
-use granum_io::{Case, LaboratoryTest, check_output_file, read_laboratory};
-use granum_report::comparison::{ComparedRun, Errors, errors, figure};
+use granum_io::{Case, LaboratoryTest, check_output_file, read_laboratory, write_table};
+use granum_report::comparison::{ComparedRun, Errors, errors, figure, residuals};
+use granum_report::figure::Figure;
+use granum_report::laboratory_summary::{LaboratorySummary, summary_table};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, legend};
@@ -40,17 +42,27 @@ use crate::output;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum compare run-dense data/lab/karlsruhe-fine-sand-drained.csv --test TMD22\n  granum compare run-1 run-2 \
-                  lab.csv --map axial_strain='eps1 (%)' --map deviator_stress='q (kPa)' --compression negative\n  granum compare run-1 run-2"
+                  lab.csv --map axial_strain='eps1 (%)' --map deviator_stress='q (kPa)' --compression negative\n  granum compare run-1 run-2\n  granum compare runs lab.csv --test all --same-stress --summary summary.csv --residuals residuals.csv"
 )]
 pub struct Compare {
-    /// Folders of runs or with runs, and the laboratory's file last, if there is one.
+    /// Folders of runs or with runs, and the laboratory's files last, if there are any.
     #[arg(required = true, num_args = 1.., value_names = ["RUN", "LAB.csv"])]
     files: Vec<PathBuf>,
-    /// A test of the file; can be repeated. All tests of a file with no more than three are drawn without it.
+    /// A test of the files; can be repeated. `all` stands for all tests, which is the default where there are no more than three.
     #[arg(long, value_name = "NAME")]
     test: Vec<String>,
     #[command(flatten)]
     laboratory: LaboratoryFlags,
+    /// Compare each run only with those tests that begin at its mean stress, within 5 %.
+    #[arg(long)]
+    same_stress: bool,
+    /// Also write what a laboratory reports of all tests and runs as a table: peak and residual strength, dilatancy angle, E50 and secant moduli
+    /// (a file .csv, .tsv or .parquet).
+    #[arg(long, value_name = "FILE")]
+    summary: Option<PathBuf>,
+    /// Also write the differences at all readings as a table (a file .csv, .tsv or .parquet).
+    #[arg(long, value_name = "FILE")]
+    residuals: Option<PathBuf>,
     /// Figure to write.
     #[arg(short, long, default_value = "compare.svg", value_name = "FILE")]
     output: PathBuf,
@@ -58,45 +70,110 @@ pub struct Compare {
 
 /// Largest number of tests that are drawn without being named.
 const MOST_TESTS: usize = 3;
+/// The word for all tests.
+const ALL_TESTS: &str = "all";
+/// Share by which mean stresses that are alike may differ.
+const LIKE_STRESS: f64 = 0.05;
 
 impl Compare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("comparing"));
-        check_output_file(&self.output, context.force)?;
-        let (runs, pairs, entries) = match self.files.split_last() {
-            Some((lab, folders)) if !lab.is_dir() => {
-                let tests = read_laboratory(lab, &self.laboratory.conventions()?)?;
-                let tests = self.chosen(&tests)?;
-                doubts(&tests).iter().for_each(|doubt| context.warn(doubt));
+        let also = [&self.summary, &self.residuals];
+        for path in also.into_iter().flatten().chain([&self.output]) {
+            check_output_file(path, context.force)?;
+        }
+        // The laboratory's files come last: the last one may be anything but a folder, such as a pipe.
+        let is_lab = |(place, path): &(usize, &PathBuf)| match place {
+            0 => !path.is_dir(),
+            _ => path.is_file(),
+        };
+        let labs = self.files.iter().rev().enumerate().take_while(is_lab).count();
+        let first_file = self.files.len() - labs;
+        let (folders, labs) = self.files.split_at(first_file);
+        let (runs, tests, entries) = match labs.is_empty() {
+            false => {
+                if folders.is_empty() {
+                    return Err(Failure::new("give runs before the laboratory's files"));
+                }
+                let folders = run_folders(context, folders)?;
+                let tests = self.chosen(self.laboratory_tests(labs)?)?;
+                let used: Vec<&LaboratoryTest> = tests.iter().collect();
+                doubts(&used).iter().for_each(|doubt| context.warn(doubt));
                 let runs: Vec<ComparedRun> =
                     folders.iter().map(|folder| curves(context, folder)).collect::<Result<_, _>>()?;
-                check_common(&runs, &tests)?;
-                unlike_stresses(&runs, &tests).iter().for_each(|remark| context.warn(remark));
-                let pairs = (runs.iter())
-                    .flat_map(|run| tests.iter().map(|test| Pair::new(run, test)).collect::<Vec<_>>())
-                    .collect();
-                self.draw(&runs, &tests)?;
-                let entries = entries(context, folders)?;
-                (runs, pairs, entries)
+                check_common(&runs, &used)?;
+                unlike_stresses(&runs, &used).iter().for_each(|remark| context.warn(remark));
+                (runs, tests, entries(context, &folders)?)
             }
-            _ => {
+            true => {
                 let (runs, entries) = self.labelled(context)?;
-                let Some((first, others)) = runs.split_first().filter(|(_, others)| !others.is_empty())
-                else {
+                if runs.len() < 2 {
                     let message = "give two runs or more, or runs and the laboratory's file last";
                     return Err(Failure::new(message));
-                };
-                let pairs: Vec<Pair> = others.iter().map(|run| Pair::new(run, &first.curves)).collect();
-                self.draw(&runs, &[])?;
-                (runs, pairs, entries)
+                }
+                (runs, Vec::new(), entries)
             }
         };
+        let compared: Vec<(&ComparedRun, &LaboratoryTest)> = match (tests.is_empty(), runs.split_first()) {
+            (true, Some((first, others))) => others.iter().map(|run| (run, &first.curves)).collect(),
+            _ => runs.iter().flat_map(|run| tests.iter().map(move |test| (run, test))).collect(),
+        };
+        let compared = self.like(compared)?;
+        let pairs: Vec<Pair> = compared.iter().map(|(run, test)| Pair::new(run, test)).collect();
+        // Over tests repetitions are a band; over each other each run is a line.
+        let groups = if tests.is_empty() { Vec::new() } else { repetitions(&entries) };
+        self.draw(&figure(&runs, &tests, &compared, &groups).0)?;
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         let strength = Strength::from_runs(&entries, &runs);
-        output::say(context, &as_json(&pairs, &names, &strength, &self.output), || {
-            let lines = [vec![text(&pairs)], strength.lines()].concat();
-            format!("{}\nwrote {}", lines.join("\n"), self.output.shown())
+        let summary = summary(&runs, &tests, &pairs)?;
+        if let Some(path) = &self.summary {
+            write_table(path, &summary)?;
+        }
+        if let Some(path) = &self.residuals {
+            write_table(path, &residuals(&compared)?)?;
+        }
+        output::say(context, &as_json(&pairs, &names, &strength, &summary, &self.output), || {
+            let summary = [vec![String::new()], text_table::lines(&summary)].concat();
+            let lines = [vec![text(&pairs)], summary, strength.lines()].concat();
+            let written = also.into_iter().flatten().chain([&self.output]).map(|path| path.shown());
+            format!("{}\nwrote {}", lines.join("\n"), written.collect::<Vec<_>>().join(", "))
         })
+    }
+
+    /// The tests of all files; where there are several files, a test without a name has that of its file.
+    fn laboratory_tests(&self, labs: &[PathBuf]) -> Result<Vec<LaboratoryTest>, Failure> {
+        let conventions = self.laboratory.conventions()?;
+        let mut all = Vec::new();
+        for path in labs {
+            for mut test in read_laboratory(path, &conventions)? {
+                if test.name.is_empty() && labs.len() > 1 {
+                    test.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                }
+                all.push(test);
+            }
+        }
+        Ok(all)
+    }
+
+    /// The runs with the tests at their mean stress, if these alone are to be compared.
+    fn like<'a>(
+        &self,
+        compared: Vec<(&'a ComparedRun, &'a LaboratoryTest)>,
+    ) -> Result<Vec<(&'a ComparedRun, &'a LaboratoryTest)>, Failure> {
+        if !self.same_stress {
+            return Ok(compared);
+        }
+        let is_like = |(run, test): &(&ComparedRun, &LaboratoryTest)| {
+            let first = |curves: &LaboratoryTest| curves.mean_stress.first().copied().unwrap_or(f64::NAN);
+            (first(&run.curves) / first(test) - 1.0).abs() <= LIKE_STRESS
+        };
+        let like: Vec<_> = compared.into_iter().filter(is_like).collect();
+        match like.is_empty() {
+            true => {
+                Err(Failure::new("--same-stress: no run begins at the mean stress of a test, within 5 %"))
+            }
+            false => Ok(like),
+        }
     }
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
@@ -123,31 +200,63 @@ impl Compare {
         Ok((folders.iter().zip(labels).map(named).collect::<Result<_, Failure>>()?, entries))
     }
 
-    fn draw(&self, runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
-        let (figure, _) = figure(runs, tests);
+    fn draw(&self, figure: &Figure) -> Result<(), Failure> {
         Ok(granum_io::atomic::write_atomically(&self.output, |file| {
             std::io::Write::write_all(file, figure.to_svg().as_bytes())
         })?)
     }
 
     /// The tests that are drawn.
-    fn chosen<'a>(&self, tests: &'a [LaboratoryTest]) -> Result<Vec<&'a LaboratoryTest>, Failure> {
+    fn chosen(&self, tests: Vec<LaboratoryTest>) -> Result<Vec<LaboratoryTest>, Failure> {
         let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-        if self.test.is_empty() {
-            if tests.len() > MOST_TESTS {
-                let message =
-                    format!("the file holds {} tests; choose some with --test: {}", tests.len(), names());
-                return Err(Failure::new(message));
-            }
-            return Ok(tests.iter().collect());
+        if self.test.is_empty() && tests.len() > MOST_TESTS {
+            let message = format!(
+                "there are {} tests; choose some with --test, or all of them with --test {ALL_TESTS}: {}",
+                tests.len(),
+                names()
+            );
+            return Err(Failure::new(message));
+        }
+        if self.test.is_empty() || self.test.iter().any(|name| name == ALL_TESTS) {
+            return Ok(tests);
         }
         let find = |name: &String| {
-            tests.iter().find(|test| test.name == *name).ok_or_else(|| {
+            tests.iter().find(|test| test.name == *name).cloned().ok_or_else(|| {
                 Failure::new(format!("--test {name}: there is no such test; there are {}", names()))
             })
         };
         self.test.iter().map(find).collect()
     }
+}
+
+/// The places of runs that differ in their seeds alone.
+fn repetitions(entries: &[RunEntry]) -> Vec<Vec<usize>> {
+    let alike = |a: &RunEntry, b: &RunEntry| {
+        let mut other = b.case.clone();
+        other.preparation.seed = a.case.preparation.seed;
+        a.case == other
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, entry) in entries.iter().enumerate() {
+        match groups.iter_mut().find(|group| alike(&entries[group[0]], entry)) {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    groups
+}
+
+/// What a laboratory reports of all tests and runs, up to the smallest strain to which two that are compared go.
+fn summary(runs: &[ComparedRun], tests: &[LaboratoryTest], pairs: &[Pair]) -> Result<Table, Failure> {
+    let up_to = pairs.iter().map(|pair| pair.errors.up_to).filter(|x| *x > 0.0).fold(f64::INFINITY, f64::min);
+    let named = |run: &ComparedRun| LaboratoryTest { name: run.name.clone(), ..run.curves.clone() };
+    let all: Vec<LaboratorySummary> = tests
+        .iter()
+        .cloned()
+        .chain(runs.iter().map(named))
+        .map(|curves| LaboratorySummary::new(&curves, up_to))
+        .collect();
+    Ok(summary_table(&all)?)
 }
 
 /// The runs in folders.
@@ -183,19 +292,6 @@ impl Strength {
         Strength { table: scatter_table(entries, &measures), line, materials_differ_in }
     }
 
-    /// The rows of the table as objects.
-    fn rows(&self) -> Vec<Value> {
-        let cell = |column: &Column, row: usize| match column.numbers() {
-            Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
-            None => json!(column.text(row)),
-        };
-        let object = |row: usize| {
-            let cells = self.table.columns().iter().map(|column| (column.name.clone(), cell(column, row)));
-            Value::Object(cells.collect())
-        };
-        (0..self.table.rows()).map(object).collect()
-    }
-
     fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if self.table.columns().len() > 1 {
@@ -225,6 +321,19 @@ impl Strength {
     }
 }
 
+/// The rows of a table as objects.
+fn rows(table: &Table) -> Vec<Value> {
+    let cell = |column: &Column, row: usize| match column.numbers() {
+        Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
+        None => json!(column.text(row)),
+    };
+    let object = |row: usize| {
+        let cells = table.columns().iter().map(|column| (column.name.clone(), cell(column, row)));
+        Value::Object(cells.collect())
+    };
+    (0..table.rows()).map(object).collect()
+}
+
 fn line_as_json(line: &CriticalStateLine) -> Value {
     json!({
         "void_ratio_at_1_kPa": line.intercept,
@@ -250,7 +359,7 @@ impl Pair {
     }
 }
 
-fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, figure: &Path) -> Value {
+fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, summary: &Table, figure: &Path) -> Value {
     let pair = |Pair { run, other, errors }: &Pair| {
         json!({
             "run": run,
@@ -265,7 +374,8 @@ fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, figure: &Path) ->
     json!({
         "runs": runs,
         "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(),
-        "strength": strength.rows(),
+        "summary": rows(summary),
+        "strength": rows(&strength.table),
         "critical_state_line": strength.line.map(|line| line_as_json(&line)),
         "materials_differ_in": strength.materials_differ_in,
         "figure": output::path(figure),

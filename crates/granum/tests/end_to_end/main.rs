@@ -9,6 +9,7 @@ mod changed;
 mod columns;
 #[path = "../common/mod.rs"]
 mod common;
+mod comparisons;
 mod data_sets;
 mod escape;
 mod families_chapter;

@@ -146,10 +146,10 @@ impl Calibration<'_> {
                     },
                     quantity: curve.quantity.clone(),
                     unit: quantity.unit().into(),
-                    measured: pairs(&target.laboratory.axial_strain, readings(&target.laboratory, quantity)),
+                    measured: pairs(&target.laboratory.axial_strain, &readings(&target.laboratory, quantity)),
                     band: band.collect(),
                     simulated: own
-                        .map(|one| pairs(&one.curves.axial_strain, readings(&one.curves, quantity)))
+                        .map(|one| pairs(&one.curves.axial_strain, &readings(&one.curves, quantity)))
                         .collect(),
                 });
             }
