@@ -185,12 +185,8 @@ pub fn figure(
         names.push(what);
     }
     let differences: [(Axis, Values); 2] = [
-        (Axis::new("*q* of the run minus that of the test").unit("Pa").including(0.0), |test| {
-            &test.deviator_stress
-        }),
-        (Axis::new("*ε*_{v} of the run minus that of the test").including(0.0), |test| {
-            &test.volumetric_strain
-        }),
+        (Axis::new("Run minus test, *q*").unit("Pa").including(0.0), |test| &test.deviator_stress),
+        (Axis::new("Run minus test, *ε*_{v}").including(0.0), |test| &test.volumetric_strain),
     ];
     for (axis, of) in differences.into_iter().filter(|_| !tests.is_empty()) {
         let mut plot = Plot::new(strain_axis(), axis);
