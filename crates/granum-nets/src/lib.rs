@@ -43,6 +43,7 @@ mod gru_batch;
 mod gru_shape;
 mod initialisation;
 mod intervals;
+mod inverse;
 mod kernels;
 mod lstm;
 mod members;

@@ -1,4 +1,4 @@
-//! Symmetric positive definite matrices: Cholesky factorisation, solution of linear systems, trace of the inverse.
+//! Symmetric positive definite matrices: Cholesky factorisation and solution of linear systems.
 //!
 //! Only the upper triangle is stored, row by row with columns across the lanes. The factorisation processes eight rows at a
 //! time. Every element is summed in a fixed order, so that the bits are identical with every instruction set.
@@ -33,12 +33,12 @@ impl Symmetric {
 /// The factor `U` of `A + shift I = U^T U`.
 #[derive(Clone, Debug)]
 pub(crate) struct Cholesky {
-    isa: Isa,
-    upper: Symmetric,
+    pub(crate) isa: Isa,
+    pub(crate) upper: Symmetric,
     /// Reciprocals of the diagonal elements.
-    reciprocal: Vec<f64>,
+    pub(crate) reciprocal: Vec<f64>,
     /// Memory for the inverse of the factor.
-    inverse: Vec<Row8>,
+    pub(crate) inverse: Vec<Row8>,
 }
 
 impl Cholesky {
@@ -74,16 +74,11 @@ impl Cholesky {
     pub(crate) fn log_determinant(&self) -> f64 {
         -2.0 * self.reciprocal.iter().map(|reciprocal| libm::log(*reciprocal)).sum::<f64>()
     }
-
-    /// Trace of `(A + shift I)^-1`, as the sum of squares of the inverse of the factor.
-    pub(crate) fn trace_of_inverse(&mut self) -> f64 {
-        dispatch(self.isa, TraceOfInverse { factor: self })
-    }
 }
 
 /// Width of the tiles in lane blocks.
 #[inline(always)]
-fn widest<L: Lanes>() -> usize {
+pub(crate) fn widest<L: Lanes>() -> usize {
     if L::REGISTERS >= 32 { 3 } else { 1 }
 }
 
@@ -329,82 +324,13 @@ impl Kernel for SolveUpper<'_> {
     }
 }
 
-struct TraceOfInverse<'a> {
-    factor: &'a mut Cholesky,
-}
-
-impl Kernel for TraceOfInverse<'_> {
-    type Output = f64;
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f64 {
-        let Cholesky { upper, reciprocal, inverse, .. } = self.factor;
-        let Symmetric { size, blocks, stride, ref values } = *upper;
-        // The rows of the transposed inverse, which is a lower triangular matrix, follow from U^T Y = I.
-        inverse.resize(values.len(), Row8::default());
-        let mut sum = L::zero();
-        for q in 0..blocks {
-            let (above, rest) = inverse.split_at_mut(q * LANES * stride);
-            let rows = &mut rest[..LANES * stride];
-            panels(
-                0,
-                q,
-                widest::<L>(),
-                #[inline(always)]
-                |first, width| {
-                    // ModelColumn block `first` is zero above row `8 first`.
-                    let from = first * LANES;
-                    let scalars = Scalars {
-                        values: &Row8::numbers(values)[from * stride * LANES + q * LANES..],
-                        by_k: stride * LANES,
-                        by_j: 1,
-                    };
-                    eight_rows::<L>(
-                        scalars,
-                        q * LANES - from,
-                        &above[from * stride..],
-                        stride,
-                        first,
-                        width,
-                        #[inline(always)]
-                        |i, b, sum| (-sum).store(&mut rows[i * stride + b].0),
-                    );
-                },
-            );
-            for i in 0..LANES {
-                rows[i * stride + q] = Row8::default();
-                rows[i * stride + q].0[i] = 1.0;
-            }
-            for b in 0..=q {
-                for i in 0..LANES {
-                    let p = q * LANES + i;
-                    let mut value = L::load(&rows[i * stride + b].0);
-                    for k in 0..i {
-                        let factor = L::splat(-values[(q * LANES + k) * stride + q].0[i]);
-                        value = factor.mul_add(L::load(&rows[k * stride + b].0), value);
-                    }
-                    value = value * L::splat(reciprocal[p]);
-                    value.store(&mut rows[i * stride + b].0);
-                    if p < size {
-                        sum = value.mul_add(value, sum);
-                    }
-                }
-            }
-            // The rows below read zeros right of the diagonal.
-            for i in 0..LANES {
-                rows[i * stride + q + 1..(i + 1) * stride].fill(Row8::default());
-            }
-        }
-        sum.reduce_add()
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
 
     /// `B B^T` of a fixed pseudo-random square matrix: its upper triangle, and the full matrix in row-major order.
-    fn example(size: usize) -> (Symmetric, Vec<f64>) {
+    pub(crate) fn example(size: usize) -> (Symmetric, Vec<f64>) {
         let entry = |i: usize, j: usize| ((i * 37 + j * 101 + i * j) as f64 * 0.7).sin();
         let mut full = vec![0.0; size * size];
         let mut matrix = Symmetric::new(size);

@@ -12,9 +12,10 @@
 //! Each logarithm has a normal prior, for inputs and outputs with a standard deviation of one. It decides what few rows cannot, and
 //! keeps terms small that rows do not support.
 
-use granum_simd::exp;
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch, exp};
 
-use super::rows::Rows;
+use super::rows::RowLanes;
+use crate::symmetric::Symmetric;
 
 /// Parameters beside those of each input: pairs, product, constant, noise.
 const SHARED: usize = 4;
@@ -64,12 +65,12 @@ pub(super) struct Covariance {
     shared: [f64; SHARED],
 }
 
-/// What the value at two rows is made of.
-struct Terms {
-    line: f64,
-    sum: f64,
-    pairs: f64,
-    product: f64,
+/// What the values at a row and others are made of.
+struct Terms<R> {
+    line: R,
+    sum: R,
+    pairs: R,
+    product: R,
 }
 
 impl Covariance {
@@ -93,83 +94,152 @@ impl Covariance {
         self.shared[NOISE]
     }
 
-    /// The sums over inputs; `functions` receives `u_d`.
+    /// The sums over inputs for a row and others; `functions` receives `u_d`.
     #[inline(always)]
-    fn terms(&self, a: &[f64], b: &[f64], functions: &mut [f64]) -> Terms {
-        let (mut line, mut sum, mut squares, mut exponent) = (0.0, 0.0, 0.0, 0.0);
+    fn terms<R: Real>(
+        &self,
+        a: &[f64],
+        b: impl Fn(usize) -> R,
+        mut functions: impl FnMut(usize, R),
+    ) -> Terms<R> {
+        let (mut line, mut sum, mut squares, mut exponent) = (R::zero(), R::zero(), R::zero(), R::zero());
+        let least = R::splat(-700.0);
         for d in 0..self.inputs {
-            line += self.slopes[d] * a[d] * b[d];
-            let distance = a[d] - b[d];
-            let power = distance * distance * self.narrowness[d];
-            exponent += power;
-            let u = self.weights[d] * exp((-power).max(-700.0));
-            functions[d] = u;
-            sum += u;
-            squares += u * u;
+            let own = b(d);
+            line = R::splat(self.slopes[d] * a[d]).mul_add(own, line);
+            let distance = R::splat(a[d]) - own;
+            let power = distance * distance * R::splat(self.narrowness[d]);
+            exponent = exponent + power;
+            let u = R::splat(self.weights[d]) * exp((-power).max(least));
+            functions(d, u);
+            sum = sum + u;
+            squares = u.mul_add(u, squares);
         }
-        Terms { line, sum, pairs: 0.5 * (sum * sum - squares), product: exp((-exponent).max(-700.0)) }
+        let pairs = R::splat(0.5) * sum.mul_add(sum, -squares);
+        Terms { line, sum, pairs, product: exp((-exponent).max(least)) }
     }
 
     #[inline(always)]
-    fn value(&self, a: &[f64], b: &[f64], functions: &mut [f64]) -> f64 {
-        let terms = self.terms(a, b, functions);
+    fn value<R: Real>(&self, a: &[f64], b: impl Fn(usize) -> R) -> R {
+        let terms = self.terms(a, b, |_, _| {});
         let [pairs, product, constant, _] = self.shared;
-        terms.line + terms.sum + pairs * terms.pairs + product * terms.product + constant
+        let smooth = R::splat(pairs).mul_add(terms.pairs, terms.line + terms.sum);
+        R::splat(product).mul_add(terms.product, smooth) + R::splat(constant)
     }
 
-    /// Values at all pairs of rows `j <= i`, given to `take(i, j, value)`.
-    pub fn values(&self, rows: &Rows, take: &mut dyn FnMut(usize, usize, f64)) {
-        let mut functions = vec![0.0; self.inputs];
-        granum_simd::fused(|| {
-            for i in 0..rows.count() {
-                for j in 0..=i {
-                    take(i, j, self.value(rows.row(i), rows.row(j), &mut functions));
-                }
-            }
-        });
+    /// Values at all pairs of rows `j >= i`, in the upper triangle of the matrix; other entries of its blocks are not used.
+    pub fn values(&self, isa: Isa, rows: &RowLanes, matrix: &mut Symmetric) {
+        dispatch(isa, AllValues { covariance: self, rows, matrix });
     }
 
     /// Values at a row and every row of others, and at the row and itself.
-    pub fn with(&self, row: &[f64], others: &Rows) -> (Vec<f64>, f64) {
-        let mut functions = vec![0.0; self.inputs];
-        granum_simd::fused(|| {
-            let values =
-                (0..others.count()).map(|k| self.value(row, others.row(k), &mut functions)).collect();
-            (values, self.value(row, row, &mut functions))
-        })
+    pub fn with(&self, isa: Isa, row: &[f64], others: &RowLanes) -> (Vec<Row8>, f64) {
+        dispatch(isa, ValuesWith { covariance: self, row, others })
     }
 
-    /// The sum over all pairs of rows, in both orders, of `weight(i, j)` times the derivatives of the value with respect to the
-    /// logarithms of the parameters; the entry of the noise is the sum of `weight(i, i)` times the variance of the noise.
-    pub fn weighted_gradient(&self, rows: &Rows, weight: &dyn Fn(usize, usize) -> f64) -> Vec<f64> {
-        let inputs = self.inputs;
-        let mut gradient = vec![0.0; parameter_count(inputs)];
-        let mut functions = vec![0.0; inputs];
-        let shared = EACH * inputs;
-        granum_simd::fused(|| {
-            for i in 0..rows.count() {
-                let a = rows.row(i);
-                gradient[shared + NOISE] += weight(i, i) * self.shared[NOISE];
-                for j in 0..=i {
-                    let b = rows.row(j);
-                    let factor = if i == j { weight(i, i) } else { 2.0 * weight(i, j) };
-                    let terms = self.terms(a, b, &mut functions);
-                    let [pairs, product, constant, _] = self.shared;
-                    for d in 0..inputs {
-                        let distance = a[d] - b[d];
-                        // The derivative of ln g_d with respect to ln l_d.
-                        let power = 2.0 * distance * distance * self.narrowness[d];
-                        let own = functions[d] * (1.0 + pairs * (terms.sum - functions[d]));
-                        gradient[d] += factor * power * (own + product * terms.product);
-                        gradient[inputs + d] += factor * own;
-                        gradient[2 * inputs + d] += factor * self.slopes[d] * a[d] * b[d];
-                    }
-                    gradient[shared + PAIRS] += factor * pairs * terms.pairs;
-                    gradient[shared + PRODUCT] += factor * product * terms.product;
-                    gradient[shared + CONSTANT] += factor * constant;
-                }
+    /// The sum over all pairs of rows, in both orders, of `B_ij - a_i a_j` times the derivatives of the value with respect to the
+    /// logarithms of the parameters; the entry of the noise is the sum of `B_ii - a_i a_i` times the variance of the noise. `B` is a symmetric
+    /// matrix, and `a` a vector with zeros beyond the rows.
+    pub fn weighted_gradient(&self, isa: Isa, rows: &RowLanes, b: &Symmetric, a: &[Row8]) -> Vec<f64> {
+        dispatch(isa, WeightedGradient { covariance: self, rows, b, a })
+    }
+}
+
+struct AllValues<'a> {
+    covariance: &'a Covariance,
+    rows: &'a RowLanes,
+    matrix: &'a mut Symmetric,
+}
+
+impl Kernel for AllValues<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let AllValues { covariance, rows, matrix } = self;
+        let stride = matrix.stride;
+        for i in 0..rows.count {
+            for block in i / LANES..rows.blocks {
+                let value = covariance.value(rows.row(i), |d| L::load(&rows.lanes(block, d).0));
+                (value * L::load(&rows.present[block].0)).store(&mut matrix.values[i * stride + block].0);
             }
-        });
-        gradient
+        }
+    }
+}
+
+struct ValuesWith<'a> {
+    covariance: &'a Covariance,
+    row: &'a [f64],
+    others: &'a RowLanes,
+}
+
+impl Kernel for ValuesWith<'_> {
+    type Output = (Vec<Row8>, f64);
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> (Vec<Row8>, f64) {
+        let ValuesWith { covariance, row, others } = self;
+        let mut values = vec![Row8::default(); others.blocks];
+        for (block, value) in values.iter_mut().enumerate() {
+            let found = covariance.value(row, |d| L::load(&others.lanes(block, d).0));
+            (found * L::load(&others.present[block].0)).store(&mut value.0);
+        }
+        let own = covariance.value(row, |d| row[d]);
+        (values, own)
+    }
+}
+
+struct WeightedGradient<'a> {
+    covariance: &'a Covariance,
+    rows: &'a RowLanes,
+    b: &'a Symmetric,
+    a: &'a [Row8],
+}
+
+impl Kernel for WeightedGradient<'_> {
+    type Output = Vec<f64>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<f64> {
+        let WeightedGradient { covariance, rows, b, a } = self;
+        let inputs = covariance.inputs;
+        let shared = EACH * inputs;
+        let mut sums = vec![L::zero(); parameter_count(inputs)];
+        let mut functions = vec![L::zero(); inputs];
+        let [pairs, product, constant, noise] = covariance.shared.map(L::splat);
+        for i in 0..rows.count {
+            let (own, lane) = (i / LANES, i % LANES);
+            let solved = L::splat(-a[own].0[lane]);
+            for block in own..rows.blocks {
+                let weight = solved.mul_add(L::load(&a[block].0), L::load(&b.values[i * b.stride + block].0));
+                let mut counted = rows.present[block];
+                // Pairs of different rows count in both orders, and those before the diagonal have been.
+                for (k, times) in counted.0.iter_mut().enumerate() {
+                    let j = block * LANES + k;
+                    *times *= if j > i { 2.0 } else { f64::from(u8::from(j == i)) };
+                }
+                let factor = weight * L::load(&counted.0);
+                if block == own {
+                    let mut diagonal = [0.0; LANES];
+                    diagonal[lane] = 1.0;
+                    sums[shared + NOISE] = (factor * L::load(&diagonal)).mul_add(noise, sums[shared + NOISE]);
+                }
+                let row = rows.row(i);
+                let terms =
+                    covariance.terms(row, |d| L::load(&rows.lanes(block, d).0), |d, u| functions[d] = u);
+                for d in 0..inputs {
+                    let other = L::load(&rows.lanes(block, d).0);
+                    let distance = L::splat(row[d]) - other;
+                    // The derivative of ln g_d with respect to ln l_d.
+                    let power = L::splat(2.0 * covariance.narrowness[d]) * (distance * distance);
+                    let own = functions[d] * pairs.mul_add(terms.sum - functions[d], L::splat(1.0));
+                    sums[d] = (factor * power).mul_add(product.mul_add(terms.product, own), sums[d]);
+                    sums[inputs + d] = factor.mul_add(own, sums[inputs + d]);
+                    let line = L::splat(covariance.slopes[d] * row[d]) * other;
+                    sums[2 * inputs + d] = factor.mul_add(line, sums[2 * inputs + d]);
+                }
+                sums[shared + PAIRS] = (factor * pairs).mul_add(terms.pairs, sums[shared + PAIRS]);
+                sums[shared + PRODUCT] = (factor * product).mul_add(terms.product, sums[shared + PRODUCT]);
+                sums[shared + CONSTANT] = factor.mul_add(constant, sums[shared + CONSTANT]);
+            }
+        }
+        sums.into_iter().map(L::reduce_add).collect()
     }
 }

@@ -10,7 +10,7 @@
 use granum_simd::{Isa, LANES, Row8};
 
 use super::covariance::{Covariance, prior};
-use super::rows::Rows;
+use super::rows::RowLanes;
 use crate::minimise::Slope;
 use crate::symmetric::{Cholesky, Symmetric};
 
@@ -30,18 +30,17 @@ pub(super) struct Factorised {
 
 impl Factorised {
     /// `None` if the matrix is not positive definite.
-    pub fn new(covariance: &Covariance, rows: &Rows) -> Option<Factorised> {
-        let size = rows.count();
+    pub fn new(covariance: &Covariance, rows: &RowLanes) -> Option<Factorised> {
+        let size = rows.count;
+        let isa = Isa::detect();
         let mut matrix = Symmetric::new(size);
         let (stride, blocks) = (matrix.stride, matrix.blocks);
-        covariance.values(rows, &mut |i, j, value| {
-            let diagonal = if i == j { covariance.noise() + SLIGHT } else { 0.0 };
-            matrix.values[j * stride + i / LANES].0[i % LANES] = value + diagonal;
-        });
-        for k in size..blocks * LANES {
-            matrix.values[k * stride + k / LANES].0[k % LANES] = 1.0;
+        covariance.values(isa, rows, &mut matrix);
+        for k in 0..blocks * LANES {
+            let diagonal = &mut matrix.values[k * stride + k / LANES].0[k % LANES];
+            *diagonal = if k < size { *diagonal + covariance.noise() + SLIGHT } else { 1.0 };
         }
-        let mut factor = Cholesky::new(Isa::detect(), size);
+        let mut factor = Cholesky::new(isa, size);
         factor.factorise(&matrix, 0.0).then_some(Factorised { factor, size, blocks })
     }
 
@@ -53,25 +52,18 @@ impl Factorised {
     }
 
     /// `b^T A^-1 b`.
-    pub fn quadratic(&self, values: &[f64]) -> f64 {
-        let mut vector = self.packed(values);
+    pub fn quadratic(&self, mut vector: Vec<Row8>) -> f64 {
         self.factor.solve_transposed(&mut vector);
         Row8::numbers(&vector).iter().map(|y| y * y).sum()
     }
 
-    /// `A^-1`, row by row.
-    pub fn inverse(&self) -> Vec<f64> {
-        let mut inverse = Vec::with_capacity(self.size * self.size);
-        let mut unit = vec![0.0; self.size];
-        for k in 0..self.size {
-            unit[k] = 1.0;
-            inverse.extend(self.solve(&unit));
-            unit[k] = 0.0;
-        }
-        inverse
+    /// The diagonal of `A^-1`.
+    pub fn diagonal_of_inverse(&mut self) -> Vec<f64> {
+        let inverse = self.factor.inverse();
+        (0..self.size).map(|k| inverse.values[k * inverse.stride + k / LANES].0[k % LANES]).collect()
     }
 
-    fn packed(&self, values: &[f64]) -> Vec<Row8> {
+    pub fn packed(&self, values: &[f64]) -> Vec<Row8> {
         let mut vector = vec![Row8::default(); self.blocks];
         for (k, value) in values.iter().enumerate() {
             vector[k / LANES].0[k % LANES] = *value;
@@ -81,20 +73,25 @@ impl Factorised {
 }
 
 /// Minus the logarithm of the posterior, but for a constant, and its gradient; `None` if the covariance is not positive definite.
-pub(super) fn posterior(rows: &Rows, targets: &[f64], logarithms: &[f64]) -> Option<Slope> {
+pub(super) fn posterior(
+    rows: &RowLanes,
+    inputs: usize,
+    targets: &[f64],
+    logarithms: &[f64],
+) -> Option<Slope> {
     let moderate = |l: &f64| l.abs() < MOST_LOGARITHM;
     if !logarithms.iter().all(moderate) {
         return None;
     }
-    let covariance = Covariance::new(rows.columns(), logarithms);
-    let factorised = Factorised::new(&covariance, rows)?;
+    let covariance = Covariance::new(inputs, logarithms);
+    let mut factorised = Factorised::new(&covariance, rows)?;
     let solved = factorised.solve(targets);
     let fit: f64 = targets.iter().zip(&solved).map(|(y, a)| y * a).sum();
     let mut value = 0.5 * (fit + factorised.factor.log_determinant());
-    let (inverse, size) = (factorised.inverse(), factorised.size);
-    let weight = |i: usize, j: usize| inverse[i * size + j] - solved[i] * solved[j];
-    let mut gradient = covariance.weighted_gradient(rows, &weight);
-    let terms = gradient.iter_mut().zip(logarithms).zip(prior(rows.columns()));
+    let solved = factorised.packed(&solved);
+    let inverse = factorised.factor.inverse();
+    let mut gradient = covariance.weighted_gradient(Isa::detect(), rows, &inverse, &solved);
+    let terms = gradient.iter_mut().zip(logarithms).zip(prior(inputs));
     for ((slope, l), [mean, deviation]) in terms {
         let distance = (l - mean) / deviation;
         *slope = 0.5 * *slope + distance / deviation;

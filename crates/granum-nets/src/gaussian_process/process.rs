@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use granum_simd::{Isa, Row8};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::covariance::{Covariance, parameter_count, prior};
 use super::error::GaussianProcessError;
 use super::evidence::{Factorised, posterior};
-use super::rows::Rows;
+use super::rows::{RowLanes, Rows};
 use crate::initialisation::uniform;
 use crate::minimise::minimise;
 
@@ -61,6 +62,7 @@ pub struct LeftOut {
 #[derive(Clone, Debug)]
 pub struct GaussianProcess {
     rows: Arc<Rows>,
+    lanes: RowLanes,
     logarithms: Vec<f64>,
     covariance: Covariance,
     factorised: Factorised,
@@ -116,13 +118,13 @@ impl GaussianProcess {
     ) -> Result<GaussianProcess, GaussianProcessError> {
         check_targets(&rows, targets)?;
         let used = rows.thinned(options.most_rows);
-        let some = rows.at(&used);
+        let some = RowLanes::new(&rows.at(&used));
         let chosen: Vec<f64> = used.iter().map(|&k| targets[k]).collect();
         let [mean, deviation] = mean_and_deviation(&chosen);
         let chosen: Vec<f64> = chosen.iter().map(|y| (y - mean) / deviation).collect();
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in starts {
-            let mut value = |logarithms: &[f64]| posterior(&some, &chosen, logarithms);
+            let mut value = |logarithms: &[f64]| posterior(&some, rows.columns(), &chosen, logarithms);
             let found = minimise(start, options.iterations, TOLERANCE, &mut value);
             if let Some(found) = found
                 && best.as_ref().is_none_or(|(least, _)| found.value < *least)
@@ -148,10 +150,11 @@ impl GaussianProcess {
         let inputs = rows.columns();
         let scale = mean_and_deviation(targets);
         let covariance = Covariance::new(inputs, &logarithms);
-        let factorised = Factorised::new(&covariance, &rows).ok_or(GaussianProcessError::NotPositive)?;
+        let lanes = RowLanes::new(&rows);
+        let factorised = Factorised::new(&covariance, &lanes).ok_or(GaussianProcessError::NotPositive)?;
         let scaled: Vec<f64> = targets.iter().map(|y| (y - scale[0]) / scale[1]).collect();
         let solved = factorised.solve(&scaled);
-        Ok(GaussianProcess { rows, logarithms, covariance, factorised, solved, scale })
+        Ok(GaussianProcess { rows, lanes, logarithms, covariance, factorised, solved, scale })
     }
 
     /// The logarithms of the fitted parameters.
@@ -165,13 +168,13 @@ impl GaussianProcess {
     /// If the row has another number of inputs.
     pub fn predict(&self, row: &[f64]) -> ProcessPrediction {
         assert_eq!(row.len(), self.rows.columns(), "inputs of a row");
-        let (with, own) = self.covariance.with(row, &self.rows);
-        let mean: f64 = with.iter().zip(&self.solved).map(|(k, a)| k * a).sum();
+        let (with, own) = self.covariance.with(Isa::detect(), row, &self.lanes);
+        let mean: f64 = Row8::numbers(&with).iter().zip(&self.solved).map(|(k, a)| k * a).sum();
         let [centre, deviation] = self.scale;
         let square = deviation * deviation;
         ProcessPrediction {
             mean: centre + deviation * mean,
-            variance: square * (own - self.factorised.quadratic(&with)).max(0.0),
+            variance: square * (own - self.factorised.quadratic(with)).max(0.0),
             noise: square * self.covariance.noise(),
         }
     }
@@ -179,10 +182,10 @@ impl GaussianProcess {
     /// Each row as predicted from all others with the same parameters: `y_i - a_i / (A^-1)_ii` with the variance `1 / (A^-1)_ii`
     /// (Rasmussen and Williams 2006, equation 5.12).
     pub fn left_out(&self, targets: &[f64]) -> Vec<LeftOut> {
-        let (inverse, size) = (self.factorised.inverse(), self.rows.count());
+        let inverse = self.factorised.clone().diagonal_of_inverse();
         let square = self.scale[1] * self.scale[1];
         let of_row = |(k, target): (usize, &f64)| {
-            let own = inverse[k * size + k];
+            let own = inverse[k];
             LeftOut { mean: target - self.scale[1] * self.solved[k] / own, variance: square / own }
         };
         targets.iter().enumerate().map(of_row).collect()

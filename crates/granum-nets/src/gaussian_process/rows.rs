@@ -1,5 +1,7 @@
 //! The inputs of the rows to which processes are fitted.
 
+use granum_simd::{LANES, Row8};
+
 use super::error::GaussianProcessError;
 
 /// Rows of inputs in row-major order. The inputs should have a mean near zero and a standard deviation near one, since the prior of the
@@ -66,5 +68,46 @@ impl Rows {
     pub(super) fn at(&self, rows: &[usize]) -> Rows {
         let values = rows.iter().flat_map(|&k| self.row(k).iter().copied()).collect();
         Rows { values, columns: self.columns }
+    }
+}
+
+/// Rows with eight of them side by side.
+#[derive(Clone, Debug)]
+pub(super) struct RowLanes {
+    pub count: usize,
+    pub blocks: usize,
+    columns: usize,
+    values: Vec<f64>,
+    /// Input `d` of the rows of a block at `block * columns + d`.
+    lanes: Vec<Row8>,
+    /// For each block 1 where there is a row, 0 beyond the last one.
+    pub present: Vec<Row8>,
+}
+
+impl RowLanes {
+    pub fn new(rows: &Rows) -> RowLanes {
+        let (count, columns) = (rows.count(), rows.columns());
+        let blocks = count.div_ceil(LANES);
+        let mut lanes = vec![Row8::default(); blocks * columns];
+        let mut present = vec![Row8::default(); blocks];
+        for k in 0..count {
+            present[k / LANES].0[k % LANES] = 1.0;
+            for (d, value) in rows.row(k).iter().enumerate() {
+                lanes[k / LANES * columns + d].0[k % LANES] = *value;
+            }
+        }
+        RowLanes { count, blocks, columns, values: rows.values.clone(), lanes, present }
+    }
+
+    /// A row.
+    #[inline(always)]
+    pub fn row(&self, k: usize) -> &[f64] {
+        &self.values[k * self.columns..(k + 1) * self.columns]
+    }
+
+    /// An input of the rows of a block.
+    #[inline(always)]
+    pub fn lanes(&self, block: usize, input: usize) -> &Row8 {
+        &self.lanes[block * self.columns + input]
     }
 }
