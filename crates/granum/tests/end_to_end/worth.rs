@@ -123,3 +123,62 @@ fn the_worth_of_sensors_is_measured_written_and_reported() {
     let place = |title: &str| page.find(title).unwrap_or_else(|| panic!("{title}"));
     assert!(place("What each soft sensor is worth") < place("Use of the inputs"));
 }
+
+/// Rows of a table of the book: its label and the numbers with their standard errors.
+fn rows_of_table<'a>(text: &'a str, head: &str) -> Vec<(&'a str, Vec<&'a str>)> {
+    let table = text.split(head).nth(1).expect(head);
+    let lines = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let cells =
+        |line: &'a str| -> Vec<&'a str> { line.trim_matches('|').split('|').map(str::trim).collect() };
+    lines.map(cells).map(|cells| (cells[0], cells[1..].to_vec())).collect()
+}
+
+/// True if a number is printed as `text`, to the digits that it has.
+fn is_printed(text: &str, number: f64) -> bool {
+    let digits = text.split('.').nth(1).map_or(0, str::len);
+    text.parse::<f64>().is_ok_and(|found| (found - number).abs() <= 0.51 * 0.1f64.powi(digits as i32))
+}
+
+#[test]
+fn the_tables_of_the_book_and_the_readme_are_those_that_were_measured() {
+    let measured: serde_json::Value =
+        serde_json::from_str(include_str!("../../../../data/families/sand/worth.json")).unwrap();
+    let answers = measured["answers"].as_array().unwrap();
+    let of_output = |output: &str| -> Vec<[f64; 2]> {
+        let own = answers.iter().filter(|answer| answer["output"] == output);
+        own.map(|answer| {
+            ["relative", "standard_error"].map(|key| 100.0 * answer["error"][key].as_f64().unwrap())
+        })
+        .collect()
+    };
+    let readme = include_str!("../../../../README.md");
+    let (of_book, of_sensors) =
+        ("| known | q/p | volumetric strain |\n", "| known | fabric | second moment |");
+    let laboratory = ["stress_ratio", "volumetric_strain"].map(of_output);
+    let sensors = [
+        "deviator_fabric",
+        "mean_square_force",
+        "probability_density",
+        "mechanical_coordination_number",
+        "sliding_fraction",
+    ];
+    let check = |rows: &[(&str, Vec<&str>)], outputs: &[Vec<[f64; 2]>], lines: &[usize]| {
+        assert_eq!(rows.len(), lines.len());
+        for ((label, cells), line) in rows.iter().zip(lines) {
+            for (cell, output) in cells.iter().zip(outputs) {
+                let (value, error) = cell.trim_end_matches(" %").split_once(" ± ").expect(cell);
+                let [exact, scatter] = output[*line];
+                assert!(
+                    is_printed(value, exact) && is_printed(error, scatter),
+                    "{label}: {cell} {exact} {scatter}"
+                );
+            }
+        }
+    };
+    let all: Vec<usize> = (0..laboratory[0].len()).collect();
+    check(&rows_of_table(SURROGATES, of_book), &laboratory, &all);
+    let sensors = sensors.map(of_output);
+    let each: Vec<usize> = (0..sensors[0].len()).collect();
+    check(&rows_of_table(SURROGATES, of_sensors), &sensors, &each);
+    check(&rows_of_table(readme, of_book), &laboratory, &[0, 1, 3, 4, 5, 9, 10, 11, 12]);
+}
