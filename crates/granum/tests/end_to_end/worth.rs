@@ -152,8 +152,7 @@ fn the_tables_of_the_book_and_the_readme_are_those_that_were_measured() {
         .collect()
     };
     let readme = include_str!("../../../../README.md");
-    let (of_book, of_sensors) =
-        ("| known | q/p | volumetric strain |\n", "| known | fabric | second moment |");
+    let (of_book, of_sensors) = ("| known | q/p | volumetric strain |", "| known | fabric | second moment |");
     let laboratory = ["stress_ratio", "volumetric_strain"].map(of_output);
     let sensors = [
         "deviator_fabric",
