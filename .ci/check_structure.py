@@ -171,7 +171,7 @@ def circles(graph):
 
 
 def check_lengths():
-    folders = [ROOT / name for name in ("crates", "examples", "fuzz")]
+    folders = [ROOT / name for name in ("crates", "examples", "fuzz", "python")]
     for file in sorted(file for folder in folders for file in folder.rglob("*.rs")):
         if "target" in file.relative_to(ROOT).parts:
             continue
@@ -188,7 +188,7 @@ def check_lengths():
 def check_panics():
     """Unwrapping, expecting, panicking and asserting outside tests; what the compiler asserts (`const`) cannot happen."""
     called = r"\.unwrap\(\)|\.expect\(|\b(?:panic|unreachable|todo|unimplemented|assert(?:_eq|_ne)?)!"
-    for source in sorted((ROOT / "crates").glob("*/src")):
+    for source in [*sorted((ROOT / "crates").glob("*/src")), ROOT / "python" / "src"]:
         texts = {file: without_comments_and_strings(file.read_text()) for file in sorted(source.rglob("*.rs"))}
         tests = set()
         for file, text in texts.items():
@@ -197,7 +197,7 @@ def check_panics():
                 tests |= {folder / f"{name}.rs", folder / name / "mod.rs"}
         for file, text in texts.items():
             parts = file.relative_to(source).with_suffix("").parts
-            name = str(file.relative_to(ROOT / "crates"))
+            name = str(file.relative_to(source.parent.parent))
             if file in tests or Crate.is_test(parts) or name in PANICS:
                 continue
             text = re.sub(r"\bconst\s*(?:\{\s*assert!|_: \(\) = assert!)", "", without_tests(text))
@@ -231,8 +231,8 @@ def check_paths():
 check_lengths()
 check_paths()
 check_panics()
-for name in check_crates():
-    crate = Crate(ROOT / "crates" / name)
+for folder in [*(ROOT / "crates" / name for name in check_crates()), ROOT / "python"]:
+    name, crate = folder.name, Crate(folder)
     graph = crate.imports()
     shown = {module: f"{name}/{file.relative_to(crate.source.parent)}" for module, file in crate.modules.items()}
     if "--show" in sys.argv:

@@ -1,6 +1,6 @@
 //! The global options, which every subcommand receives.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,6 +26,8 @@ pub struct Context {
     pub verbose: bool,
     /// Input files may name files outside their own folders.
     pub allow_outside: bool,
+    /// The file that starts this program, if it is known.
+    program: Option<PathBuf>,
     registry: Arc<Registry>,
     stop: Arc<AtomicBool>,
     /// The warnings so far, which the JSON of the result or of the error contains.
@@ -35,12 +37,22 @@ pub struct Context {
 impl Context {
     pub fn new(registry: Registry, json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
         let (registry, warnings) = (Arc::new(registry), Arc::default());
-        Context { json, force, verbose, allow_outside: false, registry, stop, warnings }
+        Context { json, force, verbose, allow_outside: false, program: None, registry, stop, warnings }
     }
 
     /// The same options; input files may name files outside their own folders if `allow_outside` is true.
     pub fn allowing_outside(self, allow_outside: bool) -> Context {
         Context { allow_outside, ..self }
+    }
+
+    /// The same options of a program that a file starts.
+    pub fn started_by(self, program: Option<PathBuf>) -> Context {
+        Context { program, ..self }
+    }
+
+    /// The file of this program, which a coordinator starts for each run.
+    pub fn program(&self) -> Result<PathBuf, Failure> {
+        self.program.clone().ok_or_else(|| Failure::new("cannot find the file of this program"))
     }
 
     /// How case files are read.

@@ -1,5 +1,7 @@
 //! The program `granum`: its command line, for this program and for programs that add to it.
 
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
@@ -57,15 +59,31 @@ fn quiet_contained_panics() {
 /// }
 /// ```
 pub fn run(registry: Registry) -> ExitCode {
+    let program = std::env::current_exe().ok();
+    run_with(registry, std::env::args_os().collect(), program)
+}
+
+/// As [`run`], with a command line that another language's interpreter received, for instance. The first of `arguments` is the name of
+/// the program. `program` is the file that starts it, which the coordinator of a campaign starts for every run; without one, such
+/// commands are refused.
+///
+/// ```
+/// use granum::prelude::*;
+///
+/// let line = ["granum", "schema"].map(std::ffi::OsString::from);
+/// assert_eq!(granum::program::run_with(Registry::standard(), line.to_vec(), None), std::process::ExitCode::SUCCESS);
+/// ```
+pub fn run_with(registry: Registry, arguments: Vec<OsString>, program: Option<PathBuf>) -> ExitCode {
     quiet_contained_panics();
-    let found = command::described(Arguments::command(), &registry).try_get_matches();
+    let found = command::described(Arguments::command(), &registry).try_get_matches_from(&arguments);
     let arguments = match found.and_then(|found| Arguments::from_arg_matches(&found)) {
-        Ok(arguments) => arguments,
-        Err(error) => return refuse(&error),
+        Ok(parsed) => parsed,
+        Err(error) => return refuse(&error, &arguments),
     };
     let (stop, warnings) = interrupt::install();
     let context = Context::new(registry, arguments.json, arguments.force, arguments.verbose, stop)
-        .allowing_outside(arguments.allow_outside);
+        .allowing_outside(arguments.allow_outside)
+        .started_by(program);
     warnings.iter().for_each(|warning| context.warn(warning));
     match arguments.command.run(&context) {
         Ok(()) => ExitCode::SUCCESS,
@@ -74,8 +92,8 @@ pub fn run(registry: Registry) -> ExitCode {
 }
 
 /// Prints the help, or the error of an invalid command line.
-fn refuse(error: &clap::Error) -> ExitCode {
-    let json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
+fn refuse(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+    let json = arguments.iter().skip(1).take_while(|word| *word != "--").any(|word| word == "--json");
     if !error.use_stderr() {
         return output::written(error.print())
             .map_or_else(|failure| failure.print(json, &[]), |()| ExitCode::SUCCESS);

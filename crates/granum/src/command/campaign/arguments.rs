@@ -1,7 +1,6 @@
 //! The laboratory of a campaign and what a process of a run is given, from the flags of the command.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
 
 use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
@@ -49,12 +48,6 @@ impl CarryOutFlags {
     /// The laboratory of the coordinator, which has a thread for each processor.
     pub fn laboratory(&self, context: &Context) -> Result<Laboratory, Failure> {
         laboratory(context, processors(), &self.checkpoints)
-    }
-
-    /// The file of this program.
-    pub fn program(&self) -> Result<PathBuf, Failure> {
-        std::env::current_exe()
-            .map_err(|error| Failure::new(format!("cannot find the file of this program: {error}")))
     }
 
     /// The flags with which this program executes a run.

@@ -17,7 +17,7 @@ impl CarryOutFlags {
     /// What a scheduler needs to execute runs by this program.
     pub fn options(&self, context: &Context) -> Result<SchedulerOptions, Failure> {
         Ok(SchedulerOptions {
-            program: self.program()?,
+            program: context.program()?,
             arguments: self.arguments(context)?,
             workers: self.workers()?,
             stop_after: self.stop_after,

@@ -1,0 +1,46 @@
+"""The discrete element laboratory granum for Python: the same cases, the same bits and the same errors as the program.
+
+>>> import granum
+>>> case = granum.Case(grains={"count": 60}, preparation={"solid_fraction": "none", "unbalanced_force": 0.05})
+>>> case["grains.count"]
+60.0
+"""
+
+import os as _os
+
+from . import surrogates
+from ._granum import Assembly, Case, Run, Simulation, Table, measure, paths, prepare, resume, run, schema, template
+from ._granum import __version__, _forked
+from ._granum import open as open
+from ._progress import ProgressLine
+from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
+
+__all__ = [
+    "Assembly",
+    "Case",
+    "CaseError",
+    "Error",
+    "FileError",
+    "InternalError",
+    "Mistake",
+    "ProgressLine",
+    "Run",
+    "RunError",
+    "RunWarning",
+    "Simulation",
+    "Table",
+    "__version__",
+    "measure",
+    "open",
+    "paths",
+    "prepare",
+    "resume",
+    "run",
+    "schema",
+    "surrogates",
+    "template",
+]
+
+# Threads do not survive a fork: a child of a process that used granum is told so instead of waiting for them for ever.
+if hasattr(_os, "register_at_fork"):
+    _os.register_at_fork(after_in_child=_forked)

@@ -1,0 +1,457 @@
+"""The library of granum, compiled."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+
+from . import keys
+
+_Path: TypeAlias = str | PathLike[str]
+_Reals: TypeAlias = npt.NDArray[np.float64]
+_Integers: TypeAlias = npt.NDArray[np.int64]
+_Booleans: TypeAlias = npt.NDArray[np.bool_]
+
+__all__ = [
+    "Assembly",
+    "Case",
+    "Family",
+    "Run",
+    "Simulation",
+    "Table",
+    "Values",
+    "__version__",
+    "_forked",
+    "_program",
+    "families",
+    "measure",
+    "open",
+    "paths",
+    "prepare",
+    "resume",
+    "run",
+    "schema",
+    "template",
+]
+
+__version__: str
+
+@final
+class Values:
+    """Numbers of granum that NumPy shows without a copy."""
+
+    @property
+    def __array_interface__(self) -> dict[str, Any]: ...
+
+@final
+class Case:
+    """A case: all the input that determines a result. It never changes; `with_values` and `with_path` give another.
+
+    The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
+    `materials` and `pairs` are the lists of tables `[[stage]]`, `[[material]]` and `[[pair]]`. Keys that are left out have their defaults,
+    and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
+
+    Raises `granum.CaseError` with all mistakes at once.
+    """
+
+    def __new__(
+        cls,
+        *,
+        grains: keys.Grains = ...,
+        contact: keys.Contact = ...,
+        preparation: keys.Preparation = ...,
+        shear: keys.Shear = ...,
+        recording: keys.Recording = ...,
+        numerics: keys.Numerics = ...,
+        stages: Sequence[keys.Stage] = ...,
+        materials: Sequence[keys.Material] = ...,
+        pairs: Sequence[keys.Pair] = ...,
+    ) -> Case: ...
+    @classmethod
+    def from_dict(cls, mapping: Mapping[str, Any]) -> Case:
+        """The case of a dict with the keys of a case file. Keys may be joined by dots: `{"grains.count": 2000}`."""
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "case.toml") -> Case:
+        """The case of the text of a case file; `name` is the name of the file for messages."""
+
+    @classmethod
+    def read(cls, path: _Path, *, allow_outside: bool = False) -> Case:
+        """Reads a case file. With `allow_outside` it may name files outside its own folder (histories, sieve curves)."""
+
+    def to_toml(self) -> str:
+        """The whole case as a case file in SI units, which is read back as the same case, bit for bit."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as a dict, in SI units."""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all that determines a result: the same as the program gives."""
+
+    def with_values(self, values: Mapping[str, Any]) -> Case:
+        """The case with other values of some keys, by their full names: `case.with_values({"grains.count": 500})`. A parameter of the
+        first stage is `stage.1.axial_strain`.
+        """
+
+    def with_path(self, path: str, **parameters: Any) -> Case:
+        """The case with a named path as its test; `granum.paths()` has the paths with their parameters."""
+
+    def keys(self) -> list[str]:
+        """The names of all keys."""
+
+    def __getitem__(self, key: str, /) -> float | str | list[float]:
+        """The value of a key in SI units."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self, /) -> int: ...
+    def __copy__(self) -> Case: ...
+    def __deepcopy__(self, _memo: Any) -> Case: ...
+    def __reduce__(self) -> Any: ...
+
+@final
+class Table:
+    """A table of named columns, each with its unit. A column is a read-only array of NumPy, of real numbers without a copy.
+
+    `columns` maps names to values of one length: numbers, truth values or words; `units` gives SI units of some of them.
+    """
+
+    def __new__(cls, columns: Mapping[str, Any], units: Mapping[str, str] | None = None) -> Table: ...
+    @classmethod
+    def read(cls, path: _Path) -> Table:
+        """Reads a table from CSV or Parquet."""
+
+    def write(self, path: _Path, *, force: bool = False) -> None:
+        """Writes the table in the format of the name of the file (CSV, Parquet). With `force` an existing file is replaced."""
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of the columns."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each column; an empty text for a pure number."""
+
+    def keys(self) -> list[str]:
+        """The names of the columns."""
+
+    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+        """The columns as arrays."""
+
+    def to_pandas(self) -> Any:
+        """A DataFrame of pandas, with the units in `attrs["units"]`."""
+
+    def to_polars(self) -> Any:
+        """A DataFrame of polars."""
+
+    def __getitem__(self, name: str, /) -> npt.NDArray[Any]: ...
+    def __contains__(self, name: object, /) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __reduce__(self) -> Any: ...
+
+@final
+class Assembly:
+    """All grains and contacts at one moment. Each array is a copy of its own, read-only, and shows no later step."""
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the phase, s."""
+    @property
+    def step(self) -> int:
+        """Steps since the start of the phase."""
+    @property
+    def volume(self) -> float:
+        """Volume of the cell, m3."""
+    @property
+    def cell(self) -> _Reals:
+        """Matrix of the periodic cell, whose columns are its edges, m."""
+    @property
+    def strain(self) -> _Reals:
+        """Logarithmic strain since the start of the phase, compression positive."""
+    @property
+    def velocity_gradient(self) -> _Reals:
+        """Velocity gradient of the cell, 1/s."""
+    @property
+    def ids(self) -> _Integers:
+        """Ids of the grains, from 1."""
+    @property
+    def materials(self) -> _Integers:
+        """Material of each grain, as an index of `material_names`."""
+    @property
+    def material_names(self) -> list[str]:
+        """Names of the materials; empty if there is one."""
+    @property
+    def positions(self) -> _Reals:
+        """Centres of the grains inside the cell, m: a row a grain."""
+    @property
+    def velocities(self) -> _Reals:
+        """Fluctuating velocities of the grains, m/s: a row a grain."""
+    @property
+    def spins(self) -> _Reals:
+        """Spins of the grains, rad/s: a row a grain."""
+    @property
+    def grain_forces(self) -> _Reals:
+        """Sum of the contact forces on each grain, N."""
+    @property
+    def grain_torques(self) -> _Reals:
+        """Sum of the contact torques on each grain, N m."""
+    @property
+    def radii(self) -> _Reals:
+        """Radii of the grains, m."""
+    @property
+    def masses(self) -> _Reals:
+        """Masses of the grains, kg."""
+    @property
+    def contacts(self) -> _Integers:
+        """Indices, from 0, of the two grains of each contact: a row a contact."""
+    @property
+    def branches(self) -> _Reals:
+        """Vector between the centres of the two grains of each contact, m."""
+    @property
+    def normals(self) -> _Reals:
+        """Unit normal of each contact, from the first grain to the second."""
+    @property
+    def forces(self) -> _Reals:
+        """Elastic force on the first grain of each contact, N."""
+    @property
+    def normal_forces(self) -> _Reals:
+        """Elastic normal force of each contact, compression positive, N."""
+    @property
+    def tangential_forces(self) -> _Reals:
+        """Elastic tangential force on the first grain of each contact, N."""
+    @property
+    def overlaps(self) -> _Reals:
+        """Overlap of each contact, m."""
+    @property
+    def sliding(self) -> _Booleans:
+        """True where the tangential force was at the friction limit in the last step."""
+    def grains_table(self) -> Table:
+        """All grains as a table, with units."""
+    def contacts_table(self) -> Table:
+        """All contacts as a table, with units."""
+    def measure(self) -> dict[str, float]:
+        """The values of every sensor that one assembly suffices for, by column, in SI units."""
+
+@final
+class Simulation:
+    """A simulation that is advanced by hand: `run.simulation()` gives the state at the end of a run. A copy (`copy.copy`) goes its own way."""
+
+    def advance(self, steps: int) -> None:
+        """Makes so many time steps. Other threads of Python go on meanwhile, and Ctrl-C ends it after a whole step."""
+
+    def control(
+        self,
+        *,
+        strain_rate: Mapping[str, float] | None = None,
+        stress: Mapping[str, float] | None = None,
+        mean_stress: float | None = None,
+        rate_limit: float = 1.0,
+    ) -> None:
+        """Controls the cell from here on. Components are `xx`, `yy`, `zz`, `yz`, `zx`, `xy`; what is not given is fixed.
+
+        `strain_rate` are rates of strain in 1/s, compression positive, shear strains as angles. `stress` are stresses in Pa that a servo
+        holds; `mean_stress`, Pa, is held by the axes that have neither. `rate_limit` bounds the rate, 1/s, that the servo adds.
+        """
+
+    def assembly(self) -> Assembly:
+        """All grains and contacts as they are now."""
+    @property
+    def time(self) -> float:
+        """Time since the start of the phase, s."""
+    @property
+    def step(self) -> int:
+        """Steps since the start of the phase."""
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+    @property
+    def grains(self) -> int:
+        """Number of grains."""
+    @property
+    def contacts(self) -> int:
+        """Number of contacts."""
+    @property
+    def mean_stress(self) -> float:
+        """Mean stress, Pa."""
+    @property
+    def solid_fraction(self) -> float:
+        """Volume of the grains over that of the cell."""
+    @property
+    def unbalanced_force(self) -> float:
+        """Mean resultant force on a grain over the mean contact force."""
+    @property
+    def stress(self) -> _Reals:
+        """Stress, Pa, compression positive."""
+    @property
+    def strain(self) -> _Reals:
+        """Logarithmic strain since the start of the phase, compression positive."""
+    @property
+    def cell(self) -> _Reals:
+        """Matrix of the periodic cell, whose columns are its edges, m."""
+    def __copy__(self) -> Simulation: ...
+    def __deepcopy__(self, _memo: Any) -> Simulation: ...
+    def __reduce__(self) -> Any: ...
+
+@final
+class Run:
+    """A run: a sample that `granum.prepare` made, or a test that `granum.run` carried out, in its folder or in memory."""
+
+    @property
+    def path(self) -> Any:
+        """The folder, a `pathlib.Path`; `None` if the run is in memory."""
+    @property
+    def case(self) -> Case:
+        """The case."""
+    @property
+    def kind(self) -> Literal["sample", "test"]:
+        """What it is."""
+    @property
+    def status(self) -> Literal["running", "interrupted", "finished", "failed"]:
+        """Its status."""
+    @property
+    def record(self) -> dict[str, Any]:
+        """What the run says about itself, as its file `run.json`."""
+    @property
+    def measures(self) -> dict[str, float]:
+        """Quantities that the run measured once, in SI units."""
+    @property
+    def quality(self) -> list[dict[str, Any]]:
+        """The quality checks: `name`, `value`, `limit`, `passed`, and what to do if it did not pass (`advice`)."""
+    @property
+    def is_good(self) -> bool:
+        """True if the run is finished and passed all quality checks."""
+    @property
+    def notes(self) -> list[str]:
+        """Remarks of the run."""
+    @property
+    def tables(self) -> list[str]:
+        """The names of its tables."""
+    def table(self, name: str) -> Table:
+        """The table of that name."""
+    @property
+    def series(self) -> Table:
+        """The recorded states of a test, a row a state."""
+    @property
+    def snapshots(self) -> list[str]:
+        """The names of its snapshots."""
+    def snapshot(self, name: str | None = None) -> Assembly:
+        """All grains and contacts at a snapshot; by default that at the end."""
+    def simulation(self) -> Simulation:
+        """The simulation as it was at the end of the run, or at its last checkpoint, to go on by hand."""
+    def digest(self) -> str:
+        """SHA-256 of all results of a run in a folder: the same as `granum digest` gives."""
+    def __reduce__(self) -> Any: ...
+
+@final
+class Family:
+    """A family of tests with its fitted surrogate."""
+
+    def __new__(cls, name: str) -> Family: ...
+    @property
+    def name(self) -> str:
+        """Its name."""
+    @property
+    def title(self) -> str:
+        """What it is of."""
+    @property
+    def runs(self) -> int:
+        """Number of the runs to which it was fitted."""
+    @property
+    def inputs(self) -> dict[str, dict[str, Any]]:
+        """The inputs by name: `meaning`, whether it is `required`, and the `range` of the runs."""
+    @property
+    def limits(self) -> list[str]:
+        """What it cannot answer."""
+    def predict(self, inputs: Mapping[str, float], *, level: float = 0.9) -> dict[str, Any]:
+        """Predicts the curves of a test. Inputs that are not given have typical values, whose uncertainty widens the intervals.
+
+        The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
+        interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
+        the runs.
+        """
+    def __reduce__(self) -> Any: ...
+
+def families() -> list[str]:
+    """The names of the families whose surrogates come with granum."""
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of a case file."""
+
+def template() -> str:
+    """A commented case file with every key."""
+
+def paths() -> dict[str, dict[str, Any]]:
+    """The named paths: what each does (`help`), and its `parameters` with their meanings."""
+
+def prepare(
+    case: Case | Mapping[str, Any] | _Path,
+    *,
+    packing: _Path | None = None,
+    out: _Path | None = None,
+    threads: int | None = None,
+    checkpoint_every: float | None = None,
+    on_progress: Callable[[dict[str, Any]], object] | None = None,
+    force: bool = False,
+) -> Run:
+    """Prepares the sample of a case, in the folder `out` or, without one, in a temporary folder that lives as long as the run.
+
+    `packing` is a file of grains that take the place of the random insertion. Results do not depend on `threads`. `checkpoint_every` are
+    seconds. `on_progress` is called about ten times a second with a dict; if it returns `False`, the preparation stops in good order. With
+    `force` a run that is in the folder is replaced. Ctrl-C stops in good order too, and `granum.resume` goes on.
+    """
+
+def run(
+    case: Case | Mapping[str, Any] | _Path,
+    sample: Run | _Path | None = None,
+    *,
+    path: str | None = None,
+    packing: _Path | None = None,
+    out: _Path | None = None,
+    threads: int | None = None,
+    checkpoint_every: float | None = None,
+    on_state: Callable[[dict[str, float]], object] | None = None,
+    on_progress: Callable[[dict[str, Any]], object] | None = None,
+    force: bool = False,
+    **parameters: Any,
+) -> Run:
+    """Carries out the test of a case, or a named `path` with its `parameters`, in the folder `out` or in memory.
+
+    `sample` is what `prepare` returned or the folder that it wrote; without it the sample is prepared first. `on_state` is called with the
+    values of the columns of each state that is recorded; if it returns `False`, the test stops in good order. The other arguments are those
+    of `prepare`. What a function raises is raised after the run was stopped in good order.
+    """
+
+def resume(
+    folder: Run | _Path,
+    *,
+    threads: int | None = None,
+    checkpoint_every: float | None = None,
+    on_state: Callable[[dict[str, float]], object] | None = None,
+    on_progress: Callable[[dict[str, Any]], object] | None = None,
+) -> Run:
+    """Continues a run that was interrupted or killed, to the bits of one that was not. A finished run is returned as it is."""
+
+def open(folder: _Path) -> Run:
+    """The run in a folder, also while another process writes it."""
+
+def measure(
+    positions: npt.ArrayLike,
+    radii: npt.ArrayLike,
+    contacts: npt.ArrayLike | None = None,
+    forces: npt.ArrayLike | None = None,
+    cell: npt.ArrayLike | None = None,
+) -> dict[str, float]:
+    """The values of every sensor for which arrays of anyone suffice, by column.
+
+    `positions` are rows of three, `radii` one a grain, `contacts` rows of the indices, from 0, of two grains, `forces` the force on the
+    first grain of each contact, and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
+    in a consistent system of units.
+    """
+
+def _forked() -> None: ...
+def _program(arguments: Sequence[str], starts: _Path | None = None) -> int: ...

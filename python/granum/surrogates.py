@@ -1,0 +1,16 @@
+"""Surrogates of tests that are ready to use.
+
+>>> import granum
+>>> sand = granum.surrogates.load("sand")
+>>> sand.name
+'sand'
+"""
+
+from ._granum import Family, families
+
+__all__ = ["Family", "families", "load"]
+
+
+def load(name: str) -> Family:
+    """The family of tests of that name with its fitted surrogate; `families()` lists the names."""
+    return Family(name)

@@ -1,0 +1,147 @@
+//! Errors of granum as exceptions, with key, value and remedy. The classes are in `granum/errors.py`.
+
+use granum_io::{Error, InputError};
+use granum_run::LaboratoryError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+/// What is wrong in a case or a file.
+#[derive(Default)]
+pub struct Mistake {
+    pub message: String,
+    pub key: Option<String>,
+    pub value: Option<String>,
+    pub remedy: Option<String>,
+    /// File, line and column, where there is a file.
+    pub place: Option<(String, usize, usize)>,
+}
+
+impl Mistake {
+    /// A mistake in the text of a case. A text that was made from Python's values has no file that a user knows.
+    fn in_text(error: &InputError, made: bool) -> Mistake {
+        let (key, value) = key_at(&error.source_text, error.span.start);
+        Mistake {
+            message: error.message.clone(),
+            key,
+            value,
+            remedy: error.help.clone(),
+            place: (!made).then(|| (error.file.clone(), error.line, error.column)),
+        }
+    }
+
+    fn text(&self) -> String {
+        let place = self.place.as_ref();
+        let place =
+            place.map_or_else(String::new, |(file, line, column)| format!("{file}:{line}:{column}: "));
+        let remedy = self.remedy.as_ref().map_or_else(String::new, |remedy| format!("; {remedy}"));
+        format!("{place}{}{remedy}", self.message)
+    }
+
+    fn object<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (file, line, column) = match &self.place {
+            Some((file, line, column)) => (Some(file), Some(*line), Some(*column)),
+            None => (None, None, None),
+        };
+        let fields = PyDict::new(py);
+        fields.set_item("message", &self.message)?;
+        fields.set_item("key", &self.key)?;
+        fields.set_item("value", &self.value)?;
+        fields.set_item("remedy", &self.remedy)?;
+        fields.set_item("file", file)?;
+        fields.set_item("line", line)?;
+        fields.set_item("column", column)?;
+        py.import("granum.errors")?.getattr("Mistake")?.call((), Some(&fields))
+    }
+}
+
+/// The key and the value of the line of a TOML text that holds a position: the key with the table in which it is.
+fn key_at(text: &str, position: usize) -> (Option<String>, Option<String>) {
+    let Some(before) = text.get(..position) else { return (None, None) };
+    let start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line = text[start..].lines().next().unwrap_or_default().trim();
+    if line.starts_with('[') {
+        return (Some(line.trim_matches(['[', ']']).trim().to_string()), None);
+    }
+    let Some((key, value)) = line.split_once('=') else { return (None, None) };
+    let table = before[..start].lines().rev().map(str::trim).find(|line| line.starts_with('['));
+    let table = table.map(|table| table.split(']').next().unwrap_or_default().trim_matches('['));
+    let key = match table {
+        Some(table) => format!("{}.{}", table.trim(), key.trim()),
+        None => key.trim().to_string(),
+    };
+    (Some(key), Some(value.trim().trim_matches('"').to_string()))
+}
+
+/// An exception of `granum.errors` of the given class.
+fn exception(py: Python<'_>, class: &str, message: &str) -> PyErr {
+    let made = py.import("granum.errors").and_then(|errors| errors.getattr(class)?.call1((message,)));
+    made.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// A `granum.Error` of the general kind.
+pub fn general(py: Python<'_>, message: impl AsRef<str>) -> PyErr {
+    exception(py, "Error", message.as_ref())
+}
+
+/// An `InternalError`: a mistake of granum itself.
+pub fn internal(py: Python<'_>, message: &str) -> PyErr {
+    exception(py, "InternalError", message)
+}
+
+/// A `RunError`.
+pub fn of_running(py: Python<'_>, message: &str) -> PyErr {
+    exception(py, "RunError", message)
+}
+
+/// A `CaseError` with its mistakes.
+pub fn of_case(py: Python<'_>, mistakes: &[Mistake]) -> PyErr {
+    let make = || -> PyResult<PyErr> {
+        let message = mistakes.iter().map(Mistake::text).collect::<Vec<_>>().join("\n");
+        let objects = mistakes.iter().map(|mistake| mistake.object(py)).collect::<PyResult<Vec<_>>>()?;
+        let class = py.import("granum.errors")?.getattr("CaseError")?;
+        Ok(PyErr::from_value(class.call1((message, PyList::new(py, objects)?))?))
+    };
+    make().unwrap_or_else(|error| error)
+}
+
+/// An error about a value that a user gave for a key.
+pub fn of_value(py: Python<'_>, key: &str, value: impl Into<String>, message: impl AsRef<str>) -> PyErr {
+    let mistake = Mistake {
+        message: format!("{key}: {}", message.as_ref()),
+        key: Some(key.to_string()),
+        value: Some(value.into()),
+        ..Mistake::default()
+    };
+    of_case(py, &[mistake])
+}
+
+/// An error of `granum-io`; `made` is true if its text was made from Python's values.
+pub fn of_file(py: Python<'_>, error: &Error, made: bool) -> PyErr {
+    match error {
+        Error::Input(_) | Error::Inputs(_) => {
+            let mistakes: Vec<Mistake> =
+                error.inputs().iter().map(|error| Mistake::in_text(error, made)).collect();
+            of_case(py, &mistakes)
+        }
+        Error::Value { name, value, message } => {
+            let message = format!("{name} = {value:?} {message}");
+            let (key, value) = (Some(name.clone()), Some(value.clone()));
+            of_case(py, &[Mistake { message, key, value, ..Mistake::default() }])
+        }
+        Error::Rule(message) => of_case(py, &[Mistake { message: message.clone(), ..Mistake::default() }]),
+        Error::Exists(path) => {
+            let message =
+                format!("{} exists already; give force=True to replace it, or another name", path.display());
+            exception(py, "FileError", &message)
+        }
+        other => exception(py, "FileError", &other.to_string()),
+    }
+}
+
+/// An error of the laboratory.
+pub fn of_laboratory(py: Python<'_>, error: &LaboratoryError) -> PyErr {
+    match error {
+        LaboratoryError::File(error) => of_file(py, error, false),
+        other => of_running(py, &other.to_string()),
+    }
+}

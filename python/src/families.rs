@@ -1,0 +1,134 @@
+//! Families of tests whose surrogates come with granum.
+
+use std::sync::Arc;
+
+use granum::families::{FITTED, fitted};
+use granum_learn::family::{FamilyModel, InputSource};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyMapping};
+
+use crate::arrays;
+use crate::detached::detached;
+use crate::errors;
+
+/// A family of tests with its surrogate.
+#[pyclass(frozen, module = "granum.surrogates")]
+pub struct Family {
+    name: String,
+    model: Arc<FamilyModel>,
+}
+
+/// The names of the families whose surrogates come with granum.
+#[pyfunction]
+pub fn families() -> Vec<&'static str> {
+    FITTED.iter().map(|(name, _)| *name).collect()
+}
+
+#[pymethods]
+impl Family {
+    /// The family of that name.
+    #[new]
+    fn new(py: Python<'_>, name: String) -> PyResult<Family> {
+        let model =
+            detached(py, || fitted(&name))?.map_err(|error| errors::general(py, error.to_string()))?;
+        let Some(model) = model else {
+            let message = format!("there is no family {name}; there is {}", families().join(", "));
+            return Err(errors::general(py, message));
+        };
+        Ok(Family { name, model: Arc::new(model) })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[getter]
+    fn title(&self) -> &'static str {
+        self.model.definition().title
+    }
+
+    /// Number of the runs to which it was fitted.
+    #[getter]
+    fn runs(&self) -> usize {
+        self.model.runs()
+    }
+
+    /// Names, meanings and ranges of the inputs.
+    #[getter]
+    fn inputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let inputs = PyDict::new(py);
+        for (input, range) in self.model.definition().inputs.iter().zip(self.model.ranges()) {
+            let about = PyDict::new(py);
+            about.set_item("meaning", input.meaning)?;
+            about.set_item("required", input.is_required)?;
+            about.set_item("range", (range[0], range[1]))?;
+            inputs.set_item(input.name, about)?;
+        }
+        Ok(inputs)
+    }
+
+    /// What it cannot answer.
+    #[getter]
+    fn limits(&self) -> Vec<&'static str> {
+        self.model.definition().limits.to_vec()
+    }
+
+    #[pyo3(signature = (inputs, *, level=0.9))]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyMapping>,
+        level: f64,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let definition = self.model.definition();
+        let mut given = vec![None; definition.inputs.len()];
+        for item in inputs.items()?.iter() {
+            let (name, value): (String, Bound<PyAny>) = item.extract()?;
+            let place = definition
+                .input(&name)
+                .map_err(|error| errors::of_value(py, &name, value.to_string(), error.to_string()))?;
+            given[place] = Some(value.extract::<f64>()?);
+        }
+        let model = self.model.clone();
+        let found = detached(py, move || model.predict(&given, level))?;
+        let found = found.map_err(|error| errors::general(py, error.to_string()))?;
+        let answer = PyDict::new(py);
+        let used = PyDict::new(py);
+        let typical = PyDict::new(py);
+        for input in &found.inputs {
+            match input.source {
+                InputSource::Given => used.set_item(&input.name, input.value)?,
+                InputSource::Typical(_) => typical.set_item(&input.name, input.value)?,
+            }
+        }
+        answer.set_item("inputs", used)?;
+        answer.set_item("typical_inputs", typical)?;
+        let outside = found.outside.iter().map(|outside| outside.name.clone()).collect::<Vec<String>>();
+        answer.set_item("outside", PyList::new(py, outside)?)?;
+        answer.set_item("level", found.level)?;
+        let rows = found.points.len();
+        answer.set_item("coordinate", definition.coordinate)?;
+        answer.set_item("points", arrays::reals(py, found.points, vec![rows])?)?;
+        let curves = PyDict::new(py);
+        for curve in found.curves {
+            let of_curve = PyDict::new(py);
+            let parts = [("mean", curve.mean), ("lower", curve.lower), ("upper", curve.upper)];
+            for (name, values) in parts {
+                let rows = values.len();
+                of_curve.set_item(name, arrays::reals(py, values, vec![rows])?)?;
+            }
+            curves.set_item(curve.column, of_curve)?;
+        }
+        answer.set_item("curves", curves)?;
+        Ok(answer)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((slf.get_type().into_any(), (slf.get().name.clone(),)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("granum.surrogates.load({:?})", self.name)
+    }
+}

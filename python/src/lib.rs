@@ -1,0 +1,58 @@
+//! The extension module `granum._granum`: the library of granum for Python. It holds no rules of its own; `python/granum/` makes the package
+//! of it, whose documentation is in its stubs.
+
+mod arrays;
+mod assembly;
+mod case;
+mod case_text;
+mod detached;
+mod errors;
+mod families;
+mod program;
+mod run;
+mod running;
+mod simulation;
+mod table;
+mod values;
+mod watch;
+
+use pyo3::prelude::*;
+
+/// The module.
+#[pymodule(name = "_granum")]
+mod module {
+    use super::*;
+
+    #[pymodule_export]
+    use crate::arrays::Values;
+    #[pymodule_export]
+    use crate::assembly::{Assembly, measure};
+    #[pymodule_export]
+    use crate::case::{Case, paths, schema, template};
+    #[pymodule_export]
+    use crate::detached::forked;
+    #[pymodule_export]
+    use crate::families::{Family, families};
+    #[pymodule_export]
+    use crate::program::program;
+    #[pymodule_export]
+    use crate::run::Run;
+    #[pymodule_export]
+    use crate::running::{open_run, prepare, resume, run_case};
+    #[pymodule_export]
+    use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::table::Table;
+
+    /// The messages of panics that granum turns into errors are not printed; the hook is that of this module alone.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if !granum_io::is_contained() {
+                before(info);
+            }
+        }));
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

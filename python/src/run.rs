@@ -1,0 +1,232 @@
+//! Runs, in a folder or in memory.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use granum_io::{RunKind, RunRecord};
+use granum_run::{Laboratory, RunResult, digest};
+use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tempfile::TempDir;
+
+use crate::assembly::Assembly;
+use crate::case::Case;
+use crate::detached::detached;
+use crate::errors;
+use crate::simulation::Simulation;
+use crate::table;
+use crate::values;
+use crate::watch::serialised;
+
+/// Where the results of a run are.
+pub enum Place {
+    /// In a folder; of a sample without a name it is removed when nothing refers to it.
+    Folder { run: granum_io::Run, kept: Option<Arc<TempDir>> },
+    /// In memory.
+    Memory { case: Box<granum_io::Case>, result: Box<RunResult> },
+}
+
+/// A run: a sample that was prepared, or a test.
+#[pyclass(frozen, module = "granum")]
+pub struct Run {
+    pub place: Arc<Place>,
+}
+
+impl Run {
+    pub fn in_folder(run: granum_io::Run, kept: Option<Arc<TempDir>>) -> Run {
+        Run { place: Arc::new(Place::Folder { run, kept }) }
+    }
+
+    pub fn in_memory(case: granum_io::Case, result: RunResult) -> Run {
+        Run { place: Arc::new(Place::Memory { case: Box::new(case), result: Box::new(result) }) }
+    }
+
+    /// What the run says about itself.
+    fn about(&self, py: Python<'_>) -> PyResult<RunRecord> {
+        match &*self.place {
+            Place::Memory { result, .. } => Ok(result.about.clone()),
+            Place::Folder { run, .. } => run.record().map_err(|error| errors::of_file(py, &error, false)),
+        }
+    }
+
+    /// The folder of the run, if it has one.
+    pub fn folder(&self) -> Option<&Path> {
+        match &*self.place {
+            Place::Folder { run, .. } => Some(run.path()),
+            Place::Memory { .. } => None,
+        }
+    }
+
+    /// Reads something of the folder without Python's lock.
+    fn read<T: Send>(
+        &self,
+        py: Python<'_>,
+        read: impl FnOnce(&granum_io::Run) -> granum_io::Result<T> + Send,
+    ) -> PyResult<T> {
+        let Place::Folder { run, .. } = &*self.place else {
+            return Err(errors::general(
+                py,
+                "the run is in memory and has no folder; give out=\"NAME\" when you run it",
+            ));
+        };
+        detached(py, || read(run))?.map_err(|error| errors::of_file(py, &error, false))
+    }
+}
+
+#[pymethods]
+impl Run {
+    #[getter]
+    fn path(&self) -> Option<PathBuf> {
+        self.folder().map(Path::to_path_buf)
+    }
+
+    #[getter]
+    fn case(&self, py: Python<'_>) -> PyResult<Case> {
+        let inner = match &*self.place {
+            Place::Memory { case, .. } => (**case).clone(),
+            Place::Folder { run, .. } => run.case().map_err(|error| errors::of_file(py, &error, false))?,
+        };
+        Ok(Case { inner })
+    }
+
+    #[getter]
+    fn kind(&self, py: Python<'_>) -> PyResult<&'static str> {
+        Ok(if self.about(py)?.kind == RunKind::Sample { "sample" } else { "test" })
+    }
+
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        serialised(py, &self.about(py)?.status)
+    }
+
+    #[getter]
+    fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        serialised(py, &self.about(py)?)
+    }
+
+    #[getter]
+    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, value) in self.about(py)?.measures {
+            dict.set_item(name, value)?;
+        }
+        Ok(dict)
+    }
+
+    #[getter]
+    fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        serialised(py, &self.about(py)?.quality)
+    }
+
+    #[getter]
+    fn is_good(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.about(py)?.is_good())
+    }
+
+    #[getter]
+    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.about(py)?.notes)
+    }
+
+    #[getter]
+    fn tables(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        match &*self.place {
+            Place::Folder { run, .. } => {
+                run.now().tables().map_err(|error| errors::of_file(py, &error, false))
+            }
+            Place::Memory { result, .. } => {
+                let histograms = result.record.histogram_tables().map(|(name, _)| name.to_string());
+                Ok(std::iter::once(SERIES.to_string()).chain(histograms).collect())
+            }
+        }
+    }
+
+    fn table<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = match &*self.place {
+            Place::Folder { .. } => self.read(py, |run| run.now().table_named(name))?,
+            Place::Memory { result, .. } if name == SERIES => result.record.series.clone(),
+            Place::Memory { result, .. } => {
+                let found = result.record.histogram_tables().find(|(known, _)| *known == name);
+                let Some((_, found)) = found else {
+                    let known = self.tables(py)?.join(", ");
+                    return Err(PyKeyError::new_err(format!("the run has no table {name}; it has {known}")));
+                };
+                found
+            }
+        };
+        table::object(py, found)
+    }
+
+    #[getter]
+    fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.table(py, SERIES)
+    }
+
+    #[getter]
+    fn snapshots(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        match &*self.place {
+            Place::Folder { .. } => self.read(py, |run| run.now().snapshots()),
+            Place::Memory { result, .. } => Ok(result.simulation.iter().map(|_| END.to_string()).collect()),
+        }
+    }
+
+    #[pyo3(signature = (name=None))]
+    fn snapshot(&self, py: Python<'_>, name: Option<String>) -> PyResult<Assembly> {
+        let known = self.snapshots(py)?;
+        let usual = || known.iter().find(|name| *name == END).or(known.first()).cloned();
+        let Some(name) = name.clone().or_else(usual).filter(|name| known.contains(name)) else {
+            let asked = name.unwrap_or_else(|| END.into());
+            return Err(PyKeyError::new_err(format!(
+                "the run has no snapshot {asked}; it has {}",
+                if known.is_empty() { "none".into() } else { known.join(", ") }
+            )));
+        };
+        match &*self.place {
+            Place::Folder { .. } => Ok(self.read(py, |run| run.now().snapshot(&name))?.into()),
+            Place::Memory { result, .. } => {
+                let simulation = result.simulation().map_err(|error| errors::of_laboratory(py, &error))?;
+                Ok(simulation.assembly().into())
+            }
+        }
+    }
+
+    fn simulation(&self, py: Python<'_>) -> PyResult<Simulation> {
+        let place = self.place.clone();
+        let found = detached(py, move || match &*place {
+            Place::Folder { run, .. } => Laboratory::here().last_state(run.path()),
+            Place::Memory { result, .. } => result.simulation().cloned(),
+        })?;
+        found.map(Simulation::new).map_err(|error| errors::of_laboratory(py, &error))
+    }
+
+    fn digest(&self, py: Python<'_>) -> PyResult<String> {
+        self.read(py, |run| digest::of_run(&run.now()))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {
+        match &*self.place {
+            Place::Folder { run, kept: None } => {
+                Ok((py.import("granum")?.getattr("open")?, (std::path::absolute(run.path())?,)))
+            }
+            _ => Err(PyTypeError::new_err(
+                "a run that is kept in memory cannot be pickled; give out=\"NAME\" when you run it",
+            )),
+        }
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let about = self.about(py)?;
+        let place = match &*self.place {
+            Place::Folder { run, .. } => run.path().display().to_string(),
+            Place::Memory { .. } => "in memory".into(),
+        };
+        let status = values::from_json(py, &serde_json::json!(about.status))?;
+        Ok(format!("<granum.Run {place}: {} of {} grains, {status}>", self.kind(py)?, about.grains))
+    }
+}
+
+/// The table of the states of a test.
+const SERIES: &str = "series";
+/// The snapshot at the end of a run.
+const END: &str = "end";

@@ -1,0 +1,222 @@
+//! Preparing samples, running tests, and resuming them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use granum::Registry;
+use granum_io::{RunFolder, RunKind};
+use granum_run::{Laboratory, PlannedRun, RunResult, Source};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tempfile::TempDir;
+
+use crate::case::{Case, case_of};
+use crate::detached::detached;
+use crate::errors;
+use crate::run::Run;
+use crate::watch::{Watch, warn};
+
+/// Most threads of a run.
+const MOST_THREADS: usize = 4096;
+
+/// What a run may use of the computer; results do not depend on it.
+struct Means {
+    threads: Option<usize>,
+    checkpoint_every: Option<f64>,
+}
+
+impl Means {
+    fn laboratory(&self, py: Python<'_>) -> PyResult<Laboratory> {
+        let mut laboratory = Laboratory::here().with_registry(&Registry::standard());
+        if let Some(threads) = self.threads {
+            if threads == 0 || threads > MOST_THREADS {
+                let message = format!("a run has from 1 to {MOST_THREADS} threads");
+                return Err(errors::of_value(py, "threads", threads.to_string(), message));
+            }
+            laboratory.resources.hardware.threads = threads;
+            laboratory.resources.grains_per_thread = 1;
+        }
+        if let Some(seconds) = self.checkpoint_every {
+            let every = Duration::try_from_secs_f64(seconds);
+            laboratory.resources.checkpoint_every = every.map_err(|_| {
+                let message = "the time between two checkpoints is a positive number of seconds";
+                errors::of_value(py, "checkpoint_every", seconds.to_string(), message)
+            })?;
+        }
+        Ok(laboratory)
+    }
+}
+
+/// Raises what a function of the user raised, or shows the warnings.
+fn told(py: Python<'_>, watch: Watch) -> PyResult<()> {
+    match watch.raised {
+        Some(error) => Err(error),
+        None => warn(py, &watch.warnings),
+    }
+}
+
+/// Plans a run: whatever is wrong with its inputs is known before a folder is made.
+fn planned(
+    py: Python<'_>,
+    laboratory: &Laboratory,
+    kind: RunKind,
+    case: &granum_io::Case,
+    source: &Source,
+    watch: &mut Watch,
+) -> PyResult<PlannedRun> {
+    let plan = detached(py, || laboratory.plan(kind, case, source, watch))?;
+    plan.map_err(|error| errors::of_laboratory(py, &error))
+}
+
+/// Executes a run in a folder.
+fn in_folder(
+    py: Python<'_>,
+    planned: PlannedRun,
+    out: &Path,
+    force: bool,
+    mut watch: Watch,
+    kept: Option<Arc<TempDir>>,
+) -> PyResult<Run> {
+    let folder = RunFolder::create(out, force).map_err(|error| errors::of_file(py, &error, false))?;
+    let done = detached(py, || planned.in_folder(&folder, &mut watch))?;
+    let run = folder.run();
+    drop(folder);
+    match done {
+        Err(error) if watch.raised.is_none() => Err(errors::of_laboratory(py, &error)),
+        _ => told(py, watch).map(|()| Run::in_folder(run, kept)),
+    }
+}
+
+#[pyfunction]
+#[pyo3(signature = (case, *, packing=None, out=None, threads=None, checkpoint_every=None, on_progress=None, force=false))]
+pub fn prepare(
+    py: Python<'_>,
+    case: &Bound<'_, PyAny>,
+    packing: Option<PathBuf>,
+    out: Option<PathBuf>,
+    threads: Option<usize>,
+    checkpoint_every: Option<f64>,
+    on_progress: Option<Py<PyAny>>,
+    force: bool,
+) -> PyResult<Run> {
+    let case = case_of(py, case)?;
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let source = packing.map_or(Source::Case, Source::Packing);
+    let mut watch = Watch::new(None, on_progress);
+    let plan = planned(py, &laboratory, RunKind::Sample, &case, &source, &mut watch)?;
+    match out {
+        Some(out) => in_folder(py, plan, &out, force, watch, None),
+        None => {
+            let kept = Arc::new(tempfile::Builder::new().prefix("granum-").tempdir()?);
+            let out = kept.path().join("sample");
+            in_folder(py, plan, &out, false, watch, Some(kept))
+        }
+    }
+}
+
+/// The source of a sample: a run of a sample, its folder, or the case.
+fn source_of(sample: Option<&Bound<'_, PyAny>>, packing: Option<PathBuf>) -> PyResult<Source> {
+    let sample = match (sample, packing) {
+        (Some(_), Some(_)) => return Err(PyTypeError::new_err("give a sample or a packing, not both")),
+        (None, Some(packing)) => return Ok(Source::Packing(packing)),
+        (None, None) => return Ok(Source::Case),
+        (Some(sample), None) => sample,
+    };
+    if let Ok(run) = sample.cast::<Run>() {
+        let folder = run.get().folder().map(|path| Source::Folder(path.to_path_buf()));
+        return folder.ok_or_else(|| {
+            PyTypeError::new_err("a sample is what granum.prepare returns, not a test in memory")
+        });
+    }
+    sample.extract::<PathBuf>().map(Source::Folder).map_err(|_| {
+        PyTypeError::new_err("a sample is what granum.prepare returns, or the folder that it wrote")
+    })
+}
+
+#[pyfunction]
+#[pyo3(name = "run", signature = (case, sample=None, *, path=None, packing=None, out=None, threads=None, checkpoint_every=None, on_state=None, on_progress=None, force=false, **parameters))]
+pub fn run_case(
+    py: Python<'_>,
+    case: &Bound<'_, PyAny>,
+    sample: Option<&Bound<'_, PyAny>>,
+    path: Option<&str>,
+    packing: Option<PathBuf>,
+    out: Option<PathBuf>,
+    threads: Option<usize>,
+    checkpoint_every: Option<f64>,
+    on_state: Option<Py<PyAny>>,
+    on_progress: Option<Py<PyAny>>,
+    force: bool,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Run> {
+    let mut case = case_of(py, case)?;
+    match (path, parameters) {
+        (Some(path), parameters) => case = Case { inner: case }.along(py, path, parameters)?.inner,
+        (None, Some(parameters)) if !parameters.is_empty() => {
+            let names: Vec<String> = parameters.keys().iter().map(|name| name.to_string()).collect();
+            let message = format!("{} without a path: give path=\"NAME\" too", names.join(", "));
+            return Err(PyTypeError::new_err(message));
+        }
+        _ => {}
+    }
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let source = source_of(sample, packing)?;
+    let mut watch = Watch::new(on_state, on_progress);
+    let plan = planned(py, &laboratory, RunKind::Test, &case, &source, &mut watch)?;
+    if let Some(out) = out {
+        return in_folder(py, plan, &out, force, watch, None);
+    }
+    let done = detached(py, || plan.in_memory(&mut watch))?;
+    let result: RunResult = match done {
+        Err(error) if watch.raised.is_none() => return Err(errors::of_laboratory(py, &error)),
+        Err(_) => {
+            return Err(told(py, watch)
+                .err()
+                .unwrap_or_else(|| errors::internal(py, "a stop without a reason")));
+        }
+        Ok(result) => result,
+    };
+    told(py, watch)?;
+    Ok(Run::in_memory(case, result))
+}
+
+#[pyfunction]
+#[pyo3(signature = (folder, *, threads=None, checkpoint_every=None, on_state=None, on_progress=None))]
+pub fn resume(
+    py: Python<'_>,
+    folder: &Bound<'_, PyAny>,
+    threads: Option<usize>,
+    checkpoint_every: Option<f64>,
+    on_state: Option<Py<PyAny>>,
+    on_progress: Option<Py<PyAny>>,
+) -> PyResult<Run> {
+    let path = match folder.cast::<Run>() {
+        Ok(run) => run.get().folder().map(Path::to_path_buf),
+        Err(_) => Some(folder.extract::<PathBuf>()?),
+    };
+    let Some(path) = path else {
+        return Err(PyTypeError::new_err(
+            "a run in memory cannot be resumed; give out=\"NAME\" when you run it",
+        ));
+    };
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let mut watch = Watch::new(on_state, on_progress);
+    // A folder that holds no run is refused before it is locked.
+    let run = granum_io::Run::at(&path).map_err(|error| errors::of_file(py, &error, false))?;
+    let folder = RunFolder::open(&path).map_err(|error| errors::of_file(py, &error, false))?;
+    let done = detached(py, || laboratory.resume(&folder, &mut watch))?;
+    drop(folder);
+    match done {
+        Err(error) if watch.raised.is_none() => Err(errors::of_laboratory(py, &error)),
+        _ => told(py, watch).map(|()| Run::in_folder(run.now(), None)),
+    }
+}
+
+#[pyfunction]
+#[pyo3(name = "open")]
+pub fn open_run(py: Python<'_>, folder: PathBuf) -> PyResult<Run> {
+    let run = Registry::standard().run_at(&folder).map_err(|error| errors::of_file(py, &error, false))?;
+    Ok(Run::in_folder(run, None))
+}

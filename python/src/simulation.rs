@@ -1,0 +1,227 @@
+//! Simulations that are advanced by hand.
+
+use std::sync::Mutex;
+
+use granum_dem::servo::{COMPONENTS, CellControl, PLACES, Row};
+use granum_dem::simulation::Simulation as Engine;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::Array;
+use crate::assembly::{Assembly, matrix};
+use crate::detached::detached;
+use crate::errors;
+
+/// Number of grains times steps after which Python is asked for Ctrl-C.
+const ASK_EVERY: u64 = 2_000_000;
+
+/// A simulation, which is advanced step by step.
+#[pyclass(frozen, module = "granum")]
+pub struct Simulation {
+    /// Nothing while a thread advances it, and after a mistake of granum had left it half-advanced.
+    /// It has a place of its own, since Python aligns its objects to sixteen bytes only, and the engine needs more.
+    inner: Mutex<Option<Box<Engine>>>,
+}
+
+impl Simulation {
+    pub fn new(simulation: Engine) -> Simulation {
+        Simulation { inner: Mutex::new(Some(Box::new(simulation))) }
+    }
+
+    fn slot(&self) -> std::sync::MutexGuard<'_, Option<Box<Engine>>> {
+        self.inner.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    fn see<T>(&self, py: Python<'_>, look: impl FnOnce(&Engine) -> T) -> PyResult<T> {
+        self.slot().as_deref().map(look).ok_or_else(|| absent(py))
+    }
+}
+
+fn absent(py: Python<'_>) -> PyErr {
+    errors::of_running(
+        py,
+        "the simulation is being advanced by another thread, or was lost in a mistake of granum",
+    )
+}
+
+/// The place of a component of stress or strain rate.
+fn component(py: Python<'_>, name: &str) -> PyResult<usize> {
+    COMPONENTS.iter().position(|known| *known == name).ok_or_else(|| {
+        let message = format!("there is no component {name:?}; there are {}", COMPONENTS.join(", "));
+        errors::of_value(py, "component", name, message)
+    })
+}
+
+fn number(py: Python<'_>, name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let number: f64 = value.extract()?;
+    if number.is_finite() {
+        Ok(number)
+    } else {
+        Err(errors::of_value(py, name, number.to_string(), "is not finite"))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
+        let mut simulation = self.slot().take().ok_or_else(|| absent(py))?;
+        let mut left = steps;
+        // At least one call, so that no steps are no error.
+        let result = loop {
+            let grains = simulation.state().grains().max(1) as u64;
+            let part = left.min((ASK_EVERY / grains).max(1));
+            // A panic drops the simulation, which would be half-advanced.
+            let (back, done) = detached(py, move || {
+                let done = simulation.advance(part);
+                (simulation, done)
+            })?;
+            simulation = back;
+            left -= part;
+            if let Err(error) = done {
+                break Err(errors::of_running(py, &error.to_string()));
+            }
+            if let Err(signal) = py.check_signals() {
+                break Err(signal);
+            }
+            if left == 0 {
+                break Ok(());
+            }
+        };
+        *self.slot() = Some(simulation);
+        result
+    }
+
+    #[pyo3(signature = (*, strain_rate=None, stress=None, mean_stress=None, rate_limit=1.0))]
+    fn control(
+        &self,
+        py: Python<'_>,
+        strain_rate: Option<&Bound<'_, PyDict>>,
+        stress: Option<&Bound<'_, PyDict>>,
+        mean_stress: Option<f64>,
+        rate_limit: f64,
+    ) -> PyResult<()> {
+        if !(rate_limit.is_finite() && rate_limit >= 0.0) {
+            return Err(errors::of_value(py, "rate_limit", rate_limit.to_string(), "is not a rate"));
+        }
+        let mut control = CellControl { rate_limit, ..CellControl::fixed() };
+        let mut strained = [false; 6];
+        for (name, value) in strain_rate.into_iter().flatten() {
+            let k = component(py, &name.extract::<String>()?)?;
+            let [row, column] = PLACES[k];
+            let rate = number(py, COMPONENTS[k], &value)?;
+            // The rate of a shear strain is that of an angle, the sum of two entries.
+            let entry = if k < 3 { rate } else { 0.5 * rate };
+            (control.rate[row][column], control.rate[column][row]) = (entry, entry);
+            strained[k] = true;
+        }
+        let mut rows = Vec::new();
+        for (name, value) in stress.into_iter().flatten() {
+            let k = component(py, &name.extract::<String>()?)?;
+            if strained[k] {
+                let message = "a component has a strain rate or a stress, not both";
+                return Err(errors::of_value(py, COMPONENTS[k], value.to_string(), message));
+            }
+            strained[k] = true;
+            rows.push(Row::component(k, number(py, COMPONENTS[k], &value)?));
+        }
+        if let Some(target) = mean_stress {
+            let free = [0, 1, 2].map(|axis| !strained[axis]);
+            if !(free.contains(&true) && target.is_finite()) {
+                let message =
+                    "a finite mean stress needs an axis that has neither a strain rate nor a stress";
+                return Err(errors::of_value(py, "mean_stress", target.to_string(), message));
+            }
+            rows.push(Row::mean(target, free));
+        }
+        for (slot, row) in control.rows.iter_mut().zip(rows) {
+            *slot = Some(row);
+        }
+        let mut slot = self.slot();
+        let simulation = slot.as_mut().ok_or_else(|| absent(py))?;
+        control.since = simulation.state().time();
+        simulation.set_control(control);
+        Ok(())
+    }
+
+    fn assembly(&self, py: Python<'_>) -> PyResult<Assembly> {
+        self.see(py, |simulation| simulation.assembly().into())
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Simulation> {
+        self.see(py, |simulation| Simulation::new(simulation.clone()))
+    }
+
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Simulation> {
+        self.__copy__(py)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        let message = "a simulation cannot be pickled; pickle the run in a folder from which it comes";
+        Err(pyo3::exceptions::PyTypeError::new_err(message))
+    }
+
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.see(py, |simulation| simulation.state().time())
+    }
+
+    #[getter]
+    fn step(&self, py: Python<'_>) -> PyResult<u64> {
+        self.see(py, |simulation| simulation.state().step())
+    }
+
+    #[getter]
+    fn time_step(&self, py: Python<'_>) -> PyResult<f64> {
+        self.see(py, |simulation| simulation.state().time_step())
+    }
+
+    #[getter]
+    fn grains(&self, py: Python<'_>) -> PyResult<usize> {
+        self.see(py, |simulation| simulation.state().grains())
+    }
+
+    #[getter]
+    fn contacts(&self, py: Python<'_>) -> PyResult<usize> {
+        self.see(py, |simulation| simulation.state().contacts())
+    }
+
+    #[getter]
+    fn mean_stress(&self, py: Python<'_>) -> PyResult<f64> {
+        self.see(py, |simulation| simulation.state().mean_stress())
+    }
+
+    #[getter]
+    fn solid_fraction(&self, py: Python<'_>) -> PyResult<f64> {
+        self.see(py, |simulation| simulation.state().solid_fraction())
+    }
+
+    #[getter]
+    fn unbalanced_force(&self, py: Python<'_>) -> PyResult<f64> {
+        self.see(py, |simulation| simulation.state().unbalanced_force())
+    }
+
+    #[getter]
+    fn stress<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let stress = self.see(py, |simulation| simulation.state().stress())?;
+        matrix(py, &stress)
+    }
+
+    #[getter]
+    fn strain<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let strain = self.see(py, |simulation| simulation.state().strain())?;
+        matrix(py, &strain)
+    }
+
+    #[getter]
+    fn cell<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let edges = self.see(py, |simulation| simulation.state().cell().edges)?;
+        matrix(py, &edges)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        self.see(py, |simulation| {
+            let state = simulation.state();
+            format!("<granum.Simulation of {} grains at step {}>", state.grains(), state.step())
+        })
+    }
+}

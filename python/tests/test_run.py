@@ -1,0 +1,193 @@
+"""Samples, tests, resuming, observers, threads, and the digests of the program."""
+
+import copy
+import os
+import pathlib
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import granum
+import numpy as np
+import pytest
+
+
+def granum_program(*arguments: str | pathlib.Path) -> str:
+    """The output of the command-line program."""
+    line = [sys.executable, "-m", "granum", *map(str, arguments)]
+    return subprocess.run(line, check=True, capture_output=True, text=True).stdout
+
+
+def test_a_run_has_the_digest_of_the_program(case: granum.Case, tmp_path: pathlib.Path) -> None:
+    run = granum.run(case, out=tmp_path / "python")
+    (tmp_path / "case.toml").write_text(case.to_toml())
+    granum_program("run", tmp_path / "case.toml", "--out", tmp_path / "program")
+    program = granum.open(tmp_path / "program")
+    assert run.digest() == program.digest()
+    assert run.digest() in granum_program("digest", tmp_path / "program")
+    assert run.series == program.series
+    other = os.environ.get("GRANUM")
+    if other:
+        subprocess.run([other, "run", str(tmp_path / "case.toml"), "--out", str(tmp_path / "other")], check=True, capture_output=True)
+        assert granum.open(tmp_path / "other").digest() == run.digest()
+
+
+def test_memory_folder_threads_and_a_sample_of_its_own_give_the_same_bits(
+    case: granum.Case, tested: granum.Run, tmp_path: pathlib.Path
+) -> None:
+    sample = granum.prepare(case)
+    assert (sample.kind, sample.status, tested.kind) == ("sample", "finished", "test")
+    assert granum.run(case, sample).series == tested.series
+    assert granum.run(case, sample.path, threads=3).series == tested.series
+    folder = granum.run(case, sample, out=tmp_path / "run")
+    assert folder.series == tested.series
+    assert folder.path == tmp_path / "run" and tested.path is None
+    assert folder.measures == tested.measures
+    assert folder.table("forces") == tested.table("forces")
+    assert np.array_equal(folder.snapshot().positions, tested.snapshot().positions)
+    again = pickle.loads(pickle.dumps(folder))
+    assert again.digest() == folder.digest() and again.case == case
+    where = sample.path
+    del sample
+    assert not where.exists()
+
+
+def test_runs_go_on_in_threads_while_python_goes_on(case: granum.Case, tested: granum.Run) -> None:
+    found: list[granum.Run] = []
+    threads = [threading.Thread(target=lambda: found.append(granum.run(case, threads=1))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    beats = 0
+    while any(thread.is_alive() for thread in threads):
+        time.sleep(1e-3)
+        beats += 1
+    assert beats > 10
+    assert all(run.series == tested.series for run in found) and len(found) == 3
+
+
+def test_functions_are_called_with_states_and_progress(case: granum.Case, tested: granum.Run) -> None:
+    states: list[float] = []
+    told: list[dict[str, object]] = []
+
+    def on_state(values: dict[str, float]) -> None:
+        states.append(values["stress_ratio"])
+
+    run = granum.run(case, on_state=on_state, on_progress=told.append)
+    assert np.array_equal(states, run.series["stress_ratio"])
+    assert run.series == tested.series
+    assert told and set(told[0]) == {"activity", "part", "counted", "done", "of", "fraction", "values"}
+
+
+def test_a_stopped_run_is_resumed_to_the_same_bits(case: granum.Case, tmp_path: pathlib.Path) -> None:
+    whole = granum.run(case, out=tmp_path / "whole")
+    broken = granum.run(case, out=tmp_path / "broken", on_state=lambda values: values["state"] < 2)
+    assert broken.status == "interrupted" and len(broken.series) < len(whole.series)
+    assert granum.resume(broken).digest() == whole.digest()
+    assert granum.resume(tmp_path / "broken").status == "finished"
+
+
+def test_what_a_function_raises_is_raised_after_a_stop_in_good_order(case: granum.Case, tmp_path: pathlib.Path) -> None:
+    def fails(values: dict[str, float]) -> None:
+        raise ZeroDivisionError("in a function of the user")
+
+    with pytest.raises(ZeroDivisionError):
+        granum.run(case, on_state=fails)
+    with pytest.raises(ZeroDivisionError):
+        granum.run(case, out=tmp_path / "run", on_state=fails)
+    assert granum.open(tmp_path / "run").status == "interrupted"
+    assert granum.resume(tmp_path / "run").is_good in (True, False)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+def test_ctrl_c_stops_in_good_order(tmp_path: pathlib.Path) -> None:
+    program = (
+        "import granum\n"
+        "case = granum.Case(grains={'count': 400}, shear={'deviator_strain': 0.3})\n"
+        "print('begins', flush=True)\n"
+        f"granum.run(case, out={str(tmp_path / 'run')!r})\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout is not None and child.stdout.readline() == "begins\n"
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "run" / "run.json").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    _, errors = child.communicate(timeout=60)
+    assert "KeyboardInterrupt" in errors and child.returncode != 0
+    assert granum.open(tmp_path / "run").status == "interrupted"
+
+
+def test_folders_in_the_way_and_wrong_arguments_are_refused(case: granum.Case, tmp_path: pathlib.Path) -> None:
+    granum.run(case, out=tmp_path / "run")
+    with pytest.raises(granum.FileError, match="force=True"):
+        granum.run(case, out=tmp_path / "run")
+    granum.run(case, out=tmp_path / "run", force=True)
+    with pytest.raises(granum.FileError):
+        granum.open(tmp_path / "missing")
+    with pytest.raises(granum.FileError):
+        granum.resume(tmp_path / "missing")
+    with pytest.raises(granum.CaseError, match="threads"):
+        granum.run(case, threads=0)
+    with pytest.raises(TypeError, match="path="):
+        granum.run(case, axial_strain=0.1)
+    with pytest.raises(TypeError, match="sample"):
+        granum.run(case, 3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        granum.run(3)  # type: ignore[arg-type]
+
+
+def test_a_run_in_memory_says_what_it_cannot_do(tested: granum.Run) -> None:
+    with pytest.raises(granum.Error, match="out="):
+        tested.digest()
+    with pytest.raises(TypeError, match="out="):
+        granum.resume(tested)
+    with pytest.raises(TypeError, match="pickled"):
+        pickle.dumps(tested)
+    with pytest.raises(KeyError, match="series"):
+        tested.table("nothing")
+    with pytest.raises(KeyError, match="end"):
+        tested.snapshot("middle")
+
+
+def test_a_simulation_is_advanced_by_hand_and_its_arrays_stay_as_they_were(tested: granum.Run) -> None:
+    simulation = tested.simulation()
+    before = simulation.assembly()
+    positions = before.positions
+    kept = positions.copy()
+    other = copy.copy(simulation)
+    simulation.control(strain_rate={"zz": 50.0}, mean_stress=20e3, rate_limit=100.0)
+    simulation.advance(200)
+    assert simulation.step == other.step + 200 and simulation.strain[2, 2] > before.strain[2, 2]
+    assert np.array_equal(positions, kept)
+    assert not np.array_equal(simulation.assembly().positions, kept)
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0, 0] = 1.0
+    other.control(strain_rate={"zz": 50.0}, mean_stress=20e3, rate_limit=100.0)
+    other.advance(100)
+    other.advance(100)
+    assert np.array_equal(other.assembly().positions, simulation.assembly().positions)
+    with pytest.raises(granum.CaseError, match="component"):
+        simulation.control(stress={"zx1": 3.0})
+    with pytest.raises(granum.CaseError, match="not both"):
+        simulation.control(strain_rate={"zz": 1.0}, stress={"zz": 1e3})
+
+
+def test_the_program_comes_with_the_package() -> None:
+    assert granum_program("--version").strip() == f"granum {granum.__version__}"
+    wrong = subprocess.run([sys.executable, "-m", "granum", "nonsense"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "unrecognized subcommand" in wrong.stderr
+    missing = subprocess.run([sys.executable, "-m", "granum", "run", "missing.toml"], capture_output=True, text=True)
+    assert missing.returncode == 1
+
+
+def test_a_campaign_of_the_program_starts_its_runs(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "case.toml").write_text(
+        "grains.count = 60\npreparation.solid_fraction = 'none'\npreparation.unbalanced_force = 0.05\n"
+        "shear.deviator_strain = 0.01\nshear.inertial_number = 0.01\nrecording.states = 2\n"
+    )
+    granum_program("run", tmp_path / "case.toml", "--seed", "1,2", "--out", tmp_path / "runs")
+    assert len(list((tmp_path / "runs").glob("*/run.json"))) == 2

@@ -1,0 +1,125 @@
+"""Tables, assemblies, and sensors on anyone's arrays."""
+
+import pathlib
+import pickle
+
+import granum
+import numpy as np
+import pytest
+
+
+def test_columns_are_read_only_arrays_without_a_copy(tested: granum.Run) -> None:
+    series = tested.series
+    ratio = series["stress_ratio"]
+    assert ratio.dtype == np.float64 and not ratio.flags.writeable and len(ratio) == len(series) == 5
+    assert np.shares_memory(ratio, series["stress_ratio"])
+    kept = ratio.copy()
+    del series
+    assert np.array_equal(ratio, kept)
+    with pytest.raises(ValueError, match="read-only"):
+        ratio[0] = 1.0
+    with pytest.raises(KeyError, match="did you mean stress_ratio"):
+        tested.series["stress_rato"]
+
+
+def test_tables_are_like_dicts_and_go_to_pandas_and_polars(tested: granum.Run) -> None:
+    series = tested.series
+    assert "stress_ratio" in series and "nothing" not in series and 3 not in series
+    assert list(series) == series.columns == list(series.to_dict()) == series.keys()
+    assert series.units["mean_stress"] == "Pa"
+    pandas = pytest.importorskip("pandas")
+    frame = series.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame.attrs["units"]["mean_stress"] == "Pa"
+    assert np.array_equal(frame["stress_ratio"], series["stress_ratio"])
+    polars = pytest.importorskip("polars")
+    assert isinstance(series.to_polars(), polars.DataFrame)
+    assert series.to_polars()["stress_ratio"].to_list() == list(series["stress_ratio"])
+
+
+def test_own_tables_are_written_read_and_pickled(tmp_path: pathlib.Path) -> None:
+    table = granum.Table(
+        {"count": [1, 2], "ratio": np.array([0.5, np.inf]), "law": ["hertz", "linear"], "good": [True, False]},
+        units={"ratio": "Pa"},
+    )
+    assert pickle.loads(pickle.dumps(table)) == table
+    assert list(table["law"]) == ["hertz", "linear"] and table["count"].dtype == np.int64 and table["good"].dtype == bool
+    table.write(tmp_path / "table.parquet")
+    assert granum.Table.read(tmp_path / "table.parquet") == table
+    with pytest.raises(granum.FileError, match="force=True"):
+        table.write(tmp_path / "table.parquet")
+    table.write(tmp_path / "table.parquet", force=True)
+    with pytest.raises(granum.Error, match="rows"):
+        granum.Table({"a": [1.0], "b": [1.0, 2.0]})
+    with pytest.raises(granum.Error, match="one dimension"):
+        granum.Table({"a": [[1.0]]})
+    assert len(granum.Table({})) == 0
+
+
+def test_an_assembly_has_its_arrays_and_its_tables(tested: granum.Run) -> None:
+    assembly = tested.snapshot()
+    count, contacts = len(assembly.radii), len(assembly.contacts)
+    assert assembly.positions.shape == (count, 3) == (60, 3)
+    assert assembly.forces.shape == assembly.normals.shape == (contacts, 3)
+    assert np.allclose(np.linalg.norm(assembly.normals, axis=1), 1.0)
+    pulled = -np.sum(assembly.forces * assembly.normals, axis=1)
+    assert np.allclose(pulled, assembly.normal_forces)
+    assert np.isclose(np.linalg.det(assembly.cell), assembly.volume)
+    grains = assembly.grains_table()
+    assert np.array_equal(grains["position_x"], assembly.positions[:, 0]) and grains.units["radius"] == "m"
+    assert len(assembly.contacts_table()) == contacts
+    # Stress from the arrays, as a reader would compute it: the forces with the branches over the volume.
+    stress = -np.einsum("ca,cb->ab", assembly.branches, assembly.forces) / assembly.volume
+    measured = assembly.measure()
+    assert np.isclose(np.trace(stress) / 3, measured["mean_stress"], rtol=1e-9)
+
+
+def test_sensors_on_arrays_of_anyone_give_what_they_give_on_an_assembly(tested: granum.Run) -> None:
+    assembly = tested.snapshot()
+    own = assembly.measure()
+    found = granum.measure(assembly.positions, assembly.radii, assembly.contacts, assembly.forces, assembly.cell)
+    assert len(found) > 80
+    for name in ["solid_fraction", "coordination_number", "mean_stress", "stress_ratio"]:
+        assert np.isclose(found[name], own[name], rtol=1e-9), name
+    geometric = granum.measure(assembly.positions.tolist(), list(assembly.radii), cell=assembly.cell)
+    assert "solid_fraction" in geometric and "mean_stress" not in geometric
+    strided = np.zeros((120, 6))
+    strided[::2, ::2] = assembly.positions
+    assert granum.measure(strided[::2, ::2], assembly.radii.astype("f4").astype("f8"), cell=assembly.cell)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ({"positions": [[0.0, 0.0]]}, "rows of three"),
+        ({"radii": [1.0]}, "there are 2 positions"),
+        ({"radii": [1.0, np.nan]}, "finite"),
+        ({"contacts": [[0, 2]]}, "no index"),
+        ({"contacts": [[0, -1]]}, "no index"),
+        ({"contacts": [[0, 0.5]]}, "no index"),
+        ({"contacts": [[0, 0]]}, "at one place"),
+        ({"forces": [[1.0, 0.0, 0.0]]}, "1 forces for 0 contacts"),
+        ({"cell": [1.0]}, "three lengths"),
+    ],
+)
+def test_impossible_arrays_are_refused(arguments: dict[str, object], word: str) -> None:
+    usual: dict[str, object] = {"positions": [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]], "radii": [1.0, 1.0]}
+    with pytest.raises(granum.Error, match=word):
+        granum.measure(**{**usual, **arguments})  # type: ignore[arg-type]
+
+
+def test_a_family_predicts_with_intervals() -> None:
+    sand = granum.surrogates.load("sand")
+    assert "sand" in granum.surrogates.families() and sand.runs > 100
+    given = {name: sum(about["range"]) / 2 for name, about in sand.inputs.items() if about["required"]}
+    answer = sand.predict(given, level=0.8)
+    assert answer["inputs"] == given and answer["level"] == 0.8
+    curve = answer["curves"]["stress_ratio"]
+    assert len(curve["mean"]) == len(answer["points"]) and np.all(curve["lower"] <= curve["mean"])
+    assert np.all(curve["mean"] <= curve["upper"])
+    assert pickle.loads(pickle.dumps(sand)).predict(given)["points"][0] == answer["points"][0]
+    with pytest.raises(granum.Error, match="needs"):
+        sand.predict({})
+    with pytest.raises(granum.CaseError):
+        sand.predict({"nonsense": 1.0})
+    with pytest.raises(granum.Error, match="no family"):
+        granum.surrogates.load("snow")
