@@ -1,5 +1,6 @@
 """The library of granum, compiled."""
 
+import pathlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, TypeAlias, final
@@ -302,8 +303,8 @@ class Run:
     """A run: a sample that `granum.prepare` made, or a test that `granum.run` carried out, in its folder or in memory."""
 
     @property
-    def path(self) -> Any:
-        """The folder, a `pathlib.Path`; `None` if the run is in memory."""
+    def path(self) -> pathlib.Path | None:
+        """The folder; `None` if the run is in memory."""
     @property
     def case(self) -> Case:
         """The case."""
@@ -351,10 +352,13 @@ class Run:
 class Family:
     """A family of tests with its fitted surrogate."""
 
-    def __new__(cls, name: str) -> Family: ...
+    def __new__(cls, name: str, path: str | None = None) -> Family: ...
     @property
     def name(self) -> str:
         """Its name."""
+    @property
+    def path(self) -> str:
+        """The path of its tests."""
     @property
     def title(self) -> str:
         """What it is of."""
@@ -376,8 +380,8 @@ class Family:
         """
     def __reduce__(self) -> Any: ...
 
-def families() -> list[str]:
-    """The names of the families whose surrogates come with granum."""
+def families() -> list[tuple[str, str]]:
+    """The names and paths of the families whose surrogates come with granum."""
 
 def schema() -> dict[str, Any]:
     """The JSON schema of a case file."""

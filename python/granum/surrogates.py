@@ -11,6 +11,6 @@ from ._granum import Family, families
 __all__ = ["Family", "families", "load"]
 
 
-def load(name: str) -> Family:
-    """The family of tests of that name with its fitted surrogate; `families()` lists the names."""
-    return Family(name)
+def load(name: str, path: str | None = None) -> Family:
+    """The family of tests of that name with its fitted surrogate, along a path, or its first one; `families()` lists both."""
+    return Family(name, path)

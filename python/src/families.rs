@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use granum::families::{FITTED, fitted};
-use granum_learn::family::{FamilyModel, InputSource};
+use granum_learn::family::{FamilyModel, InputSource, by_name};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping};
 
@@ -14,33 +14,44 @@ use crate::errors;
 /// A family of tests with its surrogate.
 #[pyclass(frozen, module = "granum.surrogates")]
 pub struct Family {
-    name: String,
     model: Arc<FamilyModel>,
 }
 
-/// The names of the families whose surrogates come with granum.
+/// The names and paths of the families whose surrogates come with granum.
 #[pyfunction]
-pub fn families() -> Vec<&'static str> {
-    FITTED.iter().map(|(name, _)| *name).collect()
+pub fn families() -> Vec<(&'static str, &'static str)> {
+    FITTED.iter().map(|family| (family.name, family.path)).collect()
 }
 
 #[pymethods]
 impl Family {
-    /// The family of that name.
+    /// The family of that name, along a path.
     #[new]
-    fn new(py: Python<'_>, name: String) -> PyResult<Family> {
-        let model =
-            detached(py, || fitted(&name))?.map_err(|error| errors::general(py, error.to_string()))?;
-        let Some(model) = model else {
-            let message = format!("there is no family {name}; there is {}", families().join(", "));
+    #[pyo3(signature = (name, path=None))]
+    fn new(py: Python<'_>, name: &str, path: Option<&str>) -> PyResult<Family> {
+        let failed = |error: granum_learn::LearnError| errors::general(py, error.to_string());
+        let definition = by_name(name, path).map_err(failed)?;
+        let Some(model) = detached(py, || fitted(definition))?.map_err(failed)? else {
+            let known: Vec<String> =
+                families().iter().map(|(name, path)| format!("{name} ({path})")).collect();
+            let message = format!(
+                "the family {name} along the path {} comes without a surrogate; there is {}",
+                definition.path,
+                known.join(", ")
+            );
             return Err(errors::general(py, message));
         };
-        Ok(Family { name, model: Arc::new(model) })
+        Ok(Family { model: Arc::new(model) })
     }
 
     #[getter]
-    fn name(&self) -> &str {
-        &self.name
+    fn name(&self) -> &'static str {
+        self.model.definition().name
+    }
+
+    #[getter]
+    fn path(&self) -> &'static str {
+        self.model.definition().path
     }
 
     #[getter]
@@ -124,11 +135,11 @@ impl Family {
         Ok(answer)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        Ok((slf.get_type().into_any(), (slf.get().name.clone(),)))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyAny>, (&'static str, &'static str)) {
+        (slf.get_type().into_any(), (slf.get().name(), slf.get().path()))
     }
 
     fn __repr__(&self) -> String {
-        format!("granum.surrogates.load({:?})", self.name)
+        format!("granum.surrogates.load({:?}, {:?})", self.name(), self.path())
     }
 }

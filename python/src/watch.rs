@@ -2,8 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use granum_core::observer::{Event, NamedValue, Progress as Report};
-use granum_run::{Flow, Observer, Progress, Work};
+use granum_core::observer::{Event, Flow, NamedValue, Observer, Progress};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -41,7 +40,7 @@ impl Watch {
         }
     }
 
-    fn flow(&mut self, report: impl FnOnce() -> Report) -> Flow {
+    fn flow(&mut self, report: &Progress) -> Flow {
         if !self.stopped && self.asked.elapsed() >= EVERY {
             self.asked = Instant::now();
             if let Err(error) = Python::attach(|py| py.check_signals()) {
@@ -52,8 +51,7 @@ impl Watch {
         if let Some(function) = self.on_progress.take() {
             if due && !self.stopped {
                 self.told = Some(Instant::now());
-                let report = report();
-                Python::attach(|py| self.call(py, &function, object(py, &report)));
+                Python::attach(|py| self.call(py, &function, object(py, report)));
             }
             self.on_progress = Some(function);
         }
@@ -62,7 +60,7 @@ impl Watch {
 }
 
 /// Progress as a dict.
-fn object<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyAny>> {
+fn object<'py>(py: Python<'py>, report: &Progress) -> PyResult<Bound<'py, PyAny>> {
     let dict = PyDict::new(py);
     dict.set_item("activity", report.activity.as_ref())?;
     dict.set_item("part", &report.part)?;
@@ -84,11 +82,7 @@ fn named<'py>(py: Python<'py>, list: &[NamedValue]) -> PyResult<Bound<'py, PyAny
 
 impl Observer for Watch {
     fn progress(&mut self, progress: &Progress) -> Flow {
-        self.flow(|| progress.report())
-    }
-
-    fn work(&mut self, work: &Work) -> Flow {
-        self.flow(|| work.report())
+        self.flow(progress)
     }
 
     fn event(&mut self, event: &Event) {
