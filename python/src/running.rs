@@ -29,7 +29,7 @@ struct Means {
 
 impl Means {
     fn laboratory(&self, py: Python<'_>) -> PyResult<Laboratory> {
-        let mut laboratory = Laboratory::here().with_registry(&Registry::standard());
+        let mut laboratory = Laboratory::here().with_registry(Registry::standard());
         if let Some(threads) = self.threads {
             if threads == 0 || threads > MOST_THREADS {
                 let message = format!("a run has from 1 to {MOST_THREADS} threads");

@@ -11,6 +11,9 @@ use pyo3::types::{PyDict, PyList, PyMapping, PyString};
 use crate::arrays;
 use crate::errors;
 
+/// The columns of a table and their units, from which it is made again.
+type Parts<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
+
 /// A table of named columns of numbers or of words.
 #[pyclass(frozen, module = "granum")]
 pub struct Table {
@@ -179,9 +182,7 @@ impl Table {
         py.None()
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyDict>, Bound<'py, PyDict>))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Parts<'py>)> {
         let (table, py) = (slf.get(), slf.py());
         Ok((slf.get_type().into_any(), (table.to_dict(py)?, table.units(py)?)))
     }
