@@ -194,5 +194,5 @@ def test_a_campaign_of_the_program_starts_its_runs(tmp_path: pathlib.Path) -> No
         "key = 'grains.material.friction'\nvalues = [0.2, 0.4]\n"
     )
     granum_program("campaign", tmp_path / "plan.toml", "--out", tmp_path / "study")
-    tables = list((tmp_path / "study" / "data_set").rglob("*.parquet"))
-    assert tables and any(len(granum.Table.read(table)) == 6 for table in tables)
+    runs = [granum.open(record.parent) for record in (tmp_path / "study" / "tests").glob("*/run.json")]
+    assert len(runs) == 2 and all(run.status == "finished" and len(run.series) == 3 for run in runs)
