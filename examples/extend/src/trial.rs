@@ -171,8 +171,10 @@ fn campaign(folder: &Path, run: &dyn Fn(&[&str]) -> Result<String, Box<dyn std::
     run(&["export", "study", "-o", "states.csv"])?;
     let states = std::fs::read_to_string(folder.join("states.csv"))?;
     let head = states.lines().next().unwrap_or_default();
-    for column in ["rolling_spring_friction", "strain", "fluctuating_speed", "rolling_release_loss"] {
-        assert!(head.split(',').any(|name| name.starts_with(column)), "{column} is not in {head}");
+    let columns =
+        ["variable.rolling_spring_friction", "variable.strain", "fluctuating_speed", "rolling_release_loss"];
+    for column in columns {
+        assert!(head.split(',').any(|name| name == column), "{column} is not in {head}");
     }
     let train =
         ["train", "study", "--input", "contact.rolling_spring_friction", "--output", "fluctuating_speed"];
