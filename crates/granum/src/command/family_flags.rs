@@ -113,13 +113,11 @@ impl FamilyFlags {
 
     /// The fitted family that is meant: by its name and the path of the flag or of the case, or in a file.
     pub fn fitted(&self, context: &Context, name: &str, case: Option<&Path>) -> Result<FamilyModel, Failure> {
-        if !is_file(name) && self.path.is_none() {
-            if let Some(case) = case {
-                let case = Case::read_as(case, context.reading())?;
-                // A path that the family does not have is refused with the words of the case.
-                let own = path_of(&case).and_then(|path| by_name(name, Some(&path)).ok());
-                return of_definition(own.map_or_else(|| by_name(name, None), Ok)?);
-            }
+        if let Some(case) = case.filter(|_| !is_file(name) && self.path.is_none()) {
+            let case = Case::read_as(case, context.reading())?;
+            // A path that the family does not have is refused with the words of the case.
+            let own = path_of(&case).and_then(|path| by_name(name, Some(&path)).ok());
+            return of_definition(own.map_or_else(|| by_name(name, None), Ok)?);
         }
         fitted(name, self.path.as_deref())
     }
