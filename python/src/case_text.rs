@@ -91,18 +91,24 @@ fn quoted(text: &str) -> String {
 
 /// Values of NumPy, pandas and pint as values of Python itself.
 fn plain<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    for method in ["to_numpy", "tolist"] {
-        // A table of pandas or polars becomes an array, an array a list.
-        if value.hasattr(method)? {
-            return plain(&value.call_method0(method)?);
+    let mut value = value.clone();
+    // A table of pandas becomes an array, an array a list; what goes on like that for ever is refused as it is.
+    for _ in 0..DEEPEST {
+        // First, since such a quantity has the methods below as well, whatever it holds.
+        if value.hasattr("magnitude")? && value.hasattr("units")? {
+            let magnitude = value.getattr("magnitude")?.repr()?;
+            let units = value.getattr("units")?.call_method1("__format__", ("~",))?;
+            return Ok(PyString::new(value.py(), &format!("{magnitude} {units}")).into_any());
         }
+        value = if value.hasattr("to_numpy")? {
+            value.call_method0("to_numpy")?
+        } else if value.hasattr("tolist")? {
+            value.call_method0("tolist")?
+        } else {
+            return Ok(value);
+        };
     }
-    if value.hasattr("magnitude")? && value.hasattr("units")? {
-        let magnitude = value.getattr("magnitude")?.repr()?;
-        let units = value.getattr("units")?.call_method1("__format__", ("~",))?;
-        return Ok(PyString::new(value.py(), &format!("{magnitude} {units}")).into_any());
-    }
-    Ok(value.clone())
+    Ok(value)
 }
 
 fn written(path: &str, value: &Bound<'_, PyAny>, depth: usize, text: &mut String) -> PyResult<()> {

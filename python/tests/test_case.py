@@ -103,6 +103,12 @@ def test_values_nested_without_end_are_refused() -> None:
     nested["a"] = nested
     with pytest.raises(granum.CaseError, match="nested deeper"):
         granum.Case.from_dict(nested)
+    class Endless:
+        def tolist(self) -> "Endless":
+            return self
+
+    with pytest.raises(granum.CaseError, match="not Endless"):
+        granum.Case.from_dict({"grains": {"count": Endless()}})
     rows: list[Any] = []
     rows.append(rows)
     with pytest.raises(granum.CaseError, match="nested deeper"):
