@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::emulator::{Emulator, at_strains};
 use crate::error::Result;
 use crate::file::CalibrationFile;
-use crate::simulation::{Simulated, Simulation, of_test};
-use crate::target::Target;
+use crate::simulation::{DesignPoint, Simulated, of_test};
+use crate::target::TargetTest;
 
 /// Half the width of an interval of 90 % over the standard deviation of a normal distribution.
 const NINETY: f64 = 1.644_853_626_951_472_7;
@@ -14,9 +14,9 @@ const NINETY: f64 = 1.644_853_626_951_472_7;
 pub const MOST_OUTSIDE: f64 = 0.25;
 
 /// The simulations of so many tests at draws of all parameters.
-pub fn simulations(file: &CalibrationFile, tests: usize, draws: &[Vec<f64>]) -> Vec<Simulation> {
-    let of_draw = |draw: &Vec<f64>| -> Vec<Simulation> {
-        (0..tests).map(|test| Simulation { test, values: of_test(file, tests, draw, test) }).collect()
+pub fn simulations(file: &CalibrationFile, tests: usize, draws: &[Vec<f64>]) -> Vec<DesignPoint> {
+    let of_draw = |draw: &Vec<f64>| -> Vec<DesignPoint> {
+        (0..tests).map(|test| DesignPoint { test, values: of_test(file, tests, draw, test) }).collect()
     };
     draws.iter().flat_map(of_draw).collect()
 }
@@ -51,7 +51,7 @@ impl Confirmed {
 /// If the surrogate has no prediction.
 pub fn confirm(
     file: &CalibrationFile,
-    targets: &[Target],
+    targets: &[TargetTest],
     simulated: &[Simulated],
     draws: &[Vec<f64>],
     emulator: Option<&Emulator>,

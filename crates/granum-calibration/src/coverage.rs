@@ -10,7 +10,7 @@ use crate::file::CalibrationFile;
 use crate::likelihood::{FreeParameter, measurement_covariance};
 use crate::outcome::Outcome;
 use crate::random::{standard_normal, stream};
-use crate::target::{Target, measured};
+use crate::target::{TargetTest, measured};
 
 /// Shares of the ends of intervals of 90 %.
 const ENDS: [f64; 2] = [0.05, 0.95];
@@ -45,10 +45,10 @@ pub fn truths(parameters: &[FreeParameter], count: usize, seed: u32) -> Vec<Vec<
 /// If the simulation has nothing that is compared.
 pub fn synthetic(
     file: &CalibrationFile,
-    target: &Target,
+    target: &TargetTest,
     curves: &LaboratoryTest,
     seed: u64,
-) -> Result<Target> {
+) -> Result<TargetTest> {
     let mut random = stream(seed, 21);
     let mut found = Vec::new();
     let renamed = LaboratoryTest { name: target.name.clone(), ..curves.clone() };
@@ -70,7 +70,7 @@ pub fn synthetic(
         }
         found.push((place, curve));
     }
-    Ok(Target { curves: found, laboratory: renamed, ..target.clone() })
+    Ok(TargetTest { curves: found, laboratory: renamed, ..target.clone() })
 }
 
 /// Counts for each parameter how many of the intervals of posteriors hold the truths.

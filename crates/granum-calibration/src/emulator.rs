@@ -19,7 +19,7 @@ use crate::error::{CalibrationError, Result};
 use crate::file::{CalibrationFile, Quantity};
 use crate::known::KnownRun;
 use crate::simulation::{CaseNumbers, of_test};
-use crate::target::{Target, readings};
+use crate::target::{TargetTest, readings};
 
 /// Name of the coordinate.
 const STRAIN: &str = "axial_strain";
@@ -29,7 +29,7 @@ pub const FEWEST: usize = 8;
 /// Predicts the curves of all targets from the values of the free parameters.
 pub struct Emulator<'a> {
     file: &'a CalibrationFile,
-    targets: &'a [Target],
+    targets: &'a [TargetTest],
     numbers: CaseNumbers,
     fitted: Arc<dyn Surrogate>,
     /// For each number of the case whether it varies over the simulations, and is an input.
@@ -57,7 +57,7 @@ impl<'a> Emulator<'a> {
     /// If there are fewer than [`FEWEST`], a simulation does not reach the compared strains or lacks a quantity, or the fit fails or is stopped.
     pub fn fit(
         file: &'a CalibrationFile,
-        targets: &'a [Target],
+        targets: &'a [TargetTest],
         numbers: CaseNumbers,
         known: &[KnownRun],
         threads: usize,
@@ -76,7 +76,7 @@ impl<'a> Emulator<'a> {
     }
 
     /// The same surrogate for other targets, which have the conditions of these.
-    pub fn for_targets<'b>(&self, targets: &'b [Target]) -> Emulator<'b>
+    pub fn for_targets<'b>(&self, targets: &'b [TargetTest]) -> Emulator<'b>
     where
         'a: 'b,
     {

@@ -10,7 +10,7 @@ use granum_run::strength::as_laboratory;
 use crate::error::{CalibrationError, Result};
 use crate::file::CalibrationFile;
 use crate::simulation::{CaseNumbers, Simulated};
-use crate::target::Target;
+use crate::target::TargetTest;
 
 /// Ends of keys that say how a test is observed and how far it goes, and not what the grains do.
 const OF_NO_MATTER: [&str; 3] = [".states", ".axial_strain", ".snapshots"];
@@ -37,7 +37,11 @@ impl KnownRun {
     ///
     /// # Errors
     /// If an expression of the file has no value at it.
-    pub fn from_simulated(numbers: &CaseNumbers, targets: &[Target], one: &Simulated) -> Result<KnownRun> {
+    pub fn from_simulated(
+        numbers: &CaseNumbers,
+        targets: &[TargetTest],
+        one: &Simulated,
+    ) -> Result<KnownRun> {
         let target = &targets[one.simulation.test];
         Ok(KnownRun {
             name: one.name.clone(),

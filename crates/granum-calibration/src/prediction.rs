@@ -7,7 +7,7 @@ use crate::emulator::Emulator;
 use crate::error::Result;
 use crate::file::CalibrationFile;
 use crate::outcome::Outcome;
-use crate::target::Target;
+use crate::target::TargetTest;
 
 /// Draws of which a prediction is the mean.
 const DRAWS: usize = 100;
@@ -61,7 +61,7 @@ impl Prediction {
 pub fn predict(
     file: &CalibrationFile,
     emulator: &Emulator,
-    targets: &[Target],
+    targets: &[TargetTest],
     test: usize,
     outcome: &Outcome,
 ) -> Result<Vec<Prediction>> {

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 use crate::error::{CalibrationError, Result};
 use crate::file::CalibrationFile;
 use crate::likelihood::FreeParameter;
-use crate::target::Target;
+use crate::target::TargetTest;
 
 /// Shares of a prior nearer to 0 or 1 are not simulated: a normal prior has no bound there.
 const NEAREST: f64 = 0.005;
 
 /// A simulation of a test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Simulation {
+pub struct DesignPoint {
     /// Place of the test among the targets.
     pub test: usize,
     /// The values of the free variables, in their order.
@@ -28,7 +28,7 @@ pub struct Simulation {
 
 /// The free parameters: one of each free variable that all tests share, and one for each test of a variable that is own to the test, named
 /// `VARIABLE_TEST`.
-pub fn parameters(file: &CalibrationFile, targets: &[Target]) -> Vec<FreeParameter> {
+pub fn parameters(file: &CalibrationFile, targets: &[TargetTest]) -> Vec<FreeParameter> {
     let of_variable = |free: &crate::file::FreeVariable| -> Vec<FreeParameter> {
         let named = |name: String| FreeParameter { name, prior: free.prior };
         match free.own {
@@ -51,23 +51,23 @@ pub fn of_test(file: &CalibrationFile, tests: usize, values: &[f64], test: usize
 }
 
 /// A design that fills the priors evenly: so many simulations, each of the next test in turn, at points of a scrambled Sobol sequence.
-pub fn design(file: &CalibrationFile, tests: usize) -> Vec<Simulation> {
+pub fn design(file: &CalibrationFile, tests: usize) -> Vec<DesignPoint> {
     let seed = file.calibration.seed;
     let simulation = |k: usize| {
         let value = |(j, free): (usize, &crate::file::FreeVariable)| {
             let share = f64::from(sobol_burley::sample(k as u32, j as u32, seed));
             free.prior.value(share.clamp(NEAREST, 1.0 - NEAREST))
         };
-        Simulation { test: k % tests.max(1), values: file.free.iter().enumerate().map(value).collect() }
+        DesignPoint { test: k % tests.max(1), values: file.free.iter().enumerate().map(value).collect() }
     };
     (0..file.calibration.runs).map(simulation).collect()
 }
 
 /// The plan of a campaign with a run of each simulation, in their order.
-pub fn plan(file: &CalibrationFile, targets: &[Target], simulations: &[Simulation]) -> Plan {
+pub fn plan(file: &CalibrationFile, targets: &[TargetTest], simulations: &[DesignPoint]) -> Plan {
     let free = file.free.first().and_then(|free| file.plan.variables.iter().find(|v| v.name == free.name));
     let span = free.map_or(0..0, |variable| variable.span.clone());
-    let row = |simulation: &Simulation| {
+    let row = |simulation: &DesignPoint| {
         let cell = |(name, value): (&String, &f64)| (name.clone(), format_number(*value));
         let free = file.free.iter().map(|free| &free.name).zip(&simulation.values);
         let given = file.conditions.iter().map(|(name, _)| name).zip(&targets[simulation.test].conditions);
@@ -98,14 +98,14 @@ pub struct Simulated {
     /// Name of its run.
     pub name: String,
     /// What was simulated.
-    pub simulation: Simulation,
+    pub simulation: DesignPoint,
     /// The curves, in the measures of a laboratory.
     pub curves: LaboratoryTest,
 }
 
 /// The simulations whose runs are in a data set, and the number of those that are not: they failed, or did not pass their checks.
 pub fn simulated(
-    simulations: &[Simulation],
+    simulations: &[DesignPoint],
     planned: &PlannedRuns,
     runs: Vec<DataSetRun>,
 ) -> (Vec<Simulated>, usize) {

@@ -12,7 +12,7 @@ use crate::file::{CalibrationFile, ComparedQuantity, PredictedTests, Quantity, T
 
 /// A test that simulations are to explain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Target {
+pub struct TargetTest {
     /// Its name.
     pub name: String,
     /// What it gives to the variables [`CalibrationFile::conditions`], in their order.
@@ -44,7 +44,7 @@ pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> Cow<'_, [f64]> {
 ///
 /// # Errors
 /// With the place in the file if there is no such test, and if a test has not what is compared or needed of it.
-pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<Target>> {
+pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<TargetTest>> {
     let table = &file.calibration;
     let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
     for (k, test) in tests.iter().enumerate() {
@@ -89,8 +89,8 @@ pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<T
 pub fn predicted(
     file: &CalibrationFile,
     tests: &[LaboratoryTest],
-    targets: &[Target],
-) -> Result<Vec<Target>> {
+    targets: &[TargetTest],
+) -> Result<Vec<TargetTest>> {
     let table = &file.calibration;
     let chosen: Vec<&LaboratoryTest> = match &table.predict {
         PredictedTests::Others => {
@@ -126,7 +126,7 @@ fn named<'a>(
     wanted.iter().map(find).collect()
 }
 
-fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Target> {
+fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<TargetTest> {
     let lacks = |what: &str, why: &str| {
         CalibrationError::Input(format!("the test {:?} has no {what}, {why}", test.name))
     };
@@ -169,7 +169,7 @@ fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Target> {
             words.join(", ")
         )));
     }
-    Ok(Target { name: test.name.clone(), conditions, mean_stress, laboratory: test.clone(), curves })
+    Ok(TargetTest { name: test.name.clone(), conditions, mean_stress, laboratory: test.clone(), curves })
 }
 
 /// The curve of a quantity at those of the compared strains that the test reaches; `None` if it has no such reading.
@@ -192,13 +192,13 @@ pub(crate) fn measured(test: &LaboratoryTest, compared: &ComparedQuantity) -> Op
 }
 
 /// The measured curves of all targets, one target after another.
-pub fn all_curves(targets: &[Target]) -> Vec<MeasuredCurve> {
+pub fn all_curves(targets: &[TargetTest]) -> Vec<MeasuredCurve> {
     targets.iter().flat_map(|target| target.curves.iter().map(|(_, curve)| curve.clone())).collect()
 }
 
 /// What a reader should know of how the tests were understood, in a sentence for each.
-pub fn understood(file: &CalibrationFile, targets: &[Target]) -> Vec<String> {
-    let line = |target: &Target| {
+pub fn understood(file: &CalibrationFile, targets: &[TargetTest]) -> Vec<String> {
+    let line = |target: &TargetTest| {
         let kilopascal = |stress: f64| format!("{:.1} kPa", stress / 1e3);
         let percent = |strain: f64| format!("{:.3} %", 100.0 * strain);
         let mut parts = vec![format!("mean stress {}", kilopascal(target.mean_stress))];

@@ -23,9 +23,9 @@ mod typical;
 pub use definition::{FamilyDefinition, FamilyInput, FamilyOutput};
 pub use model::{FamilyFit, FamilyModel};
 pub use powder::{POWDER_CONSTANT_P, POWDER_OEDOMETER};
-pub use prediction::{FamilyPrediction, InputSource, PredictedCurve, UsedInput};
+pub use prediction::{FamilyCurve, FamilyPrediction, InputSource, UsedInput};
 pub use sand::{SAND, SAND_CONSTANT_P, SAND_UNDRAINED, SAND_UNLOAD_RELOAD};
-pub use score_types::{FamilyScores, OutputScore, QuarterCoverage, TrainingData};
+pub use score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
 pub use typical::TypicalValue;
 
 /// All families, path by path. The first path of a family is the one that is meant where none is named.

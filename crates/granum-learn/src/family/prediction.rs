@@ -27,7 +27,7 @@ pub struct UsedInput {
 
 /// The curve of an output.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PredictedCurve {
+pub struct FamilyCurve {
     /// The column.
     pub column: String,
     /// The mean at each point.
@@ -52,7 +52,7 @@ pub struct FamilyPrediction {
     /// The share of new samples of which a state should be within its interval.
     pub level: f64,
     /// One for each column of the surrogate: the bins of a histogram have one each.
-    pub curves: Vec<PredictedCurve>,
+    pub curves: Vec<FamilyCurve>,
 }
 
 /// Mean, lower and upper end of each output at each point.
@@ -110,7 +110,7 @@ impl FamilyModel {
                 let end = mean[k] + sign * (half * half + quantile * quantile * variance[k]).sqrt();
                 if is_density { end.max(0.0) } else { end }
             };
-            PredictedCurve {
+            FamilyCurve {
                 column: column.name.clone(),
                 lower: lower.iter().enumerate().map(|(k, end)| wider(k, *end, -1.0)).collect(),
                 upper: upper.iter().enumerate().map(|(k, end)| wider(k, *end, 1.0)).collect(),

@@ -29,13 +29,13 @@ pub struct FamilyScores {
     /// Share of new samples of which a state should be within its interval.
     pub level: f64,
     /// The scores of each output.
-    pub outputs: Vec<OutputScore>,
+    pub outputs: Vec<FamilyOutputScore>,
 }
 
 /// The scores of an output; a distribution is scored with all of its bins.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct OutputScore {
+pub struct FamilyOutputScore {
     /// The output.
     pub output: String,
     /// Root mean square of the error for a single run over that of its values.

@@ -3,7 +3,7 @@
 use super::definition::FamilyOutput;
 use super::model::{FamilyModel, inputs_of, unfit, with_columns};
 use super::replicates::{PointSums, net_error, replicates, standard_error};
-use super::score_types::{FamilyScores, OutputScore, QuarterCoverage, TrainingData};
+use super::score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
 use crate::surrogate::{Prediction, RunInputs};
@@ -87,7 +87,7 @@ impl FamilyModel {
         columns: &[usize],
         shares: &[f64],
         (runs, groups): (&[ScoredRun], &[Vec<usize>]),
-    ) -> OutputScore {
+    ) -> FamilyOutputScore {
         let (mut errors, mut squares) = (0.0, 0.0);
         let mut of_runs = Vec::with_capacity(runs.len());
         let mut whole = 0;
@@ -122,7 +122,7 @@ impl FamilyModel {
         }
         let total = |part: fn(&PointSums) -> f64| sums.iter().map(part).sum::<f64>();
         let or_nan = |value: f64| if sums.is_empty() { f64::NAN } else { value };
-        OutputScore {
+        FamilyOutputScore {
             output: output.column.into(),
             relative_error: (errors / squares).sqrt(),
             relative_scatter: or_nan((total(|point| point.variance) / total(|point| point.square)).sqrt()),

@@ -1,6 +1,6 @@
 //! The card of a fitted family: how it was made, how good it is, where not to use it.
 
-use granum_learn::family::{FamilyModel, FamilyScores, OutputScore};
+use granum_learn::family::{FamilyModel, FamilyOutputScore, FamilyScores};
 use serde_json::{Value, json};
 
 use super::family_chart::short;
@@ -56,7 +56,7 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
     )];
     let percent = |value: f64| if value.is_finite() { format!("{:.1} %", 100.0 * value) } else { "-".into() };
     let ratio = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
-    let row = |output: &OutputScore| {
+    let row = |output: &FamilyOutputScore| {
         let worst = output
             .quarters
             .iter()

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use granum_calibration::file::CalibrationFile;
 use granum_calibration::likelihood::FreeParameter;
-use granum_calibration::target::Target;
+use granum_calibration::target::TargetTest;
 
 use crate::command::campaign::CarryOutFlags;
 use crate::context::Context;
@@ -14,9 +14,9 @@ pub struct Calibration<'a> {
     pub context: &'a Context,
     pub file: &'a CalibrationFile,
     /// The tests that are calibrated on, then those that are predicted.
-    pub all: &'a [Target],
+    pub all: &'a [TargetTest],
     /// The tests that are calibrated on.
-    pub targets: &'a [Target],
+    pub targets: &'a [TargetTest],
     pub parameters: Vec<FreeParameter>,
     pub out: PathBuf,
     /// Folders of earlier campaigns whose runs take the place of the design; none for a design.

@@ -3,7 +3,7 @@
 use granum_calibration::confirmation::simulations;
 use granum_calibration::coverage::{Coverage, coverage, synthetic, truths};
 use granum_calibration::outcome::Outcome;
-use granum_calibration::target::Target;
+use granum_calibration::target::TargetTest;
 use granum_io::shell::ShowPath;
 use granum_io::{Column, Table, write_table};
 use serde_json::json;
@@ -41,7 +41,7 @@ impl Calibration<'_> {
                 .iter()
                 .zip(own)
                 .map(|(target, one)| synthetic(self.file, target, &one.curves, number as u64))
-                .collect::<Result<Vec<Target>, _>>()?;
+                .collect::<Result<Vec<TargetTest>, _>>()?;
             // The simulations are what the model says, so that it is not inadequate.
             let phase = format!("target {} of {count}", number + 1);
             let found = self.infer_for(&phase, &emulator.for_targets(&targets), &targets, None)?;

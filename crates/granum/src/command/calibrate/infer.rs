@@ -8,8 +8,8 @@ use granum_calibration::likelihood::{Discrepancy, Posterior};
 use granum_calibration::outcome::Outcome;
 use granum_calibration::prior::Prior;
 use granum_calibration::sequential::{Sequential, SequentialOptions};
-use granum_calibration::simulation::{Simulated, Simulation, of_test};
-use granum_calibration::target::{Target, all_curves};
+use granum_calibration::simulation::{DesignPoint, Simulated, of_test};
+use granum_calibration::target::{TargetTest, all_curves};
 use granum_core::observer::{Flow, Observer, Progress as Step};
 use granum_run::laboratory::ProgressField;
 
@@ -76,7 +76,7 @@ impl Calibration<'_> {
         &self,
         phase: &str,
         emulator: &Emulator,
-        targets: &[Target],
+        targets: &[TargetTest],
         inadequacy: Option<Discrepancy>,
     ) -> Result<Found, Failure> {
         let table = &self.file.calibration;
@@ -129,12 +129,12 @@ impl Calibration<'_> {
                 .iter()
                 .map(|point| priors.iter().zip(point).map(|(prior, share)| prior.value(*share)).collect())
                 .collect();
-            let of_point = |values: &Vec<f64>| -> Vec<Simulation> {
+            let of_point = |values: &Vec<f64>| -> Vec<DesignPoint> {
                 (0..tests)
-                    .map(|test| Simulation { test, values: of_test(self.file, tests, values, test) })
+                    .map(|test| DesignPoint { test, values: of_test(self.file, tests, values, test) })
                     .collect()
             };
-            let simulations: Vec<Simulation> = values.iter().flat_map(of_point).collect();
+            let simulations: Vec<DesignPoint> = values.iter().flat_map(of_point).collect();
             let Runs { simulated } = self.simulate(&format!("round-{round}"), round, &simulations)?;
             let mut likelihoods = Vec::new();
             for wanted in simulations.chunks(tests) {
@@ -165,7 +165,7 @@ impl Calibration<'_> {
     fn likelihood(
         &self,
         posterior: &Posterior,
-        wanted: &[Simulation],
+        wanted: &[DesignPoint],
         simulated: &[Simulated],
     ) -> Result<f64, Failure> {
         let mut predicted = Vec::new();

@@ -4,7 +4,7 @@ use granum_calibration::emulator::Emulator;
 use granum_calibration::known::KnownRun;
 use granum_calibration::outcome::Outcome;
 use granum_calibration::prediction::{Prediction, errors_table, predict, readings_table};
-use granum_calibration::target::Target;
+use granum_calibration::target::TargetTest;
 use granum_io::shell::ShowPath;
 use granum_io::{Column, Table, write_table};
 use serde_json::json;
@@ -28,7 +28,7 @@ impl Calibration<'_> {
         let (mut predictions, mut found): (Vec<Prediction>, Vec<(String, Outcome)>) =
             (Vec::new(), Vec::new());
         for (k, left_out) in self.targets.iter().enumerate() {
-            let rest: Vec<Target> =
+            let rest: Vec<TargetTest> =
                 self.targets.iter().filter(|target| target.name != left_out.name).cloned().collect();
             let phase = format!("without {} ({} of {})", left_out.name, k + 1, self.targets.len());
             let outcome = self.infer_on(&emulator, &phase, &rest)?;
@@ -70,7 +70,7 @@ impl Calibration<'_> {
         })
     }
 
-    fn infer_on(&self, emulator: &Emulator, phase: &str, targets: &[Target]) -> Result<Outcome, Failure> {
+    fn infer_on(&self, emulator: &Emulator, phase: &str, targets: &[TargetTest]) -> Result<Outcome, Failure> {
         let own = emulator.for_targets(targets);
         Ok(self.infer_for(phase, &own, targets, self.file.calibration.inadequacy)?.outcome)
     }

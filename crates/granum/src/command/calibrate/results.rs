@@ -7,8 +7,8 @@ use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
 use granum_calibration::outcome::Outcome;
 use granum_calibration::prediction::Prediction;
-use granum_calibration::simulation::{Simulated, Simulation, of_test, plan, planned};
-use granum_calibration::target::{Target, all_curves, readings, understood};
+use granum_calibration::simulation::{DesignPoint, Simulated, of_test, plan, planned};
+use granum_calibration::target::{TargetTest, all_curves, readings, understood};
 use granum_calibration::telling::WhatTestsTell;
 use granum_campaign::plan::VariableKind;
 use granum_core::quantity::format_number;
@@ -162,7 +162,7 @@ impl Calibration<'_> {
     fn cases(&self, found: &Found) -> Result<(), Failure> {
         let tests = self.targets.len();
         let simulation =
-            |values: &[f64]| Simulation { test: 0, values: of_test(self.file, tests, values, 0) };
+            |values: &[f64]| DesignPoint { test: 0, values: of_test(self.file, tests, values, 0) };
         let mean = simulation(&found.outcome.mean());
         let mut one = plan(self.file, self.targets, std::slice::from_ref(&mean));
         one.design.sample_seeds = granum_campaign::plan::SampleSeeds::Same;
@@ -216,7 +216,8 @@ impl Calibration<'_> {
         let keys =
             ["mean", "standard_deviation", "quantile_5", "median", "quantile_95", "r_hat", "effective_bulk"];
         let units = self.units();
-        let names = |targets: &[Target]| targets.iter().map(|target| target.name.clone()).collect::<Vec<_>>();
+        let names =
+            |targets: &[TargetTest]| targets.iter().map(|target| target.name.clone()).collect::<Vec<_>>();
         let parameter = |(row, name): (usize, &String)| {
             let mut object = json!({ "name": name, "unit": units.get(row) });
             for key in keys {

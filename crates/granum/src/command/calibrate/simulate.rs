@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use granum_calibration::known::{EarlierRuns, KnownRun};
-use granum_calibration::simulation::{CaseNumbers, Simulated, Simulation, plan, planned, simulated};
+use granum_calibration::simulation::{CaseNumbers, DesignPoint, Simulated, plan, planned, simulated};
 use granum_campaign::data_set::{DATA_SET, DataSet};
 use granum_campaign::plan::FixedKey;
 use granum_io::OutputFolder;
@@ -61,7 +61,7 @@ impl Calibration<'_> {
     }
 
     /// Simulates the tests, each with a sample of its own, as a campaign of this name; what is finished is used again.
-    pub fn simulate(&self, name: &str, number: usize, simulations: &[Simulation]) -> Result<Runs, Failure> {
+    pub fn simulate(&self, name: &str, number: usize, simulations: &[DesignPoint]) -> Result<Runs, Failure> {
         let runs = self.out.join(RUNS);
         let folder: PathBuf = runs.join(name);
         let _runs = OutputFolder::open_or_create(&runs)?;
