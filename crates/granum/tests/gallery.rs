@@ -273,7 +273,7 @@ fn a_ready_case_is_written_run_and_compared() {
     assert!(number("deviator_stress_error") > 0.0 && number("void_ratio_error") > 0.1);
     assert!(std::fs::read_to_string(place.join("loose.svg")).unwrap().contains("TMD2"));
     for (arguments, part) in [
-        (&["compare", "loose", lab][..], "choose some with --test: TMD1"),
+        (&["compare", "loose", lab][..], "or all of them with --test all: TMD1"),
         (&["compare", "loose", lab, "--test", "TMD99"], "there are TMD1"),
         (&["compare", lab, "loose"], "the laboratory's file comes last"),
         (
