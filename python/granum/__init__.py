@@ -8,17 +8,20 @@
 
 import os as _os
 
-from . import surrogates
-from ._granum import Assembly, Case, Run, Simulation, Table, measure, paths, prepare, resume, run, schema, template
+from . import campaigns, surrogates
+from ._granum import Assembly, Case, Dataset, Run, Simulation, Table, measure, paths, prepare, resume, run, schema, template
 from ._granum import __version__, _forked
 from ._granum import open as open
 from ._progress import ProgressLine
+from .campaigns import Campaign, linear, log
 from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
 
 __all__ = [
     "Assembly",
+    "Campaign",
     "Case",
     "CaseError",
+    "Dataset",
     "Error",
     "FileError",
     "InternalError",
@@ -30,6 +33,9 @@ __all__ = [
     "Simulation",
     "Table",
     "__version__",
+    "campaigns",
+    "linear",
+    "log",
     "measure",
     "open",
     "paths",
@@ -41,6 +47,6 @@ __all__ = [
     "template",
 ]
 
-# Threads do not survive a fork: a child of a process that used granum is told so instead of waiting for them for ever.
+# Threads do not survive a fork: a child that was forked while granum was at work is told so instead of waiting for them for ever.
 if hasattr(_os, "register_at_fork"):
     _os.register_at_fork(after_in_child=_forked)

@@ -1,9 +1,9 @@
 """The library of granum, compiled."""
 
 import pathlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, NoReturn, SupportsIndex, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,16 +18,22 @@ _Booleans: TypeAlias = npt.NDArray[np.bool_]
 __all__ = [
     "Assembly",
     "Case",
+    "Dataset",
     "Family",
     "Run",
     "Simulation",
+    "Surrogate",
     "Table",
     "Values",
+    "_CampaignFolder",
     "__version__",
     "_forked",
+    "_mistake",
     "_program",
     "families",
+    "fit",
     "measure",
+    "methods",
     "open",
     "paths",
     "prepare",
@@ -116,10 +122,12 @@ class Case:
 class Table:
     """A table of named columns, each with its unit. A column is a read-only array of NumPy, of real numbers without a copy.
 
-    `columns` maps names to values of one length: numbers, truth values or words; `units` gives SI units of some of them.
+    `columns` maps names to values of one length: numbers, truth values or words; it can also be a frame of pandas or polars. `units` gives
+    SI units of some of them. Whatever reads Arrow takes a table as it is, without a copy of its real numbers: `polars.DataFrame(table)`,
+    `pyarrow.table(table)`, DuckDB.
     """
 
-    def __new__(cls, columns: Mapping[str, Any], units: Mapping[str, str] | None = None) -> Table: ...
+    def __new__(cls, columns: Any, units: Mapping[str, str] | None = None) -> Table: ...
     @classmethod
     def read(cls, path: _Path) -> Table:
         """Reads a table from CSV or Parquet."""
@@ -135,6 +143,10 @@ class Table:
     def units(self) -> dict[str, str]:
         """The SI unit of each column; an empty text for a pure number."""
 
+    @property
+    def descriptions(self) -> dict[str, str]:
+        """The meaning of each column that granum knows."""
+
     def keys(self) -> list[str]:
         """The names of the columns."""
 
@@ -142,10 +154,18 @@ class Table:
         """The columns as arrays."""
 
     def to_pandas(self) -> Any:
-        """A DataFrame of pandas, with the units in `attrs["units"]`."""
+        """A DataFrame of pandas, with the units in `attrs["units"]` and the meanings in `attrs["descriptions"]`."""
 
     def to_polars(self) -> Any:
         """A DataFrame of polars."""
+
+    def to_xarray(self) -> Any:
+        """A Dataset of xarray, with units and meanings as attributes of its variables. The table of a histogram gets the dimensions `row`,
+        of the states, and that of its bins.
+        """
+
+    def __arrow_c_schema__(self) -> Any: ...
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
 
     def __getitem__(self, name: str, /) -> npt.NDArray[Any]: ...
     def __contains__(self, name: object, /) -> bool: ...
@@ -242,21 +262,22 @@ class Assembly:
 class Simulation:
     """A simulation that is advanced by hand: `run.simulation()` gives the state at the end of a run. A copy (`copy.copy`) goes its own way."""
 
-    def advance(self, steps: int) -> None:
+    def advance(self, steps: SupportsIndex) -> None:
         """Makes so many time steps. Other threads of Python go on meanwhile, and Ctrl-C ends it after a whole step."""
 
     def control(
         self,
         *,
-        strain_rate: Mapping[str, float] | None = None,
-        stress: Mapping[str, float] | None = None,
-        mean_stress: float | None = None,
-        rate_limit: float = 1.0,
+        strain_rate: Mapping[str, keys.Quantity] | None = None,
+        stress: Mapping[str, keys.Quantity] | None = None,
+        mean_stress: keys.Quantity | None = None,
+        rate_limit: keys.Quantity | None = None,
     ) -> None:
         """Controls the cell from here on. Components are `xx`, `yy`, `zz`, `yz`, `zx`, `xy`; what is not given is fixed.
 
         `strain_rate` are rates of strain in 1/s, compression positive, shear strains as angles. `stress` are stresses in Pa that a servo
-        holds; `mean_stress`, Pa, is held by the axes that have neither. `rate_limit` bounds the rate, 1/s, that the servo adds.
+        holds; `mean_stress`, Pa, is held by the axes that have neither. `rate_limit` bounds the rate, by default 1 1/s, that the servo
+        adds. Each may have a unit, as in a case.
         """
 
     def assembly(self) -> Assembly:
@@ -349,6 +370,109 @@ class Run:
     def __reduce__(self) -> Any: ...
 
 @final
+class Dataset:
+    """The states of runs, from which surrogates learn: a column for each quantity, a row for each state of each run. Keys of the case and
+    measures of the sample are columns as well, the same in all rows of a run.
+
+    `runs` are runs of granum, folders of runs or tables with a row for each state, or a mapping of names to them.
+    """
+
+    def __new__(cls, runs: Iterable[Run | Table | _Path] | Mapping[str, Run | Table | _Path]) -> Dataset: ...
+    @classmethod
+    def read(cls, folder: _Path) -> Dataset:
+        """The data set of a campaign, or one in a folder of its own, whose files are compared with their sums."""
+
+    @property
+    def runs(self) -> list[str]:
+        """The names of the runs."""
+    @property
+    def columns(self) -> list[str]:
+        """The names of the columns of numbers that all runs have."""
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each of them; an empty text for a pure number."""
+    @property
+    def categories(self) -> dict[str, list[str]]:
+        """What has words instead of numbers, such as `contact.normal`, with its words."""
+    @property
+    def groups(self) -> _Integers:
+        """The number of the run of each row, from 0: the groups of a cross-validation that leaves out whole runs."""
+    @property
+    def digest(self) -> str:
+        """SHA-256 of names, units and the bits of all numbers."""
+    def keys(self) -> list[str]:
+        """The names of the columns."""
+    def expand(self, names: str | Iterable[str]) -> list[str]:
+        """The columns that names stand for: that of a histogram for its bins, that of a category for a column of each word."""
+    def values(self, names: str | Iterable[str]) -> _Reals:
+        """The values of columns, a row for each state; names as for `expand`."""
+    def table(self) -> Table:
+        """All rows as a table, with the number of the run, from 1, in the column `run`."""
+    def runs_table(self) -> Table:
+        """The runs as a table with their parameters, a row for each."""
+    def select(self, runs: str | Iterable[str]) -> Dataset:
+        """The data set of some of the runs."""
+    def split(
+        self, *, unseen: str | Iterable[str] | None = None, stride: SupportsIndex | None = None, first_state: int = 0
+    ) -> dict[str, Dataset | None]:
+        """Parts for training and for judging: `unseen` runs; of the others every second (`stride`) state as `training` and the rest as
+        `held_out`, and all their states as `training_runs`, for methods with memory. A part without states is `None`.
+        """
+    def __getitem__(self, name: str, /) -> _Reals: ...
+    def __contains__(self, name: object, /) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+
+@final
+class Surrogate:
+    """A surrogate: `granum.surrogates.fit` fits it, `granum.surrogates.read` reads it."""
+
+    @classmethod
+    def read(cls, path: _Path) -> Surrogate:
+        """The surrogate of a file."""
+
+    @classmethod
+    def from_json(cls, text: str) -> Surrogate:
+        """The surrogate of the text of such a file."""
+
+    def to_json(self) -> str:
+        """The text of its file."""
+    def write(self, path: _Path, *, force: bool = False) -> None:
+        """Writes its file, from which the program predicts as well."""
+    @property
+    def method(self) -> str:
+        """The method by which it was fitted."""
+    @property
+    def inputs(self) -> list[str]:
+        """The names of the inputs in order."""
+    @property
+    def outputs(self) -> list[str]:
+        """The names of the outputs in order."""
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI units of inputs and outputs."""
+    @property
+    def has_memory(self) -> bool:
+        """True if a prediction depends on the states of a run before it."""
+    def predict(self, inputs: Any, *, level: float = 0.9, runs: npt.ArrayLike | None = None) -> dict[str, Any]:
+        """Predicts states from a data set, from a table, dict or frame with the inputs as columns, or from an array of rows.
+
+        The answer has `outputs`, with the `mean` of each, the ends `lower` and `upper` of the interval that should contain the share `level`
+        of the observations of new runs, and the `standard_deviation` (NaN for a method without intervals); and `outside`, which is true
+        for states beyond the range of the training. `runs` tells which run each row belongs to, for a surrogate with memory: rows with
+        the same number that follow each other; without it each row is a run of its own.
+        """
+
+    def means(self, inputs: Any, *, runs: npt.ArrayLike | None = None) -> _Reals:
+        """The means alone, which networks give in less time: a row for each state, a column for each output."""
+
+    def score(self, dataset: Dataset) -> dict[str, float]:
+        """How well it predicts a data set: `relative_rmse`, `r2`, `rmse` and the number of `states`."""
+    def __reduce__(self) -> Any: ...
+
+@final
 class Family:
     """A family of tests with its fitted surrogate."""
 
@@ -371,7 +495,7 @@ class Family:
     @property
     def limits(self) -> list[str]:
         """What it cannot answer."""
-    def predict(self, inputs: Mapping[str, float], *, level: float = 0.9) -> dict[str, Any]:
+    def predict(self, inputs: Mapping[str, keys.Quantity], *, level: float = 0.9) -> dict[str, Any]:
         """Predicts the curves of a test. Inputs that are not given have typical values, whose uncertainty widens the intervals.
 
         The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
@@ -382,6 +506,28 @@ class Family:
 
 def families() -> list[tuple[str, str]]:
     """The names and paths of the families whose surrogates come with granum."""
+
+def methods() -> dict[str, str]:
+    """The methods by which surrogates are fitted, with what they are."""
+
+def fit(
+    dataset: Dataset,
+    inputs: str | Iterable[str],
+    outputs: str | Iterable[str],
+    *,
+    method: str = "feed-forward",
+    coordinate: str | None = None,
+    seed: SupportsIndex | None = None,
+    hidden: Sequence[int] | None = None,
+    threads: SupportsIndex | None = None,
+    on_progress: Callable[[dict[str, Any]], object] | None = None,
+) -> Surrogate:
+    """Fits a surrogate to all states of a data set; `methods()` lists the methods.
+
+    `inputs` and `outputs` are columns, with the rules of `Dataset.expand`. `coordinate` is the input along which a test runs. `hidden` are
+    the numbers of neurons of the hidden layers of networks. The result depends on the data set and `seed` (1), not on `threads`.
+    `on_progress` is called as in `granum.run`.
+    """
 
 def schema() -> dict[str, Any]:
     """The JSON schema of a case file."""
@@ -397,8 +543,8 @@ def prepare(
     *,
     packing: _Path | None = None,
     out: _Path | None = None,
-    threads: int | None = None,
-    checkpoint_every: float | None = None,
+    threads: SupportsIndex | None = None,
+    checkpoint_every: keys.Quantity | None = None,
     on_progress: Callable[[dict[str, Any]], object] | None = None,
     force: bool = False,
 ) -> Run:
@@ -406,7 +552,7 @@ def prepare(
 
     `packing` is a file of grains that take the place of the random insertion. Results do not depend on `threads`. `checkpoint_every` are
     seconds. `on_progress` is called about ten times a second with a dict; if it returns `False`, the preparation stops in good order. With
-    `force` a run that is in the folder is replaced. Ctrl-C stops in good order too, and `granum.resume` goes on.
+    `force` a run that is in the folder is replaced. Ctrl-C stops in good order too, and `granum.resume` goes on, if there is a folder `out`.
     """
 
 def run(
@@ -416,8 +562,8 @@ def run(
     path: str | None = None,
     packing: _Path | None = None,
     out: _Path | None = None,
-    threads: int | None = None,
-    checkpoint_every: float | None = None,
+    threads: SupportsIndex | None = None,
+    checkpoint_every: keys.Quantity | None = None,
     on_state: Callable[[dict[str, float]], object] | None = None,
     on_progress: Callable[[dict[str, Any]], object] | None = None,
     force: bool = False,
@@ -433,12 +579,15 @@ def run(
 def resume(
     folder: Run | _Path,
     *,
-    threads: int | None = None,
-    checkpoint_every: float | None = None,
+    threads: SupportsIndex | None = None,
+    checkpoint_every: keys.Quantity | None = None,
     on_state: Callable[[dict[str, float]], object] | None = None,
     on_progress: Callable[[dict[str, Any]], object] | None = None,
 ) -> Run:
-    """Continues a run that was interrupted or killed, to the bits of one that was not. A finished run is returned as it is."""
+    """Continues a run that was interrupted or killed, to the bits of one that was not. A finished run is returned as it is.
+
+    A run needs nothing outside its folder once it has begun: the sample from which it began may be gone.
+    """
 
 def open(folder: _Path) -> Run:
     """The run in a folder, also while another process writes it."""
@@ -457,5 +606,37 @@ def measure(
     in a consistent system of units.
     """
 
+@final
+class _CampaignFolder:
+    def __new__(cls, case: Case, plan: Mapping[str, Any], folder: _Path) -> _CampaignFolder: ...
+    @classmethod
+    def open(cls, folder: _Path) -> _CampaignFolder: ...
+    @property
+    def path(self) -> pathlib.Path: ...
+    @property
+    def case(self) -> Case: ...
+    @property
+    def plan(self) -> str: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def is_done(self) -> bool: ...
+    @property
+    def remarks(self) -> dict[str, str]: ...
+    def case_of(self, name: str) -> Case: ...
+    def run(self, name: str) -> Run: ...
+    def table(self) -> Table: ...
+    def carry_out(
+        self,
+        program: _Path,
+        *,
+        workers: SupportsIndex | None = None,
+        stop_after: Any = None,
+        again: bool = False,
+        force: bool = False,
+        on_progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> bool: ...
+
 def _forked() -> None: ...
+def _mistake(simulation: Simulation | None = None) -> NoReturn: ...
 def _program(arguments: Sequence[str], starts: _Path | None = None) -> int: ...

@@ -11,6 +11,9 @@ from typing import Any, Literal, TypeAlias, TypedDict
 Quantity: TypeAlias = Any
 """A number in SI units, a text with a unit such as `"0.2 mm"`, a number of NumPy, or a quantity of pint."""
 
+Quantities: TypeAlias = Any
+"""A sequence of quantities, or of such sequences; an array, a frame of pandas or a quantity of pint with an array."""
+
 
 class Contact(TypedDict, total=False):
     """The contact law."""
@@ -181,7 +184,7 @@ class Grains(TypedDict, total=False):
     """Largest diameter: the distribution is cut there. (from 1 nm to 10 m, or a number in m) Default: none."""
     material: GrainsMaterial
     """What the grains are made of."""
-    sieve_curve: Sequence[Sequence[Quantity]] | str
+    sieve_curve: Quantities | str
     """Sieve curve of distribution = "sieve-curve": the name of a CSV file with the columns diameter (mm),finer (%),
     or a list of points. Default: none.
     """
@@ -524,7 +527,7 @@ class Recording(TypedDict, total=False):
     """Sensors that are recorded in addition to the usual ones, e.g. ["overlap_distribution"]; `granum measure
     --list` shows all. Default: none.
     """
-    snapshots: Sequence[Quantity] | Literal["none"]
+    snapshots: Quantities | Literal["none"]
     """Deviator strains at which all grains and contacts are saved, in addition to the start and the end, e.g. [0.01,
     0.1]. Default: none.
     """
@@ -532,7 +535,7 @@ class Recording(TypedDict, total=False):
     """Number of equal intervals of deviator strain; a state is recorded at each end of an interval. (from 1 to
     1000000) Default: 120.0.
     """
-    strains: Sequence[Quantity] | Literal["none"]
+    strains: Quantities | Literal["none"]
     """Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3,
     0.01, 0.1]. Default: none.
     """
@@ -946,7 +949,7 @@ class CyclicStage(TypedDict, total=False):
 class UnloadReloadStage(TypedDict, total=False):
     """Drained triaxial compression along x in which the deviator stress is removed and reapplied at given strains."""
 
-    at: Sequence[Quantity]
+    at: Quantities
     """Axial strains at which the sample is unloaded; those beyond axial_strain are ignored. Default: [0.01, 0.03,
     0.06].
     """
@@ -1022,7 +1025,7 @@ class HoldStage(TypedDict, total=False):
 class HistoryStage(TypedDict, total=False):
     """Strains or stresses from a CSV file, row by row: the cell follows straight lines between the rows."""
 
-    columns: Sequence[Quantity]
+    columns: Quantities
     """Names of the columns, if the case contains the rows."""
     compression: Literal["positive", "negative"]
     """Sign of compression in the file. positive: as in granum and soil mechanics; negative: as in most
@@ -1049,7 +1052,7 @@ class HistoryStage(TypedDict, total=False):
     """Strains or stresses from a CSV file, row by row: the cell follows straight lines between the rows."""
     resets: bool
     """False if strain, time and energy continue to count from an earlier stage. Default: True."""
-    rows: Sequence[Sequence[Quantity]]
+    rows: Quantities
     """The rows, instead of a file."""
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in

@@ -1,4 +1,4 @@
-"""Surrogates of tests that are ready to use.
+"""Surrogates of tests: ready to use, or fitted to a data set.
 
 >>> import granum
 >>> sand = granum.surrogates.load("sand")
@@ -6,9 +6,12 @@
 'sand'
 """
 
-from ._granum import Family, families
+from ._granum import Family, Surrogate, families, fit, methods
 
-__all__ = ["Family", "families", "load"]
+__all__ = ["Family", "Surrogate", "families", "fit", "load", "methods", "read"]
+
+read = Surrogate.read
+"""The surrogate of a file that `Surrogate.write` or `granum train` wrote."""
 
 
 def load(name: str, path: str | None = None) -> Family:

@@ -7,6 +7,8 @@ use granum_core::Table;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::errors;
+
 /// What an array shows.
 enum Storage {
     /// A column of a table.
@@ -84,15 +86,55 @@ pub fn column(py: Python<'_>, table: Arc<Table>, column: usize) -> PyResult<Arra
     array(py, Storage::Column(table, column), vec![rows])
 }
 
-/// The numbers of anything of which NumPy makes an array of real numbers, in order of rows, with its shape.
-pub fn numbers(values: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<usize>)> {
-    let numpy = values.py().import("numpy")?;
-    let options = PyDict::new(values.py());
+/// The whole number below which a real number holds every whole number: 2^53, which stands for its successor as well.
+const FIRST_LOST: f64 = 9_007_199_254_740_992.0;
+
+/// The numbers of anything of which NumPy makes an array of numbers, in order of rows, with its shape.
+///
+/// # Errors
+/// `granum.CaseError` with the name, if they are words, objects or complex numbers, or whole numbers that a real number cannot hold: NumPy
+/// would turn them into others.
+pub fn numbers(name: &str, values: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<usize>)> {
+    let py = values.py();
+    let numpy = py.import("numpy")?;
+    let given = numpy.call_method1("asarray", (values,))?;
+    let shape: Vec<usize> = given.getattr("shape")?.extract()?;
+    let is_empty = shape.contains(&0);
+    let kind: String = given.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !(matches!(kind.as_str(), "f" | "i" | "u" | "b") || is_empty) {
+        let what = given.getattr("dtype")?.str()?;
+        let message = format!("real numbers are needed, and these are of the type {what} of NumPy");
+        return Err(errors::of_value(py, name, "", message));
+    }
+    let options = PyDict::new(py);
     options.set_item("dtype", "<f8")?;
-    let array = numpy.call_method("ascontiguousarray", (values,), Some(&options))?;
-    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    let array = numpy.call_method("ascontiguousarray", (&given,), Some(&options))?;
     let bytes = array.call_method0("tobytes")?;
     let bytes = bytes.cast::<pyo3::types::PyBytes>()?.as_bytes();
-    let values = bytes.as_chunks::<8>().0.iter().map(|number| f64::from_le_bytes(*number)).collect();
-    Ok((values, shape))
+    let numbers: Vec<f64> =
+        py.detach(|| bytes.as_chunks::<8>().0.iter().map(|number| f64::from_le_bytes(*number)).collect());
+    let is_lost = |number: &&f64| number.abs() >= FIRST_LOST;
+    if matches!(kind.as_str(), "i" | "u")
+        && let Some(number) = numbers.iter().find(is_lost)
+    {
+        let message = format!(
+            "the whole number near {number:e} is not below 2^53, up to where real numbers hold whole ones"
+        );
+        return Err(errors::of_value(py, name, number.to_string(), message));
+    }
+    Ok((numbers, shape))
+}
+
+/// Refuses numbers that are not finite, with the row and the column of the first, from 0 as Python counts.
+///
+/// # Errors
+/// `granum.CaseError` with the name.
+pub fn check_finite(py: Python<'_>, name: &str, numbers: &[f64], shape: &[usize]) -> PyResult<()> {
+    let Some(place) = numbers.iter().position(|number| !number.is_finite()) else { return Ok(()) };
+    let at = match shape {
+        [_, columns] if *columns > 0 => format!("{name}[{}, {}]", place / columns, place % columns),
+        _ => format!("{name}[{place}]"),
+    };
+    let message = format!("{at} is {}, not a finite number", numbers[place]);
+    Err(errors::of_value(py, name, numbers[place].to_string(), message))
 }

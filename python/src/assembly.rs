@@ -30,8 +30,8 @@ impl From<granum_core::Assembly> for Assembly {
 }
 
 impl Assembly {
-    fn of_grains<'py>(&self, py: Python<'py>, value: impl Fn(&Grain) -> f64) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = self.inner.grains.iter().map(value).collect();
+    fn of_grains<'py>(&self, py: Python<'py>, value: impl Fn(&Grain) -> f64 + Send) -> PyResult<Array<'py>> {
+        let values: Vec<f64> = py.detach(|| self.inner.grains.iter().map(value).collect());
         let shape = vec![values.len()];
         arrays::reals(py, values, shape)
     }
@@ -39,14 +39,18 @@ impl Assembly {
     fn vectors_of_grains<'py>(
         &self,
         py: Python<'py>,
-        value: impl Fn(&Grain) -> Vector,
+        value: impl Fn(&Grain) -> Vector + Send,
     ) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = self.inner.grains.iter().flat_map(value).collect();
+        let values: Vec<f64> = py.detach(|| self.inner.grains.iter().flat_map(value).collect());
         arrays::reals(py, values, vec![self.inner.grains.len(), 3])
     }
 
-    fn of_contacts<'py>(&self, py: Python<'py>, value: impl Fn(&Contact) -> f64) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = self.inner.contacts.iter().map(value).collect();
+    fn of_contacts<'py>(
+        &self,
+        py: Python<'py>,
+        value: impl Fn(&Contact) -> f64 + Send,
+    ) -> PyResult<Array<'py>> {
+        let values: Vec<f64> = py.detach(|| self.inner.contacts.iter().map(value).collect());
         let shape = vec![values.len()];
         arrays::reals(py, values, shape)
     }
@@ -54,9 +58,9 @@ impl Assembly {
     fn vectors_of_contacts<'py>(
         &self,
         py: Python<'py>,
-        value: impl Fn(&Contact) -> Vector,
+        value: impl Fn(&Contact) -> Vector + Send,
     ) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = self.inner.contacts.iter().flat_map(value).collect();
+        let values: Vec<f64> = py.detach(|| self.inner.contacts.iter().flat_map(value).collect());
         arrays::reals(py, values, vec![self.inner.contacts.len(), 3])
     }
 }
@@ -196,12 +200,14 @@ impl Assembly {
     }
 
     fn grains_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let found = grains_table(&self.inner).map_err(|error| errors::of_file(py, &error, false))?;
+        let found = detached(py, || grains_table(&self.inner))?;
+        let found = found.map_err(|error| errors::of_file(py, &error, false))?;
         table::object(py, found)
     }
 
     fn contacts_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let found = contacts_table(&self.inner).map_err(|error| errors::of_file(py, &error, false))?;
+        let found = detached(py, || contacts_table(&self.inner))?;
+        let found = found.map_err(|error| errors::of_file(py, &error, false))?;
         table::object(py, found)
     }
 
@@ -227,23 +233,13 @@ fn answer<'py>(py: Python<'py>, measured: &Measurement) -> PyResult<Bound<'py, P
 
 /// Vectors from an array of rows of three.
 fn vectors(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<Vector>> {
-    let (numbers, shape) = arrays::numbers(values)?;
+    let (numbers, shape) = arrays::numbers(name, values)?;
     if shape.len() != 2 || shape[1] != 3 {
         let message = format!("rows of three numbers are needed, and the shape is {shape:?}");
         return Err(errors::of_value(values.py(), name, format!("{shape:?}"), message));
     }
-    finite(values.py(), name, &numbers)?;
+    arrays::check_finite(values.py(), name, &numbers, &shape)?;
     Ok(numbers.as_chunks::<3>().0.to_vec())
-}
-
-fn finite(py: Python<'_>, name: &str, numbers: &[f64]) -> PyResult<()> {
-    match numbers.iter().position(|number| !number.is_finite()) {
-        None => Ok(()),
-        Some(place) => {
-            let message = format!("number {place} is {}, not a finite one", numbers[place]);
-            Err(errors::of_value(py, name, numbers[place].to_string(), message))
-        }
-    }
 }
 
 /// Every sensor on arrays of anyone, which are joined by the rules for the files of other programs.
@@ -258,8 +254,8 @@ pub fn measure<'py>(
     cell: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let positions = vectors("positions", positions)?;
-    let (radii, shape) = arrays::numbers(radii)?;
-    finite(py, "radii", &radii)?;
+    let (radii, shape) = arrays::numbers("radii", radii)?;
+    arrays::check_finite(py, "radii", &radii, &shape)?;
     if shape.len() != 1 || radii.len() != positions.len() {
         let message =
             format!("there are {} positions, and the radii have the shape {shape:?}", positions.len());
@@ -296,8 +292,8 @@ pub fn measure<'py>(
 
 /// The edge matrix of a cell: three lengths, or a matrix whose columns are the edges.
 fn edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
-    let (numbers, shape) = arrays::numbers(cell)?;
-    finite(cell.py(), "cell", &numbers)?;
+    let (numbers, shape) = arrays::numbers("cell", cell)?;
+    arrays::check_finite(cell.py(), "cell", &numbers, &shape)?;
     match (shape.as_slice(), numbers.as_slice()) {
         ([3], [x, y, z]) => Ok([[*x, 0.0, 0.0], [0.0, *y, 0.0], [0.0, 0.0, *z]]),
         ([3, 3], [a, b, c, d, e, f, g, h, i]) => Ok([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]]),
@@ -310,7 +306,7 @@ fn edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
 
 /// Contacts of pairs of grains, which are given by their places in the arrays, from 0.
 fn pairs(pairs: &Bound<'_, PyAny>, grains: usize) -> PyResult<Vec<FileContact>> {
-    let (numbers, shape) = arrays::numbers(pairs)?;
+    let (numbers, shape) = arrays::numbers("contacts", pairs)?;
     let wrong = |value: String, message: String| errors::of_value(pairs.py(), "contacts", value, message);
     if shape.len() != 2 || shape[1] != 2 {
         let message = format!("rows of the indices of two grains are needed, and the shape is {shape:?}");

@@ -8,12 +8,13 @@ use granum::Registry;
 use granum_io::case::{ParameterValue, SetKey};
 use granum_io::{Error, Reading};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyType};
 use toml::de::DeTable;
 
 use crate::case_text;
+use crate::detached::detached;
 use crate::errors;
 use crate::values;
 
@@ -29,7 +30,8 @@ pub struct Case {
 }
 
 fn parse(py: Python<'_>, text: &str, file: &str, made: bool) -> PyResult<Case> {
-    let case = Registry::standard().parse_case(text, file);
+    // It may read the files that it names.
+    let case = detached(py, || Registry::standard().parse_case(text, file))?;
     case.map(|inner| Case { inner }).map_err(|error| errors::of_file(py, &error, made))
 }
 
@@ -145,7 +147,7 @@ impl Case {
         allow_outside: bool,
     ) -> PyResult<Case> {
         let reading = Reading::default().with_outside(allow_outside);
-        let case = granum_io::Case::read_as(path, reading);
+        let case = detached(py, || granum_io::Case::read_as(path, reading))?;
         case.map(|inner| Case { inner }).map_err(|error| errors::of_file(py, &error, false))
     }
 
@@ -184,7 +186,8 @@ impl Case {
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
         let found = self.inner.parameters().into_iter().find(|parameter| parameter.key == key);
         let Some(found) = found else {
-            return Err(PyKeyError::new_err(format!("the case has no key {key}; keys() has all")));
+            let known = self.keys();
+            return Err(errors::of_key("the case has no key", key, known.iter().map(String::as_str)));
         };
         match found.value {
             ParameterValue::Number(number) => number.into_bound_py_any(py),
@@ -261,7 +264,8 @@ pub fn case_of(py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<granum_io::
         let kind = value.get_type().name()?;
         return Err(PyTypeError::new_err(format!("a case is a granum.Case, a dict or a file, not {kind}")));
     };
-    granum_io::Case::read(path).map_err(|error| errors::of_file(py, &error, false))
+    let case = detached(py, || granum_io::Case::read(path))?;
+    case.map_err(|error| errors::of_file(py, &error, false))
 }
 
 /// The JSON schema of a case file.

@@ -3,9 +3,13 @@
 use std::fmt::Write;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString, PyTuple};
+use pyo3::types::{
+    PyBool, PyByteArray, PyBytes, PyDict, PyFloat, PyInt, PyList, PyMapping, PySequence, PyString,
+};
 
 use crate::errors;
+use crate::place::short;
+use crate::quantity;
 
 /// Deepest nesting of tables and lists; a case has four.
 const DEEPEST: usize = 16;
@@ -18,27 +22,49 @@ pub fn text_of(sections: &Bound<'_, PyMapping>) -> PyResult<String> {
     Ok(text)
 }
 
-/// The text of one value, as the flags of the program take it: lists are separated by commas.
+/// The text of one value, as the flags of the program take it: the elements of a list are separated by commas.
 pub fn flag_text(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     let value = plain(value)?;
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(text.to_cow()?.into_owned());
     }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let parts: Vec<String> =
-            value.try_iter()?.map(|part| flag_text(key, &part?)).collect::<PyResult<_>>()?;
-        return Ok(parts.join(","));
-    }
     let mut text = String::new();
-    written(key, &value, 0, &mut text)?;
+    if !is_list(&value) {
+        written(key, &value, 0, &mut text)?;
+        return Ok(text);
+    }
+    for part in value.try_iter()? {
+        let part = plain(&part?)?;
+        let separator = if text.is_empty() { "" } else { "," };
+        text.push_str(separator);
+        if let Ok(word) = part.cast::<PyString>() {
+            text.push_str(&word.to_cow()?);
+        } else if is_list(&part) {
+            // A list of lists has brackets, as in a file.
+            text.clear();
+            written(key, &value, 0, &mut text)?;
+            return Ok(text);
+        } else {
+            written(key, &part, 0, &mut text)?;
+        }
+    }
     Ok(text)
+}
+
+/// True for a list, a tuple, a range and what else is a sequence, but for words and bytes.
+fn is_list(value: &Bound<'_, PyAny>) -> bool {
+    value.is_instance_of::<PyList>()
+        || (value.cast::<PySequence>().is_ok()
+            && !value.is_instance_of::<PyString>()
+            && !value.is_instance_of::<PyBytes>()
+            && !value.is_instance_of::<PyByteArray>())
 }
 
 fn lines(table: &Bound<'_, PyMapping>, before: &str, depth: usize, text: &mut String) -> PyResult<()> {
     for item in table.items()?.iter() {
         let (key, value): (Bound<PyAny>, Bound<PyAny>) = item.extract()?;
         let path = format!("{before}{}", key_text(before, &key)?);
-        check_depth(&path, depth)?;
+        check_depth(table.py(), &path, depth)?;
         if let Ok(inner) = value.cast::<PyMapping>() {
             lines(inner, &format!("{path}."), depth + 1, text)?;
         } else if !value.is_none() {
@@ -50,12 +76,12 @@ fn lines(table: &Bound<'_, PyMapping>, before: &str, depth: usize, text: &mut St
     Ok(())
 }
 
-fn check_depth(path: &str, depth: usize) -> PyResult<()> {
+fn check_depth(py: Python<'_>, path: &str, depth: usize) -> PyResult<()> {
     if depth < DEEPEST {
         return Ok(());
     }
     let message = "tables and lists are nested deeper than those of a case";
-    Err(Python::attach(|py| errors::of_value(py, path, "", message)))
+    Err(errors::of_value(py, path, "", message))
 }
 
 /// A key, whose parts may be joined by dots.
@@ -95,10 +121,8 @@ fn plain<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     // A table of pandas becomes an array, an array a list; what goes on like that for ever is refused as it is.
     for _ in 0..DEEPEST {
         // First, since such a quantity has the methods below as well, whatever it holds.
-        if value.hasattr("magnitude")? && value.hasattr("units")? {
-            let magnitude = value.getattr("magnitude")?.repr()?;
-            let units = value.getattr("units")?.call_method1("__format__", ("~",))?;
-            return Ok(PyString::new(value.py(), &format!("{magnitude} {units}")).into_any());
+        if quantity::is_of_pint(&value)? {
+            return quantity::of_pint(&value);
         }
         value = if value.hasattr("to_numpy")? {
             value.call_method0("to_numpy")?
@@ -112,15 +136,14 @@ fn plain<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 }
 
 fn written(path: &str, value: &Bound<'_, PyAny>, depth: usize, text: &mut String) -> PyResult<()> {
-    check_depth(path, depth)?;
+    check_depth(value.py(), path, depth)?;
     let value = plain(value)?;
     if let Ok(truth) = value.cast::<PyBool>() {
         text.push_str(if truth.is_true() { "true" } else { "false" });
     } else if value.is_instance_of::<PyInt>() {
-        text.push_str(&value.str()?.to_cow()?);
+        text.push_str(&quantity::whole_text(&value)?);
     } else if let Ok(number) = value.cast::<PyFloat>() {
-        let number = number.value();
-        let _ = if number.is_nan() { write!(text, "nan") } else { write!(text, "{number:?}") };
+        text.push_str(&quantity::real_text(number.value()));
     } else if let Ok(word) = value.cast::<PyString>() {
         text.push_str(&quoted(&word.to_cow()?));
     } else if let Ok(table) = value.cast::<PyMapping>() {
@@ -134,7 +157,7 @@ fn written(path: &str, value: &Bound<'_, PyAny>, depth: usize, text: &mut String
             }
         }
         let _ = write!(text, "{{ {} }}", parts.join(", "));
-    } else if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+    } else if is_list(&value) {
         let mut parts = Vec::new();
         for (k, value) in value.try_iter()?.enumerate() {
             let mut part = String::new();
@@ -143,8 +166,7 @@ fn written(path: &str, value: &Bound<'_, PyAny>, depth: usize, text: &mut String
         }
         let _ = write!(text, "[{}]", parts.join(", "));
     } else if value.hasattr("__index__")? {
-        let whole: i64 = value.call_method0("__index__")?.extract()?;
-        let _ = write!(text, "{whole}");
+        text.push_str(&quantity::whole_text(&value.call_method0("__index__")?)?);
     } else {
         let kind = value.get_type().name()?;
         let message = format!(
@@ -153,14 +175,6 @@ fn written(path: &str, value: &Bound<'_, PyAny>, depth: usize, text: &mut String
         return Err(errors::of_value(value.py(), path, short(&value.repr()?.to_cow()?), message));
     }
     Ok(())
-}
-
-/// The beginning of a long text.
-fn short(text: &str) -> String {
-    match text.char_indices().nth(80) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_string(),
-    }
 }
 
 /// The values of a TOML document as a dict.

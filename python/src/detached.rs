@@ -1,44 +1,76 @@
 //! Work without Python's lock, whose panics become exceptions.
 
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 
 use crate::errors;
 
-/// True once work was begun in this process: there may be threads of granum, which a fork would not copy.
-static USED: AtomicBool = AtomicBool::new(false);
-/// True in a process that was forked from such a one.
+/// Number of pieces of work that go on. Threads of granum end with the work that began them.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+/// True in a process that was forked while such work went on: its threads do not exist here, and what they had locked stays so.
 static FORKED: AtomicBool = AtomicBool::new(false);
 
-const OF_FORK: &str = "this process was forked from one that had used granum, whose threads do not exist here; start processes \
-                       with multiprocessing.get_context(\"spawn\"), which is also the default of newer versions of Python";
+const OF_FORK: &str = "this process was forked while granum was at work in a thread, which does not exist here; start processes with \
+                       multiprocessing.get_context(\"spawn\"), which is also the default of newer versions of Python";
 
 /// Python calls it in the child after a fork.
 #[pyfunction]
 #[pyo3(name = "_forked")]
 pub fn forked() {
-    FORKED.fetch_or(USED.load(Ordering::Relaxed), Ordering::Relaxed);
+    if AT_WORK.swap(0, Ordering::Relaxed) > 0 {
+        FORKED.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Counts a piece of work as long as it lives.
+struct AtWork;
+
+impl AtWork {
+    fn new() -> AtWork {
+        AT_WORK.fetch_add(1, Ordering::Relaxed);
+        AtWork
+    }
+}
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        // In a forked process the count begins anew, and the work in which it was forked ends there as well.
+        let _ = AT_WORK.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |count| count.checked_sub(1));
+    }
 }
 
 /// Does some work while other threads of Python go on. A panic, a mistake of granum, becomes an `InternalError`.
 ///
 /// # Errors
-/// In a process that was forked from one that had used granum, and after a panic.
+/// In a process that was forked while granum was at work, and after a panic.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     if FORKED.load(Ordering::Relaxed) {
         return Err(errors::general(py, OF_FORK));
     }
-    USED.store(true, Ordering::Relaxed);
+    let at_work = AtWork::new();
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    drop(at_work);
     done.map_err(|panic| errors::internal(py, &message(panic.as_ref())))
+}
+
+/// Where the last panic was; with several at once that of one of them.
+static PLACE: Mutex<Option<String>> = Mutex::new(None);
+
+/// Takes the place of the message that a panic prints: what is wrong and where stands in the exception. Panics of other libraries do
+/// not come here, since each has a hook of its own.
+pub fn note_panic(info: &PanicHookInfo<'_>) {
+    *PLACE.lock().unwrap_or_else(PoisonError::into_inner) = info.location().map(ToString::to_string);
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied().map(str::to_string);
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     let text = text.unwrap_or_else(|| "it gave no reason".into());
-    format!("granum made a mistake ({text}); please report it with the case that shows it")
+    let place = PLACE.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let place = place.map_or_else(String::new, |place| format!(" at {place}"));
+    format!("granum made a mistake ({text}{place}); please report it with the case that shows it")
 }

@@ -1,9 +1,16 @@
 //! Errors of granum as exceptions, with key, value and remedy. The classes are in `granum/errors.py`.
 
+use std::sync::Arc;
+
 use granum_io::{Error, InputError};
+use granum_learn::LearnError;
 use granum_run::LaboratoryError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use toml::Spanned;
+use toml::de::DeTable;
+
+use crate::place::{self, Place, short};
 
 /// What is wrong in a case or a file.
 #[derive(Default)]
@@ -17,16 +24,37 @@ pub struct Mistake {
 }
 
 impl Mistake {
-    /// A mistake in the text of a case. A text that was made from Python's values has no file that a user knows.
-    fn in_text(error: &InputError, made: bool) -> Mistake {
-        let (key, value) = key_at(&error.source_text, error.span.start);
-        Mistake {
-            message: error.message.clone(),
-            key,
-            value,
-            remedy: error.help.clone(),
-            place: (!made).then(|| (error.file.clone(), error.line, error.column)),
-        }
+    /// A mistake in the text of a case, which was read as this document. A text that was made from Python's values has no file that a
+    /// user knows.
+    fn in_text(error: &InputError, document: Option<&DeTable<'_>>, made: bool) -> Mistake {
+        let position = error.span.start;
+        let found = document.and_then(|document| place::at(&error.source_text, document, position));
+        let mut message = error.message.clone();
+        let (key, value) = match found {
+            Some(Place { key, value, cell }) => {
+                match cell.as_slice() {
+                    [row, column] => message += &format!(" (row {row}, column {column})"),
+                    [row] if value.as_ref().is_some_and(|value| value.starts_with('[')) => {
+                        message += &format!(" (row {row})");
+                    }
+                    _ => {}
+                }
+                (Some(key), value)
+            }
+            None => key_of_line(&error.source_text, position),
+        };
+        let remedy = error.help.clone();
+        let place = (!made).then(|| (error.file.clone(), error.line, error.column));
+        Mistake { message, key, value, remedy, place }
+    }
+
+    /// All mistakes in the text of a case.
+    fn all_in_text(errors: &[InputError], made: bool) -> Vec<Mistake> {
+        let text = errors.first().map(|error| error.source_text.clone()).unwrap_or_default();
+        let document = DeTable::parse(&text).ok();
+        let document = document.as_ref().map(Spanned::get_ref);
+        let of = |error: &InputError| document.filter(|_| Arc::ptr_eq(&error.source_text, &text));
+        errors.iter().map(|error| Mistake::in_text(error, of(error), made)).collect()
     }
 
     fn text(&self) -> String {
@@ -54,8 +82,9 @@ impl Mistake {
     }
 }
 
-/// The key and the value of the line of a TOML text that holds a position: the key with the table in which it is.
-fn key_at(text: &str, position: usize) -> (Option<String>, Option<String>) {
+/// The key and the value of the line of a text that holds a position, where the text is not one of TOML: the key with the table in
+/// which it is.
+fn key_of_line(text: &str, position: usize) -> (Option<String>, Option<String>) {
     let Some(before) = text.get(..position) else { return (None, None) };
     let start = before.rfind('\n').map_or(0, |at| at + 1);
     let line = text[start..].lines().next().unwrap_or_default().trim();
@@ -69,7 +98,7 @@ fn key_at(text: &str, position: usize) -> (Option<String>, Option<String>) {
         Some(table) => format!("{}.{}", table.trim(), key.trim()),
         None => key.trim().to_string(),
     };
-    (Some(key), Some(value.trim().trim_matches('"').to_string()))
+    (Some(key), Some(short(value.trim().trim_matches('"'))))
 }
 
 /// An exception of `granum.errors` of the given class.
@@ -86,6 +115,12 @@ pub fn general(py: Python<'_>, message: impl AsRef<str>) -> PyErr {
 /// An `InternalError`: a mistake of granum itself.
 pub fn internal(py: Python<'_>, message: &str) -> PyErr {
     exception(py, "InternalError", message)
+}
+
+/// A `KeyError` that names what comes nearest: for what is like a dict.
+pub fn of_key<'a>(what: &str, key: &str, known: impl Iterator<Item = &'a str> + Clone) -> PyErr {
+    let advice = granum_core::names::suggestion(key, known);
+    pyo3::exceptions::PyKeyError::new_err(format!("{what} {key}; {advice}"))
 }
 
 /// A `RunError`.
@@ -118,15 +153,16 @@ pub fn of_value(py: Python<'_>, key: &str, value: impl Into<String>, message: im
 /// An error of `granum-io`; `made` is true if its text was made from Python's values.
 pub fn of_file(py: Python<'_>, error: &Error, made: bool) -> PyErr {
     match error {
-        Error::Input(_) | Error::Inputs(_) => {
-            let mistakes: Vec<Mistake> =
-                error.inputs().iter().map(|error| Mistake::in_text(error, made)).collect();
-            of_case(py, &mistakes)
-        }
+        Error::Input(_) | Error::Inputs(_) => of_case(py, &Mistake::all_in_text(error.inputs(), made)),
         Error::Value { name, value, message } => {
-            let message = format!("{name} = {value:?} {message}");
-            let (key, value) = (Some(name.clone()), Some(value.clone()));
-            of_case(py, &[Mistake { message, key, value, ..Mistake::default() }])
+            // What would be right follows what is wrong.
+            let (wrong, remedy) = match message.split_once("; ") {
+                Some((wrong, remedy)) => (wrong, Some(remedy.to_string())),
+                None => (message.as_str(), None),
+            };
+            let message = format!("{name} = {value:?} {wrong}");
+            let (key, value) = (Some(name.clone()), Some(short(value)));
+            of_case(py, &[Mistake { message, key, value, remedy, place: None }])
         }
         Error::Rule(message) => of_case(py, &[Mistake { message: message.clone(), ..Mistake::default() }]),
         Error::Exists(path) => {
@@ -135,6 +171,16 @@ pub fn of_file(py: Python<'_>, error: &Error, made: bool) -> PyErr {
             exception(py, "FileError", &message)
         }
         other => exception(py, "FileError", &other.to_string()),
+    }
+}
+
+/// An error of learning.
+pub fn of_learning(py: Python<'_>, error: &LearnError) -> PyErr {
+    match error {
+        LearnError::Files(error) => of_file(py, error, false),
+        LearnError::Stopped { .. } => of_running(py, &error.to_string()),
+        LearnError::SurrogateFile { .. } => exception(py, "FileError", &error.to_string()),
+        other => general(py, other.to_string()),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use granum::families::{FITTED, fitted};
+use granum_core::quantity::Dimension;
 use granum_learn::family::{FamilyModel, InputSource, by_name};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping};
@@ -10,6 +11,7 @@ use pyo3::types::{PyDict, PyList, PyMapping};
 use crate::arrays;
 use crate::detached::detached;
 use crate::errors;
+use crate::quantity;
 
 /// A family of tests with its surrogate.
 #[pyclass(frozen, module = "granum.surrogates")]
@@ -99,7 +101,7 @@ impl Family {
             let place = definition
                 .input(&name)
                 .map_err(|error| errors::of_value(py, &name, value.to_string(), error.to_string()))?;
-            given[place] = Some(value.extract::<f64>()?);
+            given[place] = Some(quantity::in_si(&name, &value, Dimension::NUMBER)?);
         }
         let model = self.model.clone();
         let found = detached(py, move || model.predict(&given, level))?;

@@ -2,16 +2,23 @@
 //! of it, whose documentation is in its stubs.
 
 mod arrays;
+mod arrow;
 mod assembly;
+mod campaign;
 mod case;
 mod case_text;
+mod dataset;
 mod detached;
 mod errors;
 mod families;
+mod mistake;
+mod place;
 mod program;
+mod quantity;
 mod run;
 mod running;
 mod simulation;
+mod surrogate;
 mod table;
 mod values;
 mod watch;
@@ -28,11 +35,17 @@ mod module {
     #[pymodule_export]
     use crate::assembly::{Assembly, measure};
     #[pymodule_export]
+    use crate::campaign::CampaignFolder;
+    #[pymodule_export]
     use crate::case::{Case, paths, schema, template};
+    #[pymodule_export]
+    use crate::dataset::Dataset;
     #[pymodule_export]
     use crate::detached::forked;
     #[pymodule_export]
     use crate::families::{Family, families};
+    #[pymodule_export]
+    use crate::mistake::mistake;
     #[pymodule_export]
     use crate::program::program;
     #[pymodule_export]
@@ -42,17 +55,14 @@ mod module {
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]
+    use crate::surrogate::{Surrogate, fit, methods};
+    #[pymodule_export]
     use crate::table::Table;
 
     /// The messages of panics that granum turns into errors are not printed; the hook is that of this module alone.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let before = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
-            if !granum_io::is_contained() {
-                before(info);
-            }
-        }));
+        std::panic::set_hook(Box::new(detached::note_panic));
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

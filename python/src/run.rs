@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use granum_io::{RunKind, RunRecord};
 use granum_run::{Laboratory, RunResult, digest};
-use pyo3::exceptions::{PyKeyError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tempfile::TempDir;
@@ -46,7 +46,7 @@ impl Run {
     fn about(&self, py: Python<'_>) -> PyResult<RunRecord> {
         match &*self.place {
             Place::Memory { result, .. } => Ok(result.about.clone()),
-            Place::Folder { run, .. } => run.record().map_err(|error| errors::of_file(py, &error, false)),
+            Place::Folder { .. } => self.read(py, granum_io::Run::record),
         }
     }
 
@@ -54,6 +54,14 @@ impl Run {
     pub fn folder(&self) -> Option<&Path> {
         match &*self.place {
             Place::Folder { run, .. } => Some(run.path()),
+            Place::Memory { .. } => None,
+        }
+    }
+
+    /// What keeps its temporary folder, if it has one.
+    pub fn kept(&self) -> Option<Arc<TempDir>> {
+        match &*self.place {
+            Place::Folder { kept, .. } => kept.clone(),
             Place::Memory { .. } => None,
         }
     }
@@ -85,7 +93,7 @@ impl Run {
     fn case(&self, py: Python<'_>) -> PyResult<Case> {
         let inner = match &*self.place {
             Place::Memory { case, .. } => (**case).clone(),
-            Place::Folder { run, .. } => run.case().map_err(|error| errors::of_file(py, &error, false))?,
+            Place::Folder { .. } => self.read(py, granum_io::Run::case)?,
         };
         Ok(Case { inner })
     }
@@ -132,9 +140,7 @@ impl Run {
     #[getter]
     fn tables(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         match &*self.place {
-            Place::Folder { run, .. } => {
-                run.now().tables().map_err(|error| errors::of_file(py, &error, false))
-            }
+            Place::Folder { .. } => self.read(py, |run| run.now().tables()),
             Place::Memory { result, .. } => {
                 let histograms = result.record.histogram_tables().map(|(name, _)| name.to_string());
                 Ok(std::iter::once(SERIES.to_string()).chain(histograms).collect())
@@ -144,14 +150,18 @@ impl Run {
 
     fn table<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let found = match &*self.place {
-            Place::Folder { .. } => self.read(py, |run| run.now().table_named(name))?,
+            Place::Folder { .. } => {
+                // Of a run that goes on there may be more in a moment.
+                let known = self.tables(py)?;
+                if !known.iter().any(|known| known == name) {
+                    return Err(no_table(name, &known));
+                }
+                self.read(py, |run| run.now().table_named(name))?
+            }
             Place::Memory { result, .. } if name == SERIES => result.record.series.clone(),
             Place::Memory { result, .. } => {
                 let found = result.record.histogram_tables().find(|(known, _)| *known == name);
-                let Some((_, found)) = found else {
-                    let known = self.tables(py)?.join(", ");
-                    return Err(PyKeyError::new_err(format!("the run has no table {name}; it has {known}")));
-                };
+                let Some((_, found)) = found else { return Err(no_table(name, &self.tables(py)?)) };
                 found
             }
         };
@@ -175,18 +185,16 @@ impl Run {
     fn snapshot(&self, py: Python<'_>, name: Option<String>) -> PyResult<Assembly> {
         let known = self.snapshots(py)?;
         let usual = || known.iter().find(|name| *name == END).or(known.first()).cloned();
-        let Some(name) = name.clone().or_else(usual).filter(|name| known.contains(name)) else {
-            let asked = name.unwrap_or_else(|| END.into());
-            return Err(PyKeyError::new_err(format!(
-                "the run has no snapshot {asked}; it has {}",
-                if known.is_empty() { "none".into() } else { known.join(", ") }
-            )));
-        };
+        let name = name.or_else(usual).unwrap_or_else(|| END.into());
+        if !known.contains(&name) {
+            return Err(errors::of_key("the run has no snapshot", &name, known.iter().map(String::as_str)));
+        }
         match &*self.place {
             Place::Folder { .. } => Ok(self.read(py, |run| run.now().snapshot(&name))?.into()),
             Place::Memory { result, .. } => {
-                let simulation = result.simulation().map_err(|error| errors::of_laboratory(py, &error))?;
-                Ok(simulation.assembly().into())
+                let assembly = detached(py, || Ok(result.simulation()?.assembly()))?;
+                let assembly = assembly.map_err(|error| errors::of_laboratory(py, &error))?;
+                Ok(assembly.into())
             }
         }
     }
@@ -224,6 +232,10 @@ impl Run {
         let status = values::from_json(py, &serde_json::json!(about.status))?;
         Ok(format!("<granum.Run {place}: {} of {} grains, {status}>", self.kind(py)?, about.grains))
     }
+}
+
+fn no_table(name: &str, known: &[String]) -> PyErr {
+    errors::of_key("the run has no table", name, known.iter().map(String::as_str))
 }
 
 /// The table of the states of a test.

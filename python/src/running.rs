@@ -5,8 +5,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use granum::Registry;
+use granum_core::quantity::Dimension;
 use granum_io::{RunFolder, RunKind};
-use granum_run::{Laboratory, PlannedRun, RunResult, Source};
+use granum_run::{Laboratory, LaboratoryError, PlannedRun, Source};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,30 +16,29 @@ use tempfile::TempDir;
 use crate::case::{Case, case_of};
 use crate::detached::detached;
 use crate::errors;
+use crate::quantity;
 use crate::run::Run;
-use crate::watch::{Watch, warn};
+use crate::watch::{self, Watch};
 
 /// Most threads of a run.
-const MOST_THREADS: usize = 4096;
+const MOST_THREADS: u64 = 4096;
 
 /// What a run may use of the computer; results do not depend on it.
-struct Means {
-    threads: Option<usize>,
-    checkpoint_every: Option<f64>,
+struct Means<'a, 'py> {
+    threads: Option<&'a Bound<'py, PyAny>>,
+    checkpoint_every: Option<&'a Bound<'py, PyAny>>,
 }
 
-impl Means {
+impl Means<'_, '_> {
     fn laboratory(&self, py: Python<'_>) -> PyResult<Laboratory> {
         let mut laboratory = Laboratory::here().with_registry(Registry::standard());
         if let Some(threads) = self.threads {
-            if threads == 0 || threads > MOST_THREADS {
-                let message = format!("a run has from 1 to {MOST_THREADS} threads");
-                return Err(errors::of_value(py, "threads", threads.to_string(), message));
-            }
-            laboratory.resources.hardware.threads = threads;
+            laboratory.resources.hardware.threads =
+                quantity::whole("threads", threads, 1, MOST_THREADS)? as usize;
             laboratory.resources.grains_per_thread = 1;
         }
         if let Some(seconds) = self.checkpoint_every {
+            let seconds = quantity::in_si("checkpoint_every", seconds, Dimension::TIME)?;
             let every = Duration::try_from_secs_f64(seconds);
             laboratory.resources.checkpoint_every = every.map_err(|_| {
                 let message = "the time between two checkpoints is a positive number of seconds";
@@ -49,12 +49,9 @@ impl Means {
     }
 }
 
-/// Raises what a function of the user raised, or shows the warnings.
-fn told(py: Python<'_>, watch: Watch) -> PyResult<()> {
-    match watch.raised {
-        Some(error) => Err(error),
-        None => warn(py, &watch.warnings),
-    }
+/// What a run gave.
+fn told<T>(py: Python<'_>, watch: Watch, done: Result<T, LaboratoryError>) -> PyResult<T> {
+    watch::told(py, watch, done, |error| errors::of_laboratory(py, error))
 }
 
 /// Plans a run: whatever is wrong with its inputs is known before a folder is made.
@@ -64,10 +61,12 @@ fn planned(
     kind: RunKind,
     case: &granum_io::Case,
     source: &Source,
-    watch: &mut Watch,
-) -> PyResult<PlannedRun> {
-    let plan = detached(py, || laboratory.plan(kind, case, source, watch))?;
-    plan.map_err(|error| errors::of_laboratory(py, &error))
+    mut watch: Watch,
+) -> PyResult<(PlannedRun, Watch)> {
+    match detached(py, || laboratory.plan(kind, case, source, &mut watch))? {
+        Ok(plan) if watch.raised.is_none() => Ok((plan, watch)),
+        plan => told(py, watch, plan).and_then(|_| Err(errors::internal(py, "a stop without a reason"))),
+    }
 }
 
 /// Executes a run in a folder.
@@ -83,10 +82,7 @@ fn in_folder(
     let done = detached(py, || planned.in_folder(&folder, &mut watch))?;
     let run = folder.run();
     drop(folder);
-    match done {
-        Err(error) if watch.raised.is_none() => Err(errors::of_laboratory(py, &error)),
-        _ => told(py, watch).map(|()| Run::in_folder(run, kept)),
-    }
+    told(py, watch, done).map(|_| Run::in_folder(run, kept))
 }
 
 #[pyfunction]
@@ -96,16 +92,16 @@ pub fn prepare(
     case: &Bound<'_, PyAny>,
     packing: Option<PathBuf>,
     out: Option<PathBuf>,
-    threads: Option<usize>,
-    checkpoint_every: Option<f64>,
+    threads: Option<&Bound<'_, PyAny>>,
+    checkpoint_every: Option<&Bound<'_, PyAny>>,
     on_progress: Option<Py<PyAny>>,
     force: bool,
 ) -> PyResult<Run> {
     let case = case_of(py, case)?;
     let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
     let source = packing.map_or(Source::Case, Source::Packing);
-    let mut watch = Watch::new(None, on_progress);
-    let plan = planned(py, &laboratory, RunKind::Sample, &case, &source, &mut watch)?;
+    let watch = Watch::new(None, on_progress);
+    let (plan, watch) = planned(py, &laboratory, RunKind::Sample, &case, &source, watch)?;
     match out {
         Some(out) => in_folder(py, plan, &out, force, watch, None),
         None => {
@@ -144,8 +140,8 @@ pub fn run_case(
     path: Option<&str>,
     packing: Option<PathBuf>,
     out: Option<PathBuf>,
-    threads: Option<usize>,
-    checkpoint_every: Option<f64>,
+    threads: Option<&Bound<'_, PyAny>>,
+    checkpoint_every: Option<&Bound<'_, PyAny>>,
     on_state: Option<Py<PyAny>>,
     on_progress: Option<Py<PyAny>>,
     force: bool,
@@ -163,23 +159,13 @@ pub fn run_case(
     }
     let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
     let source = source_of(sample, packing)?;
-    let mut watch = Watch::new(on_state, on_progress);
-    let plan = planned(py, &laboratory, RunKind::Test, &case, &source, &mut watch)?;
+    let watch = Watch::new(on_state, on_progress);
+    let (plan, mut watch) = planned(py, &laboratory, RunKind::Test, &case, &source, watch)?;
     if let Some(out) = out {
         return in_folder(py, plan, &out, force, watch, None);
     }
     let done = detached(py, || plan.in_memory(&mut watch))?;
-    let result: RunResult = match done {
-        Err(error) if watch.raised.is_none() => return Err(errors::of_laboratory(py, &error)),
-        Err(_) => {
-            return Err(told(py, watch)
-                .err()
-                .unwrap_or_else(|| errors::internal(py, "a stop without a reason")));
-        }
-        Ok(result) => result,
-    };
-    told(py, watch)?;
-    Ok(Run::in_memory(case, result))
+    told(py, watch, done).map(|result| Run::in_memory(case, result))
 }
 
 #[pyfunction]
@@ -187,14 +173,14 @@ pub fn run_case(
 pub fn resume(
     py: Python<'_>,
     folder: &Bound<'_, PyAny>,
-    threads: Option<usize>,
-    checkpoint_every: Option<f64>,
+    threads: Option<&Bound<'_, PyAny>>,
+    checkpoint_every: Option<&Bound<'_, PyAny>>,
     on_state: Option<Py<PyAny>>,
     on_progress: Option<Py<PyAny>>,
 ) -> PyResult<Run> {
-    let path = match folder.cast::<Run>() {
-        Ok(run) => run.get().folder().map(Path::to_path_buf),
-        Err(_) => Some(folder.extract::<PathBuf>()?),
+    let (path, kept) = match folder.cast::<Run>() {
+        Ok(run) => (run.get().folder().map(Path::to_path_buf), run.get().kept()),
+        Err(_) => (Some(folder.extract::<PathBuf>()?), None),
     };
     let Some(path) = path else {
         return Err(PyTypeError::new_err(
@@ -208,10 +194,7 @@ pub fn resume(
     let folder = RunFolder::open(&path).map_err(|error| errors::of_file(py, &error, false))?;
     let done = detached(py, || laboratory.resume(&folder, &mut watch))?;
     drop(folder);
-    match done {
-        Err(error) if watch.raised.is_none() => Err(errors::of_laboratory(py, &error)),
-        _ => told(py, watch).map(|()| Run::in_folder(run.now(), None)),
-    }
+    told(py, watch, done).map(|_| Run::in_folder(run.now(), kept))
 }
 
 #[pyfunction]

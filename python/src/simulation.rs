@@ -2,18 +2,23 @@
 
 use std::sync::Mutex;
 
+use granum_core::quantity::Dimension;
 use granum_dem::servo::{COMPONENTS, CellControl, PLACES, Row};
 use granum_dem::simulation::Simulation as Engine;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::PyMapping;
 
 use crate::arrays::Array;
 use crate::assembly::{Assembly, matrix};
 use crate::detached::detached;
 use crate::errors;
+use crate::quantity;
 
 /// Number of grains times steps after which Python is asked for Ctrl-C.
 const ASK_EVERY: u64 = 2_000_000;
+
+/// Usual bound on the rate that the servo adds, 1/s.
+const RATE_LIMIT: f64 = 1.0;
 
 /// A simulation, which is advanced step by step.
 #[pyclass(frozen, module = "granum")]
@@ -32,8 +37,26 @@ impl Simulation {
         self.inner.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
+    /// The simulation itself, which is then absent.
+    pub fn taken(&self) -> Option<Box<Engine>> {
+        self.slot().take()
+    }
+
+    /// Looks at the simulation. Nothing of Python is called while it is locked: another thread of Python could then wait for the lock
+    /// while it holds the interpreter.
     fn see<T>(&self, py: Python<'_>, look: impl FnOnce(&Engine) -> T) -> PyResult<T> {
-        self.slot().as_deref().map(look).ok_or_else(|| absent(py))
+        let found = self.look(look);
+        found.ok_or_else(|| absent(py))
+    }
+
+    fn look<T>(&self, look: impl FnOnce(&Engine) -> T) -> Option<T> {
+        let slot = self.slot();
+        slot.as_deref().map(look)
+    }
+
+    /// As [`Simulation::see`] for what takes long, while other threads of Python go on.
+    fn see_detached<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Engine) -> T + Send) -> PyResult<T> {
+        detached(py, || self.look(look))?.ok_or_else(|| absent(py))
     }
 }
 
@@ -44,6 +67,12 @@ fn absent(py: Python<'_>) -> PyErr {
     )
 }
 
+/// The entries of a mapping.
+fn entries<'py>(mapping: Option<&Bound<'py, PyMapping>>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+    let Some(mapping) = mapping else { return Ok(Vec::new()) };
+    mapping.items()?.iter().map(|item| item.extract()).collect()
+}
+
 /// The place of a component of stress or strain rate.
 fn component(py: Python<'_>, name: &str) -> PyResult<usize> {
     COMPONENTS.iter().position(|known| *known == name).ok_or_else(|| {
@@ -52,19 +81,11 @@ fn component(py: Python<'_>, name: &str) -> PyResult<usize> {
     })
 }
 
-fn number(py: Python<'_>, name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let number: f64 = value.extract()?;
-    if number.is_finite() {
-        Ok(number)
-    } else {
-        Err(errors::of_value(py, name, number.to_string(), "is not finite"))
-    }
-}
-
 #[pymethods]
 impl Simulation {
-    fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
-        let mut simulation = self.slot().take().ok_or_else(|| absent(py))?;
+    fn advance(&self, py: Python<'_>, steps: &Bound<'_, PyAny>) -> PyResult<()> {
+        let steps = quantity::whole("steps", steps, 0, u64::MAX)?;
+        let mut simulation = self.taken().ok_or_else(|| absent(py))?;
         let mut left = steps;
         // At least one call, so that no steps are no error.
         let result = loop {
@@ -91,44 +112,46 @@ impl Simulation {
         result
     }
 
-    #[pyo3(signature = (*, strain_rate=None, stress=None, mean_stress=None, rate_limit=1.0))]
+    #[pyo3(signature = (*, strain_rate=None, stress=None, mean_stress=None, rate_limit=None))]
     fn control(
         &self,
         py: Python<'_>,
-        strain_rate: Option<&Bound<'_, PyDict>>,
-        stress: Option<&Bound<'_, PyDict>>,
-        mean_stress: Option<f64>,
-        rate_limit: f64,
+        strain_rate: Option<&Bound<'_, PyMapping>>,
+        stress: Option<&Bound<'_, PyMapping>>,
+        mean_stress: Option<&Bound<'_, PyAny>>,
+        rate_limit: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        if !(rate_limit.is_finite() && rate_limit >= 0.0) {
-            return Err(errors::of_value(py, "rate_limit", rate_limit.to_string(), "is not a rate"));
+        let rate = |value: &Bound<'_, PyAny>| quantity::in_si("rate_limit", value, Dimension::RATE);
+        let rate_limit = rate_limit.map_or(Ok(RATE_LIMIT), rate)?;
+        if rate_limit < 0.0 {
+            return Err(errors::of_value(py, "rate_limit", rate_limit.to_string(), "is less than 0"));
         }
         let mut control = CellControl { rate_limit, ..CellControl::fixed() };
         let mut strained = [false; 6];
-        for (name, value) in strain_rate.into_iter().flatten() {
-            let k = component(py, &name.extract::<String>()?)?;
+        for (name, value) in entries(strain_rate)? {
+            let k = component(py, &name)?;
             let [row, column] = PLACES[k];
-            let rate = number(py, COMPONENTS[k], &value)?;
+            let rate = quantity::in_si(COMPONENTS[k], &value, Dimension::RATE)?;
             // The rate of a shear strain is that of an angle, the sum of two entries.
             let entry = if k < 3 { rate } else { 0.5 * rate };
             (control.rate[row][column], control.rate[column][row]) = (entry, entry);
             strained[k] = true;
         }
         let mut rows = Vec::new();
-        for (name, value) in stress.into_iter().flatten() {
-            let k = component(py, &name.extract::<String>()?)?;
+        for (name, value) in entries(stress)? {
+            let k = component(py, &name)?;
             if strained[k] {
                 let message = "a component has a strain rate or a stress, not both";
                 return Err(errors::of_value(py, COMPONENTS[k], value.to_string(), message));
             }
             strained[k] = true;
-            rows.push(Row::component(k, number(py, COMPONENTS[k], &value)?));
+            rows.push(Row::component(k, quantity::in_si(COMPONENTS[k], &value, Dimension::STRESS)?));
         }
         if let Some(target) = mean_stress {
+            let target = quantity::in_si("mean_stress", target, Dimension::STRESS)?;
             let free = [0, 1, 2].map(|axis| !strained[axis]);
-            if !(free.contains(&true) && target.is_finite()) {
-                let message =
-                    "a finite mean stress needs an axis that has neither a strain rate nor a stress";
+            if !free.contains(&true) {
+                let message = "a mean stress needs an axis that has neither a strain rate nor a stress";
                 return Err(errors::of_value(py, "mean_stress", target.to_string(), message));
             }
             rows.push(Row::mean(target, free));
@@ -136,19 +159,23 @@ impl Simulation {
         for (slot, row) in control.rows.iter_mut().zip(rows) {
             *slot = Some(row);
         }
-        let mut slot = self.slot();
-        let simulation = slot.as_mut().ok_or_else(|| absent(py))?;
-        control.since = simulation.state().time();
-        simulation.set_control(control);
-        Ok(())
+        let mut set = || {
+            let mut slot = self.slot();
+            let simulation = slot.as_mut()?;
+            control.since = simulation.state().time();
+            simulation.set_control(control);
+            Some(())
+        };
+        let is_set = set();
+        is_set.ok_or_else(|| absent(py))
     }
 
     fn assembly(&self, py: Python<'_>) -> PyResult<Assembly> {
-        self.see(py, |simulation| simulation.assembly().into())
+        self.see_detached(py, Engine::assembly).map(Assembly::from)
     }
 
     fn __copy__(&self, py: Python<'_>) -> PyResult<Simulation> {
-        self.see(py, |simulation| Simulation::new(simulation.clone()))
+        self.see_detached(py, Engine::clone).map(Simulation::new)
     }
 
     fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Simulation> {

@@ -2,17 +2,25 @@
 
 use std::sync::Arc;
 
+use granum_campaign::data_set::meaning_of_column;
 use granum_core::{Column, ColumnKind};
+use granum_io::Case;
+use granum_sensors::Sensors;
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyMapping, PyString};
+use pyo3::types::{PyCapsule, PyDict, PyList, PyMapping, PyString};
 
 use crate::arrays;
+use crate::arrow;
+use crate::detached::detached;
 use crate::errors;
 
 /// The columns of a table and their units, from which it is made again.
 type Parts<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
+
+/// Named columns, each with its values.
+type Columns<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
 /// A table of named columns of numbers or of words.
 #[pyclass(frozen, module = "granum")]
@@ -27,17 +35,22 @@ impl From<granum_core::Table> for Table {
 }
 
 impl Table {
+    /// The table itself.
+    pub fn copied(&self) -> granum_core::Table {
+        (*self.inner).clone()
+    }
+
     fn array<'py>(&self, py: Python<'py>, place: usize) -> PyResult<Bound<'py, PyAny>> {
         let Some(column) = self.inner.columns().get(place) else {
             return Err(errors::internal(py, "a column beyond the table"));
         };
         match column.kind {
-            ColumnKind::Real => arrays::column(py, self.inner.clone(), place),
-            ColumnKind::Integer => {
+            ColumnKind::Integer if arrow::is_whole(column) => {
                 let whole: Vec<i64> = column.values.iter().map(|value| *value as i64).collect();
                 let rows = whole.len();
                 arrays::integers(py, whole, vec![rows])
             }
+            ColumnKind::Real | ColumnKind::Integer => arrays::column(py, self.inner.clone(), place),
             ColumnKind::Boolean => {
                 arrays::booleans(py, column.values.iter().map(|value| *value != 0.0).collect())
             }
@@ -53,6 +66,23 @@ impl Table {
     }
 }
 
+/// The columns of a mapping, or of a frame of pandas or polars; `None` for anything else.
+pub fn columns_of<'py>(columns: &Bound<'py, PyAny>) -> PyResult<Option<Columns<'py>>> {
+    if let Ok(mapping) = columns.cast::<PyMapping>() {
+        let items: PyResult<Vec<_>> = mapping.items()?.iter().map(|item| item.extract()).collect();
+        return items.map(Some);
+    }
+    if !(columns.hasattr("columns")? && columns.hasattr("__getitem__")?) {
+        return Ok(None);
+    }
+    let column = |name: PyResult<Bound<'py, PyAny>>| {
+        let name = name?;
+        let values = columns.get_item(&name)?;
+        Ok((name.extract()?, values))
+    };
+    columns.getattr("columns")?.try_iter()?.map(column).collect::<PyResult<Vec<_>>>().map(Some)
+}
+
 /// A column from values of Python: words, truth values, whole numbers or real numbers.
 fn column_from(name: &str, unit: String, values: &Bound<'_, PyAny>) -> PyResult<Column> {
     let py = values.py();
@@ -61,11 +91,17 @@ fn column_from(name: &str, unit: String, values: &Bound<'_, PyAny>) -> PyResult<
         return Err(errors::of_value(py, name, "", "a column has one dimension"));
     }
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    if matches!(kind.as_str(), "U" | "O") {
+    if matches!(kind.as_str(), "U" | "O" | "T") {
         let list = array.call_method0("tolist")?;
-        let words =
-            list.cast::<PyList>()?.iter().map(|word| Ok(word.cast::<PyString>()?.to_cow()?.into_owned()));
-        let words = words.collect::<PyResult<Vec<String>>>()?;
+        let word = |(row, word): (usize, Bound<'_, PyAny>)| match word.cast::<PyString>() {
+            Ok(word) => Ok(word.to_cow()?.into_owned()),
+            Err(_) => {
+                let kind = word.get_type().name()?;
+                let message = format!("row {row} is {kind}; a column has numbers, truth values or words");
+                Err(errors::of_value(py, name, "", message))
+            }
+        };
+        let words = list.cast::<PyList>()?.iter().enumerate().map(word).collect::<PyResult<Vec<String>>>()?;
         return Ok(Column::of_words(name, words));
     }
     let kind = match kind.as_str() {
@@ -73,7 +109,7 @@ fn column_from(name: &str, unit: String, values: &Bound<'_, PyAny>) -> PyResult<
         "i" | "u" => ColumnKind::Integer,
         _ => ColumnKind::Real,
     };
-    Ok(Column::new(name, unit, arrays::numbers(&array)?.0).of_kind(kind))
+    Ok(Column::new(name, unit, arrays::numbers(name, &array)?.0).of_kind(kind))
 }
 
 #[pymethods]
@@ -82,17 +118,30 @@ impl Table {
     #[pyo3(signature = (columns, units=None))]
     fn new(
         py: Python<'_>,
-        columns: &Bound<'_, PyMapping>,
+        columns: &Bound<'_, PyAny>,
         units: Option<&Bound<'_, PyMapping>>,
     ) -> PyResult<Table> {
         let mut made = Vec::new();
-        for item in columns.items()?.iter() {
-            let (name, values): (String, Bound<PyAny>) = item.extract()?;
+        let Some(columns) = columns_of(columns)? else {
+            let kind = columns.get_type().name()?;
+            return Err(PyTypeError::new_err(format!("a table is made of a dict or a frame, not of {kind}")));
+        };
+        for (name, values) in &columns {
             let unit = match units {
-                Some(units) if units.contains(&name)? => units.get_item(&name)?.extract()?,
+                Some(units) if units.contains(name)? => units.get_item(name)?.extract()?,
                 _ => String::new(),
             };
-            made.push(column_from(&name, unit, &values)?);
+            made.push(column_from(name, unit, values)?);
+        }
+        // A unit of no column is a mistake in its name.
+        if let Some(units) = units {
+            for name in units.keys()?.iter() {
+                let name: String = name.extract()?;
+                if !columns.iter().any(|(known, _)| *known == name) {
+                    let message = format!("there is no column {name} that could have a unit");
+                    return Err(errors::of_value(py, "units", name, message));
+                }
+            }
         }
         let table = granum_core::Table::new(made);
         Ok(table.map_err(|error| errors::general(py, error.to_string()))?.into())
@@ -104,14 +153,16 @@ impl Table {
         py: Python<'_>,
         path: std::path::PathBuf,
     ) -> PyResult<Table> {
-        let table = granum_io::read_table_with_words(path, None);
+        let table = detached(py, || granum_io::read_table_with_words(path, None))?;
         table.map(Table::from).map_err(|error| errors::of_file(py, &error, false))
     }
 
     #[pyo3(signature = (path, *, force=false))]
     fn write(&self, py: Python<'_>, path: std::path::PathBuf, force: bool) -> PyResult<()> {
-        let written = granum_io::check_output_file(&path, force)
-            .and_then(|()| granum_io::write_table(&path, &self.inner));
+        let written = detached(py, || {
+            granum_io::check_output_file(&path, force)?;
+            granum_io::write_table(&path, &self.inner)
+        })?;
         written.map_err(|error| errors::of_file(py, &error, false))
     }
 
@@ -145,7 +196,7 @@ impl Table {
         Ok(PyList::new(py, self.columns())?.try_iter()?.into_any())
     }
 
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    pub fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match self.inner.names().position(|known| known == name) {
             Some(place) => self.array(py, place),
             None => match self.inner.column(name) {
@@ -163,14 +214,44 @@ impl Table {
         Ok(dict)
     }
 
-    fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let frame = py.import("pandas")?.call_method1("DataFrame", (self.to_dict(py)?,))?;
-        frame.getattr("attrs")?.set_item("units", self.units(py)?)?;
-        Ok(frame)
+    #[getter]
+    fn descriptions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let found = PyDict::new(py);
+        let (usual, sensors) = (Case::default(), Sensors::standard());
+        for name in self.inner.names() {
+            let meaning = meaning_of_column(name, &usual, &sensors);
+            if !meaning.is_empty() {
+                found.set_item(name, meaning)?;
+            }
+        }
+        Ok(found)
     }
 
-    fn to_polars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("polars")?.call_method1("DataFrame", (self.to_dict(py)?,))
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._frames")?.call_method1("to_pandas", (slf,))
+    }
+
+    fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._frames")?.call_method1("to_polars", (slf,))
+    }
+
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._frames")?.call_method1("to_xarray", (slf,))
+    }
+
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        arrow::schema_capsule(py, &self.inner)
+    }
+
+    /// The columns have one type each, so that there is nothing to choose for who asks for another schema.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let _ = requested_schema;
+        arrow::stream(py, &self.inner)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -10,9 +10,10 @@ pub fn from_json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyA
     match value {
         Value::Null => Ok(py.None().into_bound(py)),
         Value::Bool(value) => value.into_bound_py_any(py),
-        Value::Number(number) => match number.as_i64() {
-            Some(whole) => whole.into_bound_py_any(py),
-            None => number.as_f64().unwrap_or(f64::NAN).into_bound_py_any(py),
+        Value::Number(number) => match (number.as_i64(), number.as_u64()) {
+            (Some(whole), _) => whole.into_bound_py_any(py),
+            (None, Some(whole)) => whole.into_bound_py_any(py),
+            (None, None) => number.as_f64().unwrap_or(f64::NAN).into_bound_py_any(py),
         },
         Value::String(text) => text.into_bound_py_any(py),
         Value::Array(values) => {

@@ -28,30 +28,41 @@ impl Watch {
         Watch { on_state, on_progress, told, asked: Instant::now(), raised, warnings, stopped: false }
     }
 
-    /// Calls Python; the run stops if the function returns `False` or raises.
-    fn call<'py>(&mut self, py: Python<'py>, function: &Py<PyAny>, argument: PyResult<Bound<'py, PyAny>>) {
-        let answer = argument.and_then(|argument| function.bind(py).call1((argument,)));
-        match answer.map(|answer| answer.extract::<bool>().is_ok_and(|go_on| !go_on)) {
-            Ok(stop) => self.stopped |= stop,
-            Err(error) => {
+    /// Calls Python; the run stops if the function returns `False` or raises, and if the interpreter ends.
+    fn call_with(
+        &mut self,
+        function: &Py<PyAny>,
+        argument: impl for<'py> FnOnce(Python<'py>) -> PyResult<Bound<'py, PyAny>>,
+    ) {
+        let answer = Python::try_attach(|py| {
+            let answer = function.bind(py).call1((argument(py)?,))?;
+            Ok(answer.extract::<bool>().is_ok_and(|go_on| !go_on))
+        });
+        match answer {
+            Some(Ok(stop)) => self.stopped |= stop,
+            Some(Err(error)) => {
                 self.stopped = true;
                 self.raised = self.raised.take().or(Some(error));
             }
+            None => self.stopped = true,
         }
     }
 
     fn flow(&mut self, report: &Progress) -> Flow {
         if !self.stopped && self.asked.elapsed() >= EVERY {
             self.asked = Instant::now();
-            if let Err(error) = Python::attach(|py| py.check_signals()) {
-                (self.stopped, self.raised) = (true, Some(error));
+            match Python::try_attach(|py| py.check_signals()) {
+                Some(Ok(())) => {}
+                Some(Err(error)) => (self.stopped, self.raised) = (true, Some(error)),
+                // The interpreter ends, and this thread outlives it.
+                None => self.stopped = true,
             }
         }
         let due = self.told.is_none_or(|told| told.elapsed() >= EVERY);
         if let Some(function) = self.on_progress.take() {
             if due && !self.stopped {
                 self.told = Some(Instant::now());
-                Python::attach(|py| self.call(py, &function, object(py, report)));
+                self.call_with(&function, |py| object(py, report));
             }
             self.on_progress = Some(function);
         }
@@ -90,12 +101,28 @@ impl Observer for Watch {
             Event::Warning { text } => self.warnings.push(text.clone()),
             Event::StateRecorded { values } if !self.stopped => {
                 if let Some(function) = self.on_state.take() {
-                    Python::attach(|py| self.call(py, &function, named(py, values)));
+                    self.call_with(&function, |py| named(py, values));
                     self.on_state = Some(function);
                 }
             }
             _ => {}
         }
+    }
+}
+
+/// What some work gave, after its warnings were shown. What a function of the user raised is the reason why the work stopped, and is raised
+/// whatever the work says about its end.
+pub fn told<T, E>(
+    py: Python<'_>,
+    watch: Watch,
+    done: Result<T, E>,
+    as_exception: impl FnOnce(&E) -> PyErr,
+) -> PyResult<T> {
+    let warned = warn(py, &watch.warnings);
+    match (watch.raised, done) {
+        (Some(error), _) => Err(error),
+        (None, Err(error)) => Err(as_exception(&error)),
+        (None, Ok(done)) => warned.map(|()| done),
     }
 }
 

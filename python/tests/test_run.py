@@ -98,7 +98,61 @@ def test_what_a_function_raises_is_raised_after_a_stop_in_good_order(case: granu
     with pytest.raises(ZeroDivisionError):
         granum.run(case, out=tmp_path / "run", on_state=fails)
     assert granum.open(tmp_path / "run").status == "interrupted"
-    assert granum.resume(tmp_path / "run").is_good in (True, False)
+    assert granum.resume(tmp_path / "run").status == "finished"
+
+
+@pytest.mark.parametrize("activity", ["placing of the grains", "compaction"])
+def test_what_a_function_raises_during_the_preparation_is_raised(case: granum.Case, tmp_path: pathlib.Path, activity: str) -> None:
+    larger = case.with_values({"grains.count": 300})
+
+    def fails(progress: dict[str, object]) -> None:
+        if progress["activity"] == activity:
+            raise ZeroDivisionError(activity)
+
+    with pytest.raises(ZeroDivisionError, match=activity):
+        granum.prepare(larger, on_progress=fails)
+    with pytest.raises(ZeroDivisionError, match=activity):
+        granum.run(larger, on_progress=fails)
+    with pytest.raises(ZeroDivisionError, match=activity):
+        granum.run(larger, on_progress=fails, out=tmp_path / "run")
+
+
+def test_a_stop_while_grains_are_placed_is_told(case: granum.Case, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(granum.RunError, match="stopped"):
+        granum.prepare(case, on_progress=lambda progress: False)
+    with pytest.raises(granum.RunError, match="stopped"):
+        granum.run(case, out=tmp_path / "run", on_progress=lambda progress: False)
+
+
+def test_a_run_goes_on_without_the_temporary_folder_of_its_sample(case: granum.Case, tested: granum.Run, tmp_path: pathlib.Path) -> None:
+    sample = granum.prepare(case)
+    where = sample.path
+    stopped = granum.run(case, sample, out=tmp_path / "run", on_state=lambda values: False)
+    assert stopped.status == "interrupted"
+    del sample
+    assert where is not None and not where.exists()
+    assert granum.resume(stopped).series == tested.series
+
+
+def test_a_sample_in_a_temporary_folder_is_resumed(case: granum.Case, tested: granum.Run) -> None:
+    sample = granum.prepare(case, on_progress=lambda progress: progress["activity"] == "placing of the grains")
+    assert sample.status == "interrupted"
+    where = sample.path
+    resumed = granum.resume(sample)
+    del sample
+    assert resumed.status == "finished" and where is not None and where.exists()
+    assert granum.run(case, resumed).series == tested.series
+    del resumed
+    assert not where.exists()
+
+
+def test_warnings_of_the_engine_are_warnings_of_python(case: granum.Case, tmp_path: pathlib.Path, capfd: pytest.CaptureFixture[str]) -> None:
+    stopped = granum.run(case, out=tmp_path / "run", on_state=lambda values: values["state"] < 2)
+    (tmp_path / "run" / "preparation.parquet").unlink()
+    with pytest.warns(granum.RunWarning, match="preparation.parquet.*the run writes it again") as told:
+        assert granum.resume(stopped).status == "finished"
+    assert all(warning.filename == __file__ for warning in told)
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
@@ -130,8 +184,14 @@ def test_folders_in_the_way_and_wrong_arguments_are_refused(case: granum.Case, t
         granum.open(tmp_path / "missing")
     with pytest.raises(granum.FileError):
         granum.resume(tmp_path / "missing")
-    with pytest.raises(granum.CaseError, match="threads"):
-        granum.run(case, threads=0)
+    for threads in [0, -1, 2**80]:
+        with pytest.raises(granum.CaseError, match="threads.* between 1 and 4096"):
+            granum.run(case, threads=threads)
+    with pytest.raises(TypeError, match="threads: a whole number"):
+        granum.run(case, threads=1.5)  # type: ignore[arg-type]
+    with pytest.raises(granum.CaseError, match="checkpoint_every"):
+        granum.run(case, checkpoint_every=-1.0)
+    assert granum.run(case, threads=np.int64(1), checkpoint_every="1 min").status == "finished"
     with pytest.raises(TypeError, match="path="):
         granum.run(case, axial_strain=0.1)
     with pytest.raises(TypeError, match="sample"):
@@ -147,10 +207,14 @@ def test_a_run_in_memory_says_what_it_cannot_do(tested: granum.Run) -> None:
         granum.resume(tested)
     with pytest.raises(TypeError, match="pickled"):
         pickle.dumps(tested)
-    with pytest.raises(KeyError, match="series"):
-        tested.table("nothing")
-    with pytest.raises(KeyError, match="end"):
-        tested.snapshot("middle")
+
+
+def test_what_a_run_does_not_have_is_a_key_error_with_the_nearest(case: granum.Case, tested: granum.Run, tmp_path: pathlib.Path) -> None:
+    for run in [tested, granum.run(case, out=tmp_path / "run")]:
+        with pytest.raises(KeyError, match="did you mean series"):
+            run.table("serie")
+        with pytest.raises(KeyError, match="did you mean end"):
+            run.snapshot("ends")
 
 
 def test_a_simulation_is_advanced_by_hand_and_its_arrays_stay_as_they_were(tested: granum.Run) -> None:
@@ -174,6 +238,14 @@ def test_a_simulation_is_advanced_by_hand_and_its_arrays_stay_as_they_were(teste
         simulation.control(stress={"zx1": 3.0})
     with pytest.raises(granum.CaseError, match="not both"):
         simulation.control(strain_rate={"zz": 1.0}, stress={"zz": 1e3})
+    with pytest.raises(granum.CaseError, match="is a length"):
+        simulation.control(mean_stress="3 mm")
+    with pytest.raises(granum.CaseError, match="NaN is not finite"):
+        simulation.control(stress={"zz": float("nan")})
+    with pytest.raises(granum.CaseError, match="needs an axis"):
+        simulation.control(stress={"xx": 1.0, "yy": 1.0, "zz": 1.0}, mean_stress="20 kPa")
+    with pytest.raises(TypeError, match="zz: a number or a text"):
+        simulation.control(stress={"zz": None})
 
 
 def test_the_program_comes_with_the_package() -> None:

@@ -4,9 +4,11 @@ import copy
 import multiprocessing
 import os
 import pickle
+import queue
 import random
 import subprocess
 import sys
+import threading
 from typing import Any, Callable
 
 import granum
@@ -58,10 +60,19 @@ def test_wrong_arguments_of_every_function_are_exceptions(tested: granum.Run, tm
 
 def test_numbers_of_steps_that_are_none_are_refused(tested: granum.Run) -> None:
     simulation = tested.simulation()
-    for wrong in [-1, 1.5, "3", None, 2**70]:
-        with pytest.raises((TypeError, OverflowError)):
+    step = simulation.step
+    for wrong in [1.5, "3", None, True]:
+        with pytest.raises(TypeError, match="steps: a whole number is needed"):
             simulation.advance(wrong)  # type: ignore[arg-type]
+    wrong_counts: list[Any] = [-1, 2**70, np.int64(-1)]
+    for value in wrong_counts:
+        with pytest.raises(granum.CaseError, match="is not between 0 and") as caught:
+            simulation.advance(value)
+        assert (caught.value.key, caught.value.value) == ("steps", str(value))
     simulation.advance(0)
+    assert simulation.step == step
+    simulation.advance(np.int64(2))
+    assert simulation.step == step + 2
 
 
 def test_what_cannot_be_copied_or_pickled_says_so(tested: granum.Run) -> None:
@@ -70,29 +81,99 @@ def test_what_cannot_be_copied_or_pickled_says_so(tested: granum.Run) -> None:
     assert copy.deepcopy(tested.simulation()).step == tested.simulation().step
 
 
-def _of_child(queue: Any) -> None:
+def _of_child(answers: Any) -> None:
     from conftest import SMALL
 
     try:
-        queue.put(list(granum.run(granum.Case(**SMALL)).series["stress_ratio"]))
+        answers.put(list(granum.run(granum.Case(**SMALL)).series["stress_ratio"]))
     except granum.Error as error:
-        queue.put(str(error))
+        answers.put(str(error))
+
+
+def _answer(method: str) -> Any:
+    """What a process that is started like that finds."""
+    context: Any = multiprocessing.get_context(method)
+    answers = context.Queue()
+    child = context.Process(target=_of_child, args=(answers,))
+    child.start()
+    answer = answers.get(timeout=120)
+    child.join()
+    return answer
+
+
+@pytest.mark.parametrize("method", [method for method in ["fork", "spawn"] if method in multiprocessing.get_all_start_methods()])
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_forked_and_spawned_processes_find_the_same_bits(tested: granum.Run, method: str) -> None:
+    assert _answer(method) == list(tested.series["stress_ratio"])
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_a_forked_process_is_told_to_spawn_and_a_spawned_one_works(tested: granum.Run) -> None:
-    for method in ["fork", "spawn"]:
-        context: Any = multiprocessing.get_context(method)
-        queue = context.Queue()
-        child = context.Process(target=_of_child, args=(queue,))
-        child.start()
-        answer = queue.get(timeout=120)
-        child.join()
-        if method == "fork":
-            assert "spawn" in answer
-        else:
-            assert answer == list(tested.series["stress_ratio"])
+def test_a_process_that_is_forked_during_a_run_is_told_to_spawn(case: granum.Case) -> None:
+    answers: list[Any] = []
+
+    def at_state(values: dict[str, float]) -> bool:
+        answers.append(_answer("fork"))
+        return False
+
+    granum.run(case, on_state=at_state)
+    assert len(answers) == 1 and "spawn" in answers[0]
+
+
+def test_a_mistake_of_granum_is_an_exception_and_no_text(tested: granum.Run, capfd: pytest.CaptureFixture[str]) -> None:
+    simulation = tested.simulation()
+    for argument in [None, simulation]:
+        with pytest.raises(granum.InternalError, match="on purpose at .*mistake.rs") as caught:
+            granum._granum._mistake(argument)
+        assert isinstance(caught.value, Exception)
+    assert capfd.readouterr() == ("", "")
+    for use in [lambda: simulation.step, lambda: simulation.advance(1), lambda: copy.copy(simulation), simulation.assembly]:
+        with pytest.raises(granum.RunError, match="lost in a mistake"):
+            use()
+    assert tested.simulation().step > 0
+
+
+def test_several_threads_use_one_simulation_at_once(tested: granum.Run) -> None:
+    simulation = tested.simulation()
+    begin, answers = simulation.step, queue.SimpleQueue[bool]()
+
+    def use() -> None:
+        for _ in range(150):
+            try:
+                assert simulation.step >= begin and len(simulation.assembly().radii) == 60
+                simulation.control(strain_rate={"zz": 1.0})
+                simulation.advance(1)
+                answers.put(True)
+            except granum.RunError as error:
+                assert "another thread" in str(error)
+                answers.put(False)
+
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        threads = [threading.Thread(target=use, daemon=True) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+    finally:
+        sys.setswitchinterval(before)
+    assert not any(thread.is_alive() for thread in threads)
+    made = [answers.get() for _ in range(answers.qsize())]
+    assert len(made) == 600 and simulation.step == begin + sum(made)
+
+
+def test_a_thread_that_outlives_the_interpreter_ends_without_a_word() -> None:
+    program = (
+        "import threading, time, granum\n"
+        "case = granum.Case(grains={'count': 200}, shear={'deviator_strain': 0.3})\n"
+        "told = threading.Event()\n"
+        "run = lambda: granum.run(case, threads=1, on_progress=lambda progress: told.set())\n"
+        "threading.Thread(target=run, daemon=True).start()\n"
+        "assert told.wait(60)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_memory_does_not_grow_over_many_runs(case: granum.Case) -> None:

@@ -36,6 +36,42 @@ def test_tables_are_like_dicts_and_go_to_pandas_and_polars(tested: granum.Run) -
     assert series.to_polars()["stress_ratio"].to_list() == list(series["stress_ratio"])
 
 
+def test_a_table_goes_to_whatever_reads_arrow_without_a_copy(tested: granum.Run) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    polars = pytest.importorskip("polars")
+    series = tested.series
+    arrow = pyarrow.table(series)
+    assert arrow.column_names == series.columns and arrow.schema.field("mean_stress").metadata == {b"unit": b"Pa"}
+    column = arrow.column("stress_ratio").chunk(0)
+    assert column.buffers()[1].address == series["stress_ratio"].__array_interface__["data"][0]
+    assert np.array_equal(column.to_numpy(), series["stress_ratio"])
+    assert pyarrow.schema(series) == arrow.schema
+    assert polars.DataFrame(series).equals(series.to_polars())
+    table = granum.Table({"count": [1, 2], "law": ["hertz", "linear"], "good": [True, False], "x": [0.5, float("inf")]})
+    assert pyarrow.table(table).to_pydict() == {"count": [1, 2], "law": ["hertz", "linear"], "good": [True, False], "x": [0.5, float("inf")]}
+    assert pyarrow.table(granum.Table({})).num_columns == 0
+    kept = pyarrow.table(granum.Table({"x": np.arange(1000.0)}))
+    assert kept.column("x").to_pylist()[-1] == 999.0
+    for frame in [table.to_pandas(), table.to_polars()]:
+        assert granum.Table(frame) == table
+
+
+def test_tables_go_to_xarray_with_units_and_meanings(tested: granum.Run) -> None:
+    pytest.importorskip("xarray")
+    series = tested.series.to_xarray()
+    assert series["mean_stress"].attrs["units"] == "Pa" and "sigma_1" in series["mean_stress"].attrs["description"]
+    assert series.sizes["row"] == 5 and "state" in series.coords
+    forces = tested.table("forces")
+    histogram = forces.to_xarray()
+    assert histogram["count"].dims == ("row", "force") and histogram.sizes["row"] == 5
+    assert histogram["count"].sum() == forces["count"].sum()
+    row = histogram.isel(row=3)
+    of_state = forces["state"] == row["state"].item()
+    filled = row["count"].where(row["count"] > 0, drop=True)
+    assert np.array_equal(filled, forces["count"][of_state & (forces["count"] > 0)])
+    assert np.array_equal(filled["force"], forces["force"][of_state & (forces["count"] > 0)])
+
+
 def test_own_tables_are_written_read_and_pickled(tmp_path: pathlib.Path) -> None:
     table = granum.Table(
         {"count": [1, 2], "ratio": np.array([0.5, np.inf]), "law": ["hertz", "linear"], "good": [True, False]},
@@ -53,6 +89,13 @@ def test_own_tables_are_written_read_and_pickled(tmp_path: pathlib.Path) -> None
     with pytest.raises(granum.Error, match="one dimension"):
         granum.Table({"a": [[1.0]]})
     assert len(granum.Table({})) == 0
+    for wrong, word in [([2**53 + 1], "not below 2"), ([1, None], "row 0 is int"), ([1j], "complex"), ([b"a"], "real numbers")]:
+        with pytest.raises(granum.CaseError, match=word) as caught:
+            granum.Table({"a": wrong})
+        assert caught.value.key == "a"
+    assert granum.Table({"a": [2**53 - 1]})["a"][0] == 2**53 - 1
+    with pytest.raises(granum.CaseError, match="no column b"):
+        granum.Table({"a": [1.0]}, units={"b": "Pa"})
 
 
 def test_an_assembly_has_its_arrays_and_its_tables(tested: granum.Run) -> None:
@@ -92,7 +135,14 @@ def test_sensors_on_arrays_of_anyone_give_what_they_give_on_an_assembly(tested: 
     [
         ({"positions": [[0.0, 0.0]]}, "rows of three"),
         ({"radii": [1.0]}, "there are 2 positions"),
-        ({"radii": [1.0, np.nan]}, "finite"),
+        ({"radii": [1.0, np.nan]}, r"radii\[1\] is NaN"),
+        ({"positions": [[0.0, 0.0, 0.0], [1.5, np.inf, 0.0]]}, r"positions\[1, 1\] is inf"),
+        ({"contacts": [[0, 1]], "forces": [[0.0, 1.0, np.nan]]}, r"forces\[0, 2\] is NaN"),
+        ({"cell": [1.0, np.nan, 1.0]}, r"cell\[1\] is NaN"),
+        ({"radii": ["1", "1"]}, "of the type <U1"),
+        ({"radii": [1.0, None]}, "of the type object"),
+        ({"radii": [1.0, 1j]}, "of the type complex128"),
+        ({"contacts": [[0, 2**60]]}, "not below 2"),
         ({"contacts": [[0, 2]]}, "no index"),
         ({"contacts": [[0, -1]]}, "no index"),
         ({"contacts": [[0, 0.5]]}, "no index"),
@@ -121,5 +171,9 @@ def test_a_family_predicts_with_intervals() -> None:
         sand.predict({})
     with pytest.raises(granum.CaseError):
         sand.predict({"nonsense": 1.0})
+    with pytest.raises(granum.CaseError, match="friction"):
+        sand.predict({**given, "friction": "3 mm"})
+    with pytest.raises(granum.CaseError, match="friction: NaN is not finite"):
+        sand.predict({**given, "friction": float("nan")})
     with pytest.raises(granum.Error, match="snow"):
         granum.surrogates.load("snow")

@@ -24,6 +24,9 @@ from typing import Any, Literal, TypeAlias, TypedDict
 
 Quantity: TypeAlias = Any
 """A number in SI units, a text with a unit such as `"0.2 mm"`, a number of NumPy, or a quantity of pint."""
+
+Quantities: TypeAlias = Any
+"""A sequence of quantities, or of such sequences; an array, a frame of pandas or a quantity of pint with an array."""
 '''
 
 
@@ -39,7 +42,8 @@ def type_of(schema: dict[str, Any]) -> str:
         return " | ".join(dict.fromkeys(type_of(part) for part in schema["anyOf"]))
     kind = schema.get("type")
     if kind == "array":
-        return f"Sequence[{type_of(schema.get('items', {}))}]"
+        item = type_of(schema.get("items", {}))
+        return "Quantities" if item in ("Quantity", "Quantities") else f"Sequence[{item}]"
     return {"integer": "int", "boolean": "bool", "string": "str", "object": "dict[str, Any]"}.get(str(kind), "Quantity")
 
 

@@ -213,6 +213,11 @@ fn unit(text: &str) -> Result<Unit, String> {
     Ok(total)
 }
 
+/// True if a unit can be read, whatever its dimension: `kN/m2`, but not `psi`. An empty text is the unit of a pure number.
+pub fn is_unit(text: &str) -> bool {
+    unit(text).is_ok()
+}
+
 /// Splits `m3` and `m^3` into `m` and 3.
 fn split_power(factor: &str) -> (&str, Option<i8>) {
     if factor == "1" {
@@ -335,6 +340,16 @@ mod tests {
         assert_eq!(error, "is an angle; it must be a pure number without unit");
         let error = parse_quantity("3 Pa s", Dimension::STRESS).unwrap_err();
         assert!(error.starts_with("is a quantity in kg m-1 s-1"), "{error}");
+    }
+
+    #[test]
+    fn units_are_known_by_themselves() {
+        for text in ["", "%", "kPa", "kN/m^2", "kg m^-1 s^-2", "1/s"] {
+            assert!(is_unit(text), "{text}");
+        }
+        for text in ["psi", "kPaa", "m99", "m/", "kg/m s"] {
+            assert!(!is_unit(text), "{text}");
+        }
     }
 
     #[test]

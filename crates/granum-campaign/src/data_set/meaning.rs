@@ -36,8 +36,8 @@ const KNOWN: [(&str, &str); 26] = [
     ("preparation.seed", "seed of the sample"),
 ];
 
-/// The meaning of a column; empty where its name is all that is known.
-pub(super) fn of_column(name: &str, base: &Case, sensors: &Sensors) -> String {
+/// The meaning of a column of a data set, of a series or of a table of runs, in a line; empty where its name is all that is known.
+pub fn of_column(name: &str, base: &Case, sensors: &Sensors) -> String {
     let measured = |name: &str| {
         let known = sensors.columns().find(|column| column.name == name);
         known.map(|column| column.description.to_string())

@@ -31,5 +31,6 @@ pub use collect::{Collected, DataSetSummary, collect};
 pub use contents::LeftOutRun;
 pub use grainlearning::{GrainLearning, grainlearning};
 pub use layout::{BIN_WIDTH, BINS, DATA_SET, FIRST_BIN, QUANTITY, RUN, VARIABLE};
+pub use meaning::of_column as meaning_of_column;
 pub use read::{DataSet, DataSetRun};
 pub use run_rows::{read_finished, states_of};

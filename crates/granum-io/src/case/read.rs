@@ -220,9 +220,7 @@ impl Reader<'_> {
     fn field(&mut self, field: &Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
         self.keys.insert(field.path(), key);
         let parsed = match value.get_ref() {
-            DeValue::Array(items) if field.is_curve() => {
-                Self::points(field, items).map_err(|why| (None, why))
-            }
+            DeValue::Array(items) if field.is_curve() => Self::points(field, items),
             DeValue::String(name)
                 if field.is_curve() && field.words().iter().all(|[word, _]| word != name) =>
             {
@@ -265,7 +263,7 @@ impl Reader<'_> {
     }
 
     /// The points of a sieve curve.
-    fn points(field: &Field, items: &[Spanned<DeValue<'_>>]) -> std::result::Result<Value, String> {
+    fn points(field: &Field, items: &[Spanned<DeValue<'_>>]) -> std::result::Result<Value, ListError> {
         let point = |item: &Spanned<DeValue<'_>>| {
             let DeValue::Array(cells) = item.get_ref() else {
                 return Err(format!("must be {}", field.bounds_text()));
@@ -276,8 +274,11 @@ impl Reader<'_> {
                 .collect::<std::result::Result<_, _>>()?;
             sieve::point(&cells.iter().map(String::as_str).collect::<Vec<_>>())
         };
-        let points = items.iter().map(point).collect::<std::result::Result<Vec<_>, _>>()?;
-        sieve::check(points).map(Value::Curve)
+        let numbered = |(at, item): (usize, &Spanned<DeValue<'_>>)| {
+            point(item).map_err(|why| (Some((at + 1, item.span())), why))
+        };
+        let points = items.iter().enumerate().map(numbered).collect::<std::result::Result<Vec<_>, _>>()?;
+        sieve::check(points).map(Value::Curve).map_err(|why| (None, why))
     }
 
     /// Checks that the strains of the states are given in one way only.

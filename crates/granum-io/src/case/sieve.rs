@@ -127,7 +127,8 @@ pub(super) fn parse(text: &str) -> std::result::Result<Points, String> {
     {
         let cells = part.strip_prefix('[').ok_or_else(wrong)?;
         let cells: Vec<&str> = cells.split(',').map(|cell| cell.trim().trim_matches('"')).collect();
-        points.push(point(&cells)?);
+        let number = points.len() + 1;
+        points.push(point(&cells).map_err(|why| format!("is no sieve curve: point {number} {why}"))?);
     }
     check(points)
 }
@@ -138,7 +139,7 @@ pub(super) fn parse(text: &str) -> std::result::Result<Points, String> {
 /// A sentence that continues "key = value".
 pub(super) fn point(cells: &[&str]) -> std::result::Result<[f64; 2], String> {
     let [diameter, finer] = cells else {
-        return Err(format!("has a point of {} values; {}", cells.len(), bounds_text()));
+        return Err(format!("has {} values, not a diameter and a share; {}", cells.len(), bounds_text()));
     };
     Ok([parse_quantity(diameter, Dimension::LENGTH)?, parse_quantity(finer, Dimension::NUMBER)? + 0.0])
 }
@@ -183,6 +184,15 @@ mod tests {
     fn units_stand_in_the_header() {
         let found = read("# sand\nfiner (%),diameter (mm)\n0,0.1\n25,0.2\n100,0.4\n").unwrap();
         assert_eq!(found, [[1e-4, 0.0], [2e-4, 0.25], [4e-4, 1.0]]);
+    }
+
+    #[test]
+    fn a_mistake_in_a_point_of_the_case_has_its_place() {
+        let text = "[grains]\ndistribution = 'sieve-curve'\nsieve_curve = [[1e-4, 0.3], [2e-4, nan]]\n";
+        let error = crate::Case::parse(text, "case.toml").unwrap_err();
+        let [error] = error.inputs() else { panic!("{error}") };
+        assert_eq!((error.line, error.column), (3, 29), "{error}");
+        assert!(error.message.contains("value 2 = [2e-4, nan]"), "{error}");
     }
 
     #[test]
@@ -238,7 +248,7 @@ mod tests {
             ),
             (
                 "distribution = \"sieve-curve\"\nsieve_curve = [[1e-4, 0, 3], [1e-5, 1]]\n",
-                &[":3:15", "point of 3 values"],
+                &[":3:16", "value 1 = [1e-4, 0, 3]", "3 values"],
             ),
             (
                 "distribution = \"fractal\"\nsmallest = \"1 mm\"\nlargest = \"2 mm\"\ndiameter = \"5 mm\"\n",
