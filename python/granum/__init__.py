@@ -9,9 +9,26 @@
 import os as _os
 
 from . import campaigns, surrogates
-from ._granum import Assembly, Case, Dataset, Run, Simulation, Table, measure, paths, prepare, resume, run, schema, template
+from ._granum import (
+    Assembly,
+    Case,
+    Comparison,
+    Dataset,
+    Run,
+    Simulation,
+    Table,
+    laboratory,
+    measure,
+    paths,
+    prepare,
+    resume,
+    run,
+    schema,
+    template,
+)
 from ._granum import __version__, _forked
 from ._granum import open as open
+from ._plots import compare
 from ._progress import ProgressLine
 from .campaigns import Campaign, linear, log
 from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
@@ -21,6 +38,7 @@ __all__ = [
     "Campaign",
     "Case",
     "CaseError",
+    "Comparison",
     "Dataset",
     "Error",
     "FileError",
@@ -34,6 +52,8 @@ __all__ = [
     "Table",
     "__version__",
     "campaigns",
+    "compare",
+    "laboratory",
     "linear",
     "log",
     "measure",

@@ -18,6 +18,7 @@ _Booleans: TypeAlias = npt.NDArray[np.bool_]
 __all__ = [
     "Assembly",
     "Case",
+    "Comparison",
     "Dataset",
     "Family",
     "Run",
@@ -32,6 +33,7 @@ __all__ = [
     "_program",
     "families",
     "fit",
+    "laboratory",
     "measure",
     "methods",
     "open",
@@ -109,6 +111,11 @@ class Case:
     def keys(self) -> list[str]:
         """The names of all keys."""
 
+    def table(self) -> Table:
+        """Every key with its `value`, `unit` and `meaning`, and whether it has its default (`is_default`)."""
+
+    def _repr_html_(self) -> str: ...
+
     def __getitem__(self, key: str, /) -> float | str | list[float]:
         """The value of a key in SI units."""
 
@@ -164,6 +171,7 @@ class Table:
         of the states, and that of its bins.
         """
 
+    def _repr_html_(self) -> str: ...
     def __arrow_c_schema__(self) -> Any: ...
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
 
@@ -367,7 +375,46 @@ class Run:
         """The simulation as it was at the end of the run, or at its last checkpoint, to go on by hand."""
     def digest(self) -> str:
         """SHA-256 of all results of a run in a folder: the same as `granum digest` gives."""
+    def report(self, out: _Path | None = None, *, force: bool = False) -> str:
+        """The report of the run as the text of a self-contained page. With `out`, a file `.html` or a folder, it is also written."""
+    def plot(self, y: str | Iterable[str], x: str | None = None, axes: Any = None, **style: Any) -> Any:
+        """Draws columns of the states over another one, by default a strain, with matplotlib; returns the axes."""
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> Any: ...
+
+@final
+class Comparison:
+    """Runs over the curves of a laboratory, or over each other: `granum.compare` makes it. A notebook shows its figure."""
+
+    def __new__(cls, runs: Mapping[str, Run], tests: Mapping[str, Table]) -> Comparison: ...
+    @property
+    def runs(self) -> dict[str, Table]:
+        """The curves of each run in the measures of the laboratory: engineering strains, compression positive."""
+    @property
+    def tests(self) -> dict[str, Table]:
+        """The curves of each test of the laboratory."""
+    @property
+    def errors(self) -> list[dict[str, Any]]:
+        """The errors of each `run` against each `test`, or of the other runs against the first, `up_to` the largest axial strain that both
+        have: root mean square of the `deviator_stress` over its largest value, of `volumetric_strain` and `void_ratio`, and the largest
+        deviator stress over that of the test, minus one (`peak`).
+        """
+    @property
+    def residuals(self) -> Table:
+        """What the runs have more than the tests, reading by reading."""
+    @property
+    def svg(self) -> str:
+        """The figure, as the program draws it."""
+    def _repr_svg_(self) -> str: ...
+
+def laboratory(path: _Path, *, columns: Mapping[str, str] | None = None, **conventions: str) -> dict[str, Table]:
+    """The tests of a laboratory's file by name: `axial_strain`, `volumetric_strain`, `deviator_stress`, `mean_stress`, `void_ratio`.
+
+    They are in SI units, compression positive, with engineering strains. `columns` maps known quantities to the columns that hold them:
+    `{"axial_strain": "eps1 (%)"}`. `conventions` are those that comments of the file may state: `compression="negative"`,
+    `strain="logarithmic"`, `stress="total"`, `deviator_stress="half"`, `bedding_strain="0.3 %"`.
+    """
+
 
 @final
 class Dataset:

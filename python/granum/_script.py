@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import os
-import sys
-import sysconfig
 
 _NAME = "granum.exe" if os.name == "nt" else "granum"
+_PACKAGE = os.path.dirname(os.path.abspath(__file__))
 
 
 def script() -> str | None:
-    """The script that was installed with this very package; `None` if it was installed without one."""
-    places = [*_recorded(), *(os.path.join(place, _NAME) for place in (os.path.dirname(sys.executable), sysconfig.get_path("scripts")))]
-    for place in places:
+    """The script that was installed with this very package; `None` if it was installed without one. A script of the same name elsewhere may
+    be of another version.
+    """
+    for place in _places():
         if os.path.isfile(place) and os.access(place, os.X_OK):
             return os.path.abspath(place)
     return None
 
 
-def _recorded() -> list[str]:
-    """Where the installation of this package says that the script is: the only place for those with `--user` or `--target`."""
+def _places() -> list[str]:
+    """Where the installation of this package says that the script is, and where `pip install --target` puts it, which does not say so."""
     from importlib import metadata
 
-    here = os.path.dirname(os.path.abspath(__file__))
     found = []
     for installed in metadata.distributions(name="granum"):
-        if os.path.realpath(str(installed.locate_file("granum"))) == os.path.realpath(here):
+        if os.path.realpath(str(installed.locate_file("granum"))) == os.path.realpath(_PACKAGE):
             found += [str(file.locate()) for file in installed.files or [] if file.name == _NAME]
-    return found
+    return [*found, os.path.join(os.path.dirname(_PACKAGE), "Scripts" if os.name == "nt" else "bin", _NAME)]

@@ -5,8 +5,12 @@ use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
 
 use granum::Registry;
-use granum_io::case::{ParameterValue, SetKey};
+use granum_campaign::data_set::meaning_of_column;
+use granum_core::quantity::format_number;
+use granum_core::{Column, ColumnKind};
+use granum_io::case::{CaseParameter, ParameterValue, SetKey};
 use granum_io::{Error, Reading};
+use granum_sensors::Sensors;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -16,6 +20,7 @@ use toml::de::DeTable;
 use crate::case_text;
 use crate::detached::detached;
 use crate::errors;
+use crate::table;
 use crate::values;
 
 /// The name of a case that was made in Python, for messages.
@@ -194,6 +199,38 @@ impl Case {
             ParameterValue::Word(word) => word.into_bound_py_any(py),
             ParameterValue::List(numbers) => numbers.into_bound_py_any(py),
         }
+    }
+
+    /// Every key with its value, its unit, its meaning and whether it has its default.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parameters = self.inner.parameters();
+        let usual = granum_io::Case::default().parameters();
+        let (fields, sensors) = (&self.inner, Sensors::standard());
+        let word = |value: &ParameterValue| match value {
+            ParameterValue::Number(number) => format_number(*number),
+            ParameterValue::Word(word) => word.clone(),
+            ParameterValue::List(numbers) => {
+                numbers.iter().map(|number| format_number(*number)).collect::<Vec<_>>().join(", ")
+            }
+        };
+        let is_usual = |parameter: &CaseParameter| f64::from(u8::from(usual.contains(parameter)));
+        let columns = vec![
+            Column::of_words("key", parameters.iter().map(|parameter| parameter.key.as_str())),
+            Column::of_words("value", parameters.iter().map(|parameter| word(&parameter.value))),
+            Column::of_words("unit", parameters.iter().map(|parameter| parameter.unit.as_str())),
+            Column::of_words(
+                "meaning",
+                parameters.iter().map(|parameter| meaning_of_column(&parameter.key, fields, &sensors)),
+            ),
+            Column::new("is_default", "", parameters.iter().map(is_usual).collect())
+                .of_kind(ColumnKind::Boolean),
+        ];
+        let found = granum_core::Table::new(columns);
+        table::object(py, found.map_err(|error| errors::general(py, error.to_string()))?)
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._plots")?.call_method1("of_case", (slf,))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -15,7 +15,8 @@ use crate::arrays::{self, Array};
 use crate::detached::detached;
 use crate::errors;
 use crate::quantity;
-use crate::run::{Place, Run};
+use crate::results::Place;
+use crate::run::Run;
 use crate::table::{self, Table};
 
 /// Largest stride of training states.

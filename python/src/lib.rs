@@ -7,6 +7,7 @@ mod assembly;
 mod campaign;
 mod case;
 mod case_text;
+mod comparison;
 mod dataset;
 mod detached;
 mod errors;
@@ -15,6 +16,8 @@ mod mistake;
 mod place;
 mod program;
 mod quantity;
+mod report;
+mod results;
 mod run;
 mod running;
 mod simulation;
@@ -38,6 +41,8 @@ mod module {
     use crate::campaign::CampaignFolder;
     #[pymodule_export]
     use crate::case::{Case, paths, schema, template};
+    #[pymodule_export]
+    use crate::comparison::{Comparison, laboratory};
     #[pymodule_export]
     use crate::dataset::Dataset;
     #[pymodule_export]

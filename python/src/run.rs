@@ -14,18 +14,12 @@ use crate::assembly::Assembly;
 use crate::case::Case;
 use crate::detached::detached;
 use crate::errors;
+use crate::report;
+use crate::results::Place;
 use crate::simulation::Simulation;
 use crate::table;
 use crate::values;
 use crate::watch::serialised;
-
-/// Where the results of a run are.
-pub enum Place {
-    /// In a folder; of a sample without a name it is removed when nothing refers to it.
-    Folder { run: granum_io::Run, kept: Option<Arc<TempDir>> },
-    /// In memory.
-    Memory { case: Box<granum_io::Case>, result: Box<RunResult> },
-}
 
 /// A run: a sample that was prepared, or a test.
 #[pyclass(frozen, module = "granum")]
@@ -210,6 +204,33 @@ impl Run {
 
     fn digest(&self, py: Python<'_>) -> PyResult<String> {
         self.read(py, |run| digest::of_run(&run.now()))
+    }
+
+    /// The report as a page; with `out` it is also written.
+    #[pyo3(signature = (out=None, *, force=false))]
+    fn report(&self, py: Python<'_>, out: Option<PathBuf>, force: bool) -> PyResult<String> {
+        let document = report::document(py, &self.place, true)?;
+        if let Some(out) = out {
+            report::write(py, &document, &out, force)?;
+        }
+        Ok(document.html)
+    }
+
+    #[pyo3(signature = (y, x=None, axes=None, **style))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        y: &Bound<'py, PyAny>,
+        x: Option<&str>,
+        axes: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._plots")?.call_method("plot", (slf, y, x, axes), style)
+    }
+
+    /// The report without the pictures of the grains, which would make a notebook large.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let page = report::document(py, &self.place, false)?.html;
+        py.import("granum._plots")?.call_method1("frame", (page,))?.extract()
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {

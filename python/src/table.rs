@@ -254,6 +254,10 @@ impl Table {
         arrow::stream(py, &self.inner)
     }
 
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("granum._plots")?.call_method1("of_table", (slf,))
+    }
+
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Table>().is_ok_and(|other| other.get().inner == self.inner)
     }

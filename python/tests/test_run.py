@@ -4,6 +4,7 @@ import copy
 import os
 import pathlib
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import time
 import granum
 import numpy as np
 import pytest
+from granum._script import script
 
 
 def granum_program(*arguments: str | pathlib.Path) -> str:
@@ -254,6 +256,24 @@ def test_the_program_comes_with_the_package() -> None:
     assert wrong.returncode == 2 and "unrecognized subcommand" in wrong.stderr
     missing = subprocess.run([sys.executable, "-m", "granum", "run", "missing.toml"], capture_output=True, text=True)
     assert missing.returncode == 1
+
+
+def test_the_program_that_a_campaign_starts_is_that_of_the_package(tmp_path: pathlib.Path) -> None:
+    found = script()
+    assert found is not None and subprocess.run([found, "--version"], capture_output=True, text=True).stdout == f"granum {granum.__version__}\n"
+    # Copied elsewhere without its script: that of the environment may be of another version.
+    shutil.copytree(pathlib.Path(granum.__file__).parent, tmp_path / "granum")
+    line = "import granum, granum._script; print(granum.__file__, granum._script.script())"
+
+    def of_copy() -> list[str]:
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+        return subprocess.run([sys.executable, "-c", line], env=environment, check=True, capture_output=True, text=True).stdout.split()
+
+    assert of_copy() == [str(tmp_path / "granum" / "__init__.py"), "None"]
+    place = tmp_path / ("Scripts/granum.exe" if os.name == "nt" else "bin/granum")
+    place.parent.mkdir()
+    shutil.copy(found, place)
+    assert of_copy()[1] == str(place)
 
 
 def test_a_campaign_of_the_program_starts_its_runs(tmp_path: pathlib.Path) -> None:
