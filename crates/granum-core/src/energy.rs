@@ -76,11 +76,13 @@ macro_rules! mechanisms {
 
         impl EnergyBalance {
             /// The energies of all mechanisms.
+            #[inline]
             pub fn mechanisms(&self) -> MechanismEnergies {
                 MechanismEnergies { $($name: self.$name),* }
             }
 
             /// Adds energies to those of the same mechanisms.
+            #[inline]
             pub fn add(&mut self, energies: &MechanismEnergies) {
                 $(self.$name += energies.$name;)*
             }
@@ -88,11 +90,13 @@ macro_rules! mechanisms {
 
         impl MechanismEnergies {
             /// The energies, in the order of [`MECHANISMS`].
+            #[inline]
             pub fn values(&self) -> [f64; MECHANISMS.len()] {
                 [$(self.$name),*]
             }
 
             /// Adds the energies of the same mechanisms.
+            #[inline]
             pub fn add(&mut self, other: &MechanismEnergies) {
                 $(self.$name += other.$name;)*
             }

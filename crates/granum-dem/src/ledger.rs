@@ -54,10 +54,19 @@ impl Ledger {
 /// attractions comes before the channel, and couples last.
 impl Serialize for Ledger {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let energies = self.balance.mechanisms();
-        let MechanismEnergies { attraction_loss, rolling_work, rolling, .. } = energies;
-        let [tangential_work, friction, micro_slip, damping, made, broken, ..] = energies.values();
-        let lost = [friction, micro_slip, damping, made, broken, attraction_loss, self.channels[0][0]];
+        let MechanismEnergies {
+            tangential_work,
+            friction,
+            micro_slip,
+            damping,
+            adhesion_made,
+            adhesion_broken,
+            rolling_work,
+            rolling,
+            attraction_loss,
+        } = self.balance.mechanisms();
+        let first = self.channels[0][0];
+        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, first];
         ([self.balance.boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
     }
 }

@@ -85,7 +85,7 @@ impl Kernel for TraceOfInverse<'_> {
                 widest::<L>(),
                 #[inline(always)]
                 |first, width| {
-                    // ModelColumn block `first` is zero above row `8 first`.
+                    // Column block `first` is zero above row `8 first`.
                     let from = first * LANES;
                     let scalars = Scalars {
                         values: &Row8::numbers(values)[from * stride * LANES + q * LANES..],

@@ -170,7 +170,11 @@ pub fn figure(
                     let band = band(&own, of);
                     let mean = band.iter().map(|[x, _, _, mean]| [*x, *mean]).collect();
                     let ends = band.iter().map(|[x, low, high, _]| [*x, *low, *high]).collect();
-                    let name = format!("{} and {} repetitions", literal(&run.name), own.len() - 1);
+                    let repetitions = match own.len() - 1 {
+                        1 => "1 repetition".to_string(),
+                        more => format!("{more} repetitions"),
+                    };
+                    let name = format!("{} and {repetitions}", literal(&run.name));
                     plot = plot.with(Layer::area(ends, color(k), 0.25));
                     plot = plot.with(Layer::stroked(mean, stroke(k)).named(&name));
                 }
@@ -219,8 +223,7 @@ fn band(curves: &[&LaboratoryTest], of: Values) -> Vec<[f64; 4]> {
         let values: Option<Vec<f64>> =
             curves.iter().map(|curve| at(*x, &curve.axial_strain, of(curve))).collect();
         let values = values?;
-        let [low, high] =
-            values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], y| [a.min(*y), b.max(*y)]);
+        let [low, high] = granum_learn::curve::range(values.iter().copied());
         Some([*x, low, high, values.iter().sum::<f64>() / values.len() as f64])
     };
     first.axial_strain.iter().filter_map(row).collect()
@@ -285,7 +288,7 @@ mod tests {
             ..Default::default()
         });
         let drawn = figure(&runs, &[], &[], &[vec![0, 1]]).0.to_svg();
-        assert!(drawn.contains("r and 1 repetitions"), "{drawn}");
+        assert!(drawn.contains("r and 1 repetition"), "{drawn}");
     }
 
     #[test]

@@ -239,7 +239,7 @@ fn stress_path(run: &RunReport, traits: &Traits) -> Drawn {
 fn void_ratio_plot(run: &RunReport) -> Plot {
     let void = void_ratio(run);
     let p = run.column("mean_stress");
-    let range = void.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+    let range = granum_learn::curve::range(void.iter().copied());
     let axis = Axis::new("Void ratio *e*");
     // At constant volume rounding alone would make a scale.
     let axis = if range[1] - range[0] < 1e-5 { axis.between(range[0] - 0.01, range[1] + 0.01) } else { axis };

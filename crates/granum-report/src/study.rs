@@ -296,9 +296,7 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
                 Layer::dots(dots, SHAPES[k % SHAPES.len()], 2.0, color(k)).named(&literal(&member.method)),
             );
         }
-        let ends = exact
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+        let ends = granum_learn::curve::range(exact.iter().copied());
         if ends[0] <= ends[1] {
             plot = plot.with(Layer::stroked(
                 ends.map(|x| [x, x]).to_vec(),

@@ -7,6 +7,7 @@
 //! also where inputs are missing ([`TypicalValue`]); [`FamilyScores`] says how far the answers are from samples that it has not seen.
 //! The families are listed in [`ALL`], each path by itself.
 
+mod common_inputs;
 mod definition;
 mod file;
 mod model;

@@ -1,5 +1,6 @@
 //! Powder: fine grains that stick to each other and rub, in compression.
 
+use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
 use super::sand::OUTPUTS;
 
@@ -10,13 +11,7 @@ const fn words(path: &'static str) -> [(&'static str, &'static str); 3] {
 
 /// What is known of grains and sample.
 const INPUTS: &[FamilyInput] = &[
-    FamilyInput {
-        name: "friction",
-        meaning: "coefficient of friction of the grains",
-        key: "grains.material.friction",
-        over: &[],
-        is_required: true,
-    },
+    FRICTION,
     FamilyInput {
         name: "adhesion_number",
         meaning: "interface energy over the stress of the sample and the mean diameter",
@@ -31,27 +26,9 @@ const INPUTS: &[FamilyInput] = &[
         over: &["grains.material.youngs_modulus"],
         is_required: true,
     },
-    FamilyInput {
-        name: "preparation_ratio",
-        meaning: "friction while the sample is made over that of the grains (0 dense, 1 loose)",
-        key: "preparation.friction",
-        over: &["grains.material.friction"],
-        is_required: false,
-    },
-    FamilyInput {
-        name: "sample.void_ratio",
-        meaning: "void ratio of the sample",
-        key: "sample.void_ratio",
-        over: &[],
-        is_required: false,
-    },
-    FamilyInput {
-        name: "sample.mechanical_coordination_number",
-        meaning: "mechanical coordination number of the sample",
-        key: "sample.mechanical_coordination_number",
-        over: &[],
-        is_required: false,
-    },
+    PREPARATION_RATIO,
+    VOID_RATIO,
+    COORDINATION_NUMBER,
 ];
 
 const ABOUT: &str = "Spheres with JKR adhesion and the tangential law of Mindlin and Deresiewicz, without resistance to rolling, with a \

@@ -1,5 +1,6 @@
-//! Sand: stiff grains without adhesion that resist rolling, in drained triaxial compression.
+//! Sand: stiff grains without adhesion that resist rolling, along four paths.
 
+use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
 use super::definition::{FamilyDefinition, FamilyInput, FamilyOutput, PATH};
 
 /// The laws of the grains, and the path.
@@ -52,13 +53,7 @@ const OUTPUTS_AT_CONSTANT_VOLUME: &[FamilyOutput] = &[
 
 /// What is known of grains and sample.
 const INPUTS: &[FamilyInput] = &[
-    FamilyInput {
-        name: "friction",
-        meaning: "coefficient of friction of the grains",
-        key: "grains.material.friction",
-        over: &[],
-        is_required: true,
-    },
+    FRICTION,
     FamilyInput {
         name: "rolling_friction",
         meaning: "coefficient of rolling friction of the grains",
@@ -80,27 +75,9 @@ const INPUTS: &[FamilyInput] = &[
         over: &[],
         is_required: false,
     },
-    FamilyInput {
-        name: "preparation_ratio",
-        meaning: "friction while the sample is made over that of the grains (0 dense, 1 loose)",
-        key: "preparation.friction",
-        over: &["grains.material.friction"],
-        is_required: false,
-    },
-    FamilyInput {
-        name: "sample.void_ratio",
-        meaning: "void ratio of the sample",
-        key: "sample.void_ratio",
-        over: &[],
-        is_required: false,
-    },
-    FamilyInput {
-        name: "sample.mechanical_coordination_number",
-        meaning: "mechanical coordination number of the sample",
-        key: "sample.mechanical_coordination_number",
-        over: &[],
-        is_required: false,
-    },
+    PREPARATION_RATIO,
+    VOID_RATIO,
+    COORDINATION_NUMBER,
 ];
 
 /// Sand in drained triaxial compression.
@@ -124,8 +101,8 @@ pub const SAND: FamilyDefinition = FamilyDefinition {
     plan: "sand-drained",
     about: &[
         ABOUT,
-        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
-         of it (loose), and then axially at constant lateral stress, to an axial strain of 0.25 at an inertial number of 1e-3.",
+        SAMPLES,
+        "They are then compressed axially at constant lateral stress, to an axial strain of 0.25 at an inertial number of 1e-3.",
     ],
     limits: &[
         "It knows one path, drained triaxial compression without unloading, from an isotropic sample.",
@@ -141,6 +118,8 @@ const PATHS: &str = "sand-paths";
 
 const ABOUT: &str = "Spheres with Hertz's normal law, a tangential law without slip below the limit of Coulomb, and elastic-plastic resistance to \
      rolling, without adhesion.";
+const SAMPLES: &str = "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to \
+     all of it (loose).";
 const MODEL: &str = "At the highest stresses grains overlap by up to 9 % of a diameter: there the grains are those of the model, with contacts \
      that do not feel each other, and not those of an elastic solid.";
 const REAL: &str = "Real sands are not spheres, and their coefficients of friction and rolling friction are not measured but calibrated.";
@@ -166,8 +145,8 @@ pub const SAND_CONSTANT_P: FamilyDefinition = FamilyDefinition {
     plan: PATHS,
     about: &[
         ABOUT,
-        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
-         of it (loose), and then axially while the mean stress is held, to a deviator strain of 0.35 at an inertial number of 1e-3.",
+        SAMPLES,
+        "They are then compressed axially while the mean stress is held, to a deviator strain of 0.35 at an inertial number of 1e-3.",
     ],
     limits: &[
         "It knows axial compression at constant mean stress without unloading, from an isotropic sample.",
@@ -198,8 +177,8 @@ pub const SAND_UNDRAINED: FamilyDefinition = FamilyDefinition {
     plan: PATHS,
     about: &[
         ABOUT,
-        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
-         of it (loose), and then axially while the volume is held, to an axial strain of 0.08.",
+        SAMPLES,
+        "They are then compressed axially while the volume is held, to an axial strain of 0.08.",
     ],
     limits: &[
         "It knows undrained triaxial compression without unloading, from an isotropic sample.",
@@ -231,8 +210,8 @@ pub const SAND_UNLOAD_RELOAD: FamilyDefinition = FamilyDefinition {
     plan: PATHS,
     about: &[
         ABOUT,
-        "Samples of 1000 grains in a periodic cell are compressed isotropically with a part of their friction, from none (dense) to all \
-         of it (loose), and then axially at constant lateral stress, to an axial strain of 0.08 with loops of unloading.",
+        SAMPLES,
+        "They are then compressed axially at constant lateral stress, to an axial strain of 0.08 with loops of unloading.",
     ],
     limits: &[
         "It knows the loops of its path alone, from an isotropic sample.",

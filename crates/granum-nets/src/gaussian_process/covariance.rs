@@ -209,18 +209,18 @@ impl Kernel for WeightedGradient<'_> {
             let solved = L::splat(-a[own].0[lane]);
             for block in own..rows.blocks {
                 let weight = solved.mul_add(L::load(&a[block].0), L::load(&b.values[i * b.stride + block].0));
-                let mut counted = rows.present[block];
+                let present = L::load(&rows.present[block].0);
                 // Pairs of different rows count in both orders, and those before the diagonal have been.
-                for (k, times) in counted.0.iter_mut().enumerate() {
-                    let j = block * LANES + k;
-                    *times *= if j > i { 2.0 } else { f64::from(u8::from(j == i)) };
-                }
-                let factor = weight * L::load(&counted.0);
-                if block == own {
-                    let mut diagonal = [0.0; LANES];
-                    diagonal[lane] = 1.0;
+                let factor = if block == own {
+                    let times = |k: usize| if k > lane { 2.0 } else { f64::from(u8::from(k == lane)) };
+                    let (counted, diagonal): ([f64; LANES], [f64; LANES]) =
+                        (std::array::from_fn(times), std::array::from_fn(|k| f64::from(u8::from(k == lane))));
+                    let factor = weight * (present * L::load(&counted));
                     sums[shared + NOISE] = (factor * L::load(&diagonal)).mul_add(noise, sums[shared + NOISE]);
-                }
+                    factor
+                } else {
+                    weight * (present * L::splat(2.0))
+                };
                 let row = rows.row(i);
                 let terms =
                     covariance.terms(row, |d| L::load(&rows.lanes(block, d).0), |d, u| functions[d] = u);

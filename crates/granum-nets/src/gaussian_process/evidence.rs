@@ -73,17 +73,12 @@ impl Factorised {
 }
 
 /// Minus the logarithm of the posterior, but for a constant, and its gradient; `None` if the covariance is not positive definite.
-pub(super) fn posterior(
-    rows: &RowLanes,
-    inputs: usize,
-    targets: &[f64],
-    logarithms: &[f64],
-) -> Option<Slope> {
+pub(super) fn posterior(rows: &RowLanes, targets: &[f64], logarithms: &[f64]) -> Option<Slope> {
     let moderate = |l: &f64| l.abs() < MOST_LOGARITHM;
     if !logarithms.iter().all(moderate) {
         return None;
     }
-    let covariance = Covariance::new(inputs, logarithms);
+    let covariance = Covariance::new(rows.columns, logarithms);
     let mut factorised = Factorised::new(&covariance, rows)?;
     let solved = factorised.solve(targets);
     let fit: f64 = targets.iter().zip(&solved).map(|(y, a)| y * a).sum();
@@ -91,7 +86,7 @@ pub(super) fn posterior(
     let solved = factorised.packed(&solved);
     let inverse = factorised.factor.inverse();
     let mut gradient = covariance.weighted_gradient(Isa::detect(), rows, &inverse, &solved);
-    let terms = gradient.iter_mut().zip(logarithms).zip(prior(inputs));
+    let terms = gradient.iter_mut().zip(logarithms).zip(prior(rows.columns));
     for ((slope, l), [mean, deviation]) in terms {
         let distance = (l - mean) / deviation;
         *slope = 0.5 * *slope + distance / deviation;

@@ -124,7 +124,7 @@ impl GaussianProcess {
         let chosen: Vec<f64> = chosen.iter().map(|y| (y - mean) / deviation).collect();
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in starts {
-            let mut value = |logarithms: &[f64]| posterior(&some, rows.columns(), &chosen, logarithms);
+            let mut value = |logarithms: &[f64]| posterior(&some, &chosen, logarithms);
             let found = minimise(start, options.iterations, TOLERANCE, &mut value);
             if let Some(found) = found
                 && best.as_ref().is_none_or(|(least, _)| found.value < *least)

@@ -76,7 +76,7 @@ impl Rows {
 pub(super) struct RowLanes {
     pub count: usize,
     pub blocks: usize,
-    columns: usize,
+    pub columns: usize,
     values: Vec<f64>,
     /// Input `d` of the rows of a block at `block * columns + d`.
     lanes: Vec<Row8>,

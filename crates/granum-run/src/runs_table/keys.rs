@@ -86,9 +86,8 @@ pub struct RunGroup {
     pub runs: Vec<usize>,
 }
 
-/// Runs by what they have in common: runs that differ in their seed alone are one group, labelled by the keys in which the groups
-/// differ and the number of its runs. Where no other key differs, every run is a group of its own.
-pub fn groups(runs: &[RunEntry]) -> Vec<RunGroup> {
+/// The numbers of runs that differ in their seeds alone, together.
+pub fn repetitions(runs: &[RunEntry]) -> Vec<Vec<usize>> {
     let alike = |a: &RunEntry, b: &RunEntry| {
         let mut other = b.case.clone();
         other.preparation.seed = a.case.preparation.seed;
@@ -101,6 +100,13 @@ pub fn groups(runs: &[RunEntry]) -> Vec<RunGroup> {
             None => groups.push(vec![k]),
         }
     }
+    groups
+}
+
+/// Runs by what they have in common: runs that differ in their seed alone are one group, labelled by the keys in which the groups
+/// differ and the number of its runs. Where no other key differs, every run is a group of its own.
+pub fn groups(runs: &[RunEntry]) -> Vec<RunGroup> {
+    let mut groups = repetitions(runs);
     if groups.len() == 1 {
         groups = (0..runs.len()).map(|k| vec![k]).collect();
     }

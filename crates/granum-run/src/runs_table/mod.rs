@@ -26,7 +26,7 @@ mod units;
 pub use columns::{RunsTable, Selection};
 pub use entry::RunEntry;
 pub use find::find_runs;
-pub use keys::{DifferingKey, KeyValue, RunGroup, differing_keys, groups, legend};
+pub use keys::{DifferingKey, KeyValue, RunGroup, differing_keys, groups, legend, repetitions};
 pub use units::of_measure as unit_of_measure;
 
 #[cfg(test)]

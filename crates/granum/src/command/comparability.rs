@@ -13,10 +13,8 @@ pub fn check_common(runs: &[ComparedRun], tests: &[&LaboratoryTest]) -> Result<(
         return Ok(());
     }
     let range = |strains: &[f64]| {
-        let ends = strains
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
-        let [low, high] = ends.map(|end| rounded(100.0 * end, 4));
+        let [low, high] =
+            granum_learn::curve::range(strains.iter().copied()).map(|end| rounded(100.0 * end, 4));
         format!("from {low} % to {high} %")
     };
     let run = runs

@@ -13,7 +13,7 @@ use granum_report::figure::Figure;
 use granum_report::laboratory_summary::{LaboratorySummary, summary_table};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
-use granum_run::runs_table::{RunEntry, legend};
+use granum_run::runs_table::{RunEntry, legend, repetitions};
 use granum_run::strength::critical_state_line::{CriticalStateLine, LateState};
 use granum_run::strength::one_material;
 use serde_json::{Value, json};
@@ -227,23 +227,6 @@ impl Compare {
         };
         self.test.iter().map(find).collect()
     }
-}
-
-/// The places of runs that differ in their seeds alone.
-fn repetitions(entries: &[RunEntry]) -> Vec<Vec<usize>> {
-    let alike = |a: &RunEntry, b: &RunEntry| {
-        let mut other = b.case.clone();
-        other.preparation.seed = a.case.preparation.seed;
-        a.case == other
-    };
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (k, entry) in entries.iter().enumerate() {
-        match groups.iter_mut().find(|group| alike(&entries[group[0]], entry)) {
-            Some(group) => group.push(k),
-            None => groups.push(vec![k]),
-        }
-    }
-    groups
 }
 
 /// What a laboratory reports of all tests and runs, up to the smallest strain to which two that are compared go.

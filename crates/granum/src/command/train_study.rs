@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_io::run::RunRecord;
+use granum_learn::curve::range;
 use granum_learn::dataset::{CatalogueEntry, unseen_runs};
 use granum_learn::learning_curve::{LearningCurve, doubled};
 use granum_learn::networks::{Form, NetworkSettings, SubModel};
@@ -172,9 +173,7 @@ impl Asked {
         for fit in self.fits.iter_mut().filter(|_| !self.sub_models.is_empty()) {
             let Some(coordinate) = &fit.coordinate else { continue };
             let xs = dataset.column(coordinate)?;
-            let ends = xs
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+            let ends = range(xs.iter().copied());
             if let Some(beyond) = self.sub_models.iter().find(|x| !(**x > ends[0] && **x < ends[1])) {
                 let [low, high] = ends;
                 return Err(Failure::new(format!(

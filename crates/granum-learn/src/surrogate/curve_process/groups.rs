@@ -9,6 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::curve::range;
+
 /// Ratio of the largest to the smallest value beyond which the logarithm may be taken.
 const WIDE: f64 = 10.0;
 /// Ratio beyond which a coefficient of friction comes close to zero.
@@ -35,7 +37,7 @@ enum Spread {
 
 impl Spread {
     fn of_friction(values: &[f64]) -> Spread {
-        match least_and_most(values) {
+        match range(values.iter().copied()) {
             [least, most] if least > 0.0 && most < CLOSE_TO_ZERO * least => Spread::Logarithmic,
             [least, _] if least >= 0.0 => Spread::SquareRoot,
             _ => Spread::Linear,
@@ -43,7 +45,7 @@ impl Spread {
     }
 
     fn from_values(values: &[f64]) -> Spread {
-        let [least, most] = least_and_most(values);
+        let [least, most] = range(values.iter().copied());
         let is_wide = least > 0.0 && most > WIDE * least;
         let logarithms = || values.iter().map(|v| libm::log(*v)).collect::<Vec<_>>();
         if is_wide && lopsidedness(&logarithms()) < lopsidedness(values) {
@@ -54,14 +56,9 @@ impl Spread {
     }
 }
 
-fn least_and_most(values: &[f64]) -> [f64; 2] {
-    let ends = [f64::INFINITY, f64::NEG_INFINITY];
-    values.iter().fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
-}
-
 /// How far the mean is from the middle of the range, in parts of the range.
 fn lopsidedness(values: &[f64]) -> f64 {
-    let [least, most] = least_and_most(values);
+    let [least, most] = range(values.iter().copied());
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     (mean - 0.5 * (least + most)).abs() / (most - least)
 }

@@ -1,0 +1,39 @@
+//! Inputs that all families have: what is known of any grains and samples.
+
+use super::definition::FamilyInput;
+
+/// The friction of the grains.
+pub(super) const FRICTION: FamilyInput = FamilyInput {
+    name: "friction",
+    meaning: "coefficient of friction of the grains",
+    key: "grains.material.friction",
+    over: &[],
+    is_required: true,
+};
+
+/// How loosely a sample was made.
+pub(super) const PREPARATION_RATIO: FamilyInput = FamilyInput {
+    name: "preparation_ratio",
+    meaning: "friction while the sample is made over that of the grains (0 dense, 1 loose)",
+    key: "preparation.friction",
+    over: &["grains.material.friction"],
+    is_required: false,
+};
+
+/// The void ratio of a sample.
+pub(super) const VOID_RATIO: FamilyInput = FamilyInput {
+    name: "sample.void_ratio",
+    meaning: "void ratio of the sample",
+    key: "sample.void_ratio",
+    over: &[],
+    is_required: false,
+};
+
+/// The mechanical coordination number of a sample.
+pub(super) const COORDINATION_NUMBER: FamilyInput = FamilyInput {
+    name: "sample.mechanical_coordination_number",
+    meaning: "mechanical coordination number of the sample",
+    key: "sample.mechanical_coordination_number",
+    over: &[],
+    is_required: false,
+};
