@@ -5,11 +5,13 @@
 //!                            (sensitivity, identifiability)
 //! ```
 
+pub mod band;
 pub mod chains;
 pub mod confirmation;
 pub mod coverage;
 pub mod curve;
 pub mod diagnostics;
+mod differences;
 pub mod emulator;
 mod error;
 pub mod file;

@@ -143,6 +143,8 @@ fn runs_are_shared(here: &Path) {
     let found = done_json(here, &with(&["--test", "T1", "--predict", "others", "--out", "shared"]));
     assert_eq!((&found["tests"][0], &found["predicted_tests"][0]), (&"T1".into(), &"T2".into()));
     assert!(!here.join("shared/runs/design").exists(), "nothing but the confirmation is simulated");
+    let warnings = found["warnings"].to_string();
+    assert!(!warnings.contains("earlier runs"), "the runs are those that the file describes: {warnings}");
     let [known, other] = [0, 2].map(|k| &found["predictions"][k]);
     assert_eq!((&known["test"], &other["test"]), (&"T1".into(), &"T2".into()), "{found:#}");
     // The same readings are predicted alike, whether they were calibrated on or not.
@@ -155,6 +157,7 @@ fn runs_are_shared(here: &Path) {
     assert!(!here.join("left/runs").exists());
     let alone = done_json(here, &with(&["--each-alone", "--out", "alone"]));
     assert_eq!(alone["each_alone"][0]["mean"], alone["each_alone"][1]["mean"], "the tests are the same");
+    parameters_of_a_test_are_its_own(here, &alone);
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T1", "--out", "no"]));
     assert!(message.contains("cannot be predicted as well"), "{message}");
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T9", "--out", "no"]));
@@ -162,6 +165,46 @@ fn runs_are_shared(here: &Path) {
     let message =
         refused(here, 1, &["calibrate", "material.toml", "two.csv", "--runs", "truth", "--out", "no"]);
     assert!(message.contains("neither a campaign nor a data set"), "{message}");
+}
+
+/// A test alone has the same posterior whether a variable is shared by all tests or own to each.
+fn parameters_of_a_test_are_its_own(here: &Path, shared: &serde_json::Value) {
+    let own = MATERIAL.replace("from = 0.1\nto = 0.8", "from = 0.1\nto = 0.8\nown = true");
+    assert_ne!(own, MATERIAL);
+    std::fs::write(here.join("own.toml"), own).unwrap();
+    let command = ["calibrate", "own.toml", "two.csv", "--runs", "out/runs/design", "--out", "own"];
+    let with = |more: &[&'static str]| [&command[..], more].concat();
+    let alone = done_json(here, &with(&["--each-alone"]));
+    for (k, test) in ["T1", "T2"].into_iter().enumerate() {
+        let found = &alone["each_alone"][k];
+        assert_eq!(found["parameters"][0], format!("friction_{test}"), "{found:#}");
+        assert_eq!(found["parameters"][1], "modulus", "{found:#}");
+        assert_eq!(found["mean"], shared["each_alone"][k]["mean"]);
+    }
+    let message = refused(here, 1, &with(&["--leave-one-out"]));
+    assert!(message.contains("friction is own to each test") && message.contains("left out"), "{message}");
+    let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T2"]));
+    assert!(message.contains("friction is own to each test"), "{message}");
+}
+
+#[test]
+fn what_only_a_surrogate_can_do_is_refused_without_one() {
+    let base = folder(false);
+    let here = base.path();
+    std::fs::write(here.join("dem.toml"), MATERIAL.replace("runs = 16", "runs = 16\nmethod = 'dem'"))
+        .unwrap();
+    let plain = ["calibrate", "dem.toml", "lab.csv", "--out", "out"];
+    for option in [
+        &["--predict", "others"][..],
+        &["--leave-one-out"],
+        &["--each-alone"],
+        &["--coverage", "2"],
+        &["--runs", "out"],
+    ] {
+        let message = refused(here, 1, &[&plain[..], option].concat());
+        assert!(message.contains(&format!("{} needs a surrogate, since", option[0])), "{message}");
+    }
+    assert!(!here.join("out").exists());
 }
 
 #[test]

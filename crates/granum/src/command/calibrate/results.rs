@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use granum_calibration::band::{BAND_DRAWS, Band};
 use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
 use granum_calibration::outcome::Outcome;
@@ -23,8 +24,6 @@ use crate::command::text_table;
 use crate::failure::Failure;
 use crate::output;
 
-/// Draws from which bands are made.
-const BAND_DRAWS: usize = 100;
 /// Points of a band.
 const BAND_POINTS: usize = 40;
 
@@ -105,7 +104,6 @@ impl Calibration<'_> {
         simulated: &[Simulated],
     ) -> Result<Vec<CalibratedCurve>, Failure> {
         let draws = found.outcome.spread(BAND_DRAWS);
-        let count = self.parameters.len();
         let emulator = emulator.map(|emulator| emulator.for_targets(self.all));
         let mut all = Vec::new();
         for (test, target) in self.all.iter().enumerate() {
@@ -114,26 +112,13 @@ impl Calibration<'_> {
                 let last = curve.strain.last().copied().unwrap_or(0.0);
                 let strain: Vec<f64> =
                     (0..=BAND_POINTS).map(|k| last * k as f64 / BAND_POINTS as f64).collect();
-                let mut means = Vec::new();
-                let mut variance = vec![0.0; strain.len()];
-                for draw in draws.iter().filter(|_| emulator.is_some()) {
-                    let wanted = |other: usize| (other == *place).then(|| strain.clone());
-                    let predicted = emulator
-                        .as_ref()
-                        .map(|emulator| emulator.predict_test(&draw[..count], test, wanted))
-                        .transpose()?;
-                    let Some(predicted) = predicted.and_then(|mut all| all.remove(*place)) else { continue };
-                    let width = strain.len();
-                    (0..width).for_each(|k| variance[k] += predicted.covariance[k * width + k]);
-                    means.push(predicted.mean);
-                }
-                let band = (0..strain.len()).filter(|_| !means.is_empty()).map(|k| {
-                    let number = means.len() as f64;
-                    let mean = means.iter().map(|curve| curve[k]).sum::<f64>() / number;
-                    let between = means.iter().map(|curve| (curve[k] - mean).powi(2)).sum::<f64>() / number;
-                    let half = 1.645 * (between + variance[k] / number).sqrt();
-                    [strain[k], mean - half, mean + half]
-                });
+                // Neither inadequacy nor measurement: what simulations at the draws would give.
+                let none = |_: &[f64], mean: &[f64]| vec![0.0; mean.len()];
+                let band = |emulator: &Emulator| Band::new(emulator, &draws, (test, *place), &strain, none);
+                let band = emulator.as_ref().map(band).transpose()?.unwrap_or_default();
+                let ends =
+                    band.mean.iter().zip(&band.half_width).map(|(mean, half)| [mean - half, mean + half]);
+                let band = strain.iter().zip(ends).map(|(strain, [low, high])| [*strain, low, high]);
                 let pairs = |xs: &[f64], ys: &[f64]| -> Vec<[f64; 2]> {
                     xs.iter().zip(ys).map(|(x, y)| [*x, *y]).collect()
                 };
