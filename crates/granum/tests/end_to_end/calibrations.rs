@@ -158,6 +158,7 @@ fn runs_are_shared(here: &Path) {
     let alone = done_json(here, &with(&["--each-alone", "--out", "alone"]));
     assert_eq!(alone["each_alone"][0]["mean"], alone["each_alone"][1]["mean"], "the tests are the same");
     parameters_of_a_test_are_its_own(here, &alone);
+    a_posterior_outlives_its_confirmation(here);
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T1", "--out", "no"]));
     assert!(message.contains("cannot be predicted as well"), "{message}");
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T9", "--out", "no"]));
@@ -165,6 +166,25 @@ fn runs_are_shared(here: &Path) {
     let message =
         refused(here, 1, &["calibrate", "material.toml", "two.csv", "--runs", "truth", "--out", "no"]);
     assert!(message.contains("neither a campaign nor a data set"), "{message}");
+}
+
+/// The posterior is written before simulations confirm it, so that it is there if these end in any way.
+fn a_posterior_outlives_its_confirmation(here: &Path) {
+    let folder = here.join("interrupted");
+    std::fs::create_dir_all(folder.join("runs")).unwrap();
+    std::fs::copy(here.join("material.toml"), folder.join("material.toml")).unwrap();
+    std::fs::write(folder.join("runs/confirmation-1"), "in the way of the campaign").unwrap();
+    let command = ["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "interrupted"];
+    let message = refused(here, 1, &command);
+    assert!(message.contains("confirmation-1"), "{message}");
+    assert!(message.contains("posterior is written to interrupted: posterior.csv"), "{message}");
+    for file in ["posterior.csv", "draws.parquet", "inference_data.json", "draws.toml", "posterior-mean.toml"] {
+        assert!(folder.join(file).is_file(), "{file}");
+        let complete = std::fs::metadata(here.join("out").join(file)).unwrap().len();
+        let written = std::fs::metadata(folder.join(file)).unwrap().len();
+        assert!(written * 2 > complete, "{file} {written} {complete}");
+    }
+    assert!(!folder.join("calibration.json").exists());
 }
 
 /// A test alone has the same posterior whether a variable is shared by all tests or own to each.

@@ -159,6 +159,7 @@ impl Calibration<'_> {
             rounds.effective()
         );
         let found = Found { outcome, priors, how };
+        self.save_posterior(&found)?;
         let (confirmed, runs) = self.confirm(1, &found, None)?;
         self.finish(&found, None, &confirmed, &runs.simulated, Vec::new())
     }

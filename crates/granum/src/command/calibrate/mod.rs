@@ -3,6 +3,7 @@
 mod calibration;
 mod coverage;
 mod infer;
+mod posterior_files;
 mod prediction;
 mod repeated;
 mod results;
@@ -202,6 +203,7 @@ impl Calibration<'_> {
             let emulator = self.emulator(numbers.clone(), &known)?;
             let telling = self.telling(&emulator)?;
             let found = self.infer(&emulator)?;
+            self.save_posterior(&found)?;
             let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;
             let beyond = emulator.for_targets(self.all).beyond_simulations(&found.outcome.mean())?;
             let outside = share_outside(&confirmed);

@@ -1,4 +1,4 @@
-//! What a calibration writes: the posterior as tables and for ArviZ, pictures and report, and cases to go on with.
+//! What a calibration writes in the end: curves, report and results for programs.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,16 +6,13 @@ use std::path::Path;
 use granum_calibration::band::{BAND_DRAWS, Band};
 use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
-use granum_calibration::outcome::Outcome;
 use granum_calibration::prediction::Prediction;
-use granum_calibration::simulation::{DesignPoint, Simulated, of_test, plan, planned};
-use granum_calibration::target::{TargetTest, all_curves, readings, understood};
+use granum_calibration::simulation::Simulated;
+use granum_calibration::target::{TargetTest, readings, understood};
 use granum_calibration::telling::WhatTestsTell;
-use granum_campaign::plan::VariableKind;
-use granum_core::quantity::format_number;
 use granum_io::shell::{ShowPath, quoted_path};
-use granum_io::{Column, Table, atomic::write_atomically, write_table};
-use granum_report::calibration::{CalibratedCurve, CalibrationReport, corner_figure, curves_figure, report};
+use granum_io::{Table, atomic::write_atomically};
+use granum_report::calibration::{CalibratedCurve, CalibrationReport, curves_figure, report};
 use serde_json::{Value, json};
 
 use super::calibration::Calibration;
@@ -38,7 +35,7 @@ pub fn put(text: String, path: &Path) -> Result<(), Failure> {
 }
 
 impl Calibration<'_> {
-    /// Writes all results and prints the posterior.
+    /// Writes the results that [`Calibration::save_posterior`] has not written, and prints the posterior.
     pub fn finish(
         &self,
         found: &Found,
@@ -49,19 +46,9 @@ impl Calibration<'_> {
     ) -> Result<(), Failure> {
         remarks.iter().for_each(|remark| self.context.warn(remark));
         let at = |name: &str| self.out.join(name);
-        let units = self.units();
-        let table = found.outcome.table(&found.priors, &units)?;
-        for name in ["posterior.csv", "posterior.parquet"] {
-            write_table(at(name), &table)?;
-        }
-        let draws = draws_table(&found.outcome, &units)?;
-        write_table(at("draws.parquet"), &draws)?;
-        let inference = found.outcome.inference_data(&all_curves(self.targets));
-        put(inference.to_string(), &at("inference_data.json"))?;
-        put(corner_figure(&found.outcome).to_svg(), &at("posterior.svg"))?;
+        let table = self.posterior_table(found)?;
         let curves = self.curves(found, surrogate.map(|(emulator, _)| emulator), simulated)?;
         put(curves_figure(&curves).to_svg(), &at("curves.svg"))?;
-        self.cases(found)?;
         let predictions =
             surrogate.map(|(emulator, _)| self.predictions(found, emulator)).transpose()?.unwrap_or_default();
         let names: Vec<&str> = self.targets.iter().map(|target| target.name.as_str()).collect();
@@ -86,14 +73,6 @@ impl Calibration<'_> {
         );
         put(format!("{result:#}\n"), &at("calibration.json"))?;
         output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed, &predictions))
-    }
-
-    /// SI units of the parameters.
-    fn units(&self) -> Vec<String> {
-        let of_variable = |free: &granum_calibration::file::FreeVariable| {
-            vec![free.unit.clone(); if free.own { self.targets.len() } else { 1 }]
-        };
-        self.file.free.iter().flat_map(of_variable).collect()
     }
 
     /// The measured curves with what the posterior predicts of them.
@@ -140,50 +119,6 @@ impl Calibration<'_> {
             }
         }
         Ok(all)
-    }
-
-    /// The case of the posterior mean at the conditions of the first test, and the plan of a campaign of draws from the posterior that starts
-    /// from it.
-    fn cases(&self, found: &Found) -> Result<(), Failure> {
-        let tests = self.targets.len();
-        let simulation =
-            |values: &[f64]| DesignPoint { test: 0, values: of_test(self.file, tests, values, 0) };
-        let mean = simulation(&found.outcome.mean());
-        let mut one = plan(self.file, self.targets, std::slice::from_ref(&mean));
-        one.design.sample_seeds = granum_campaign::plan::SampleSeeds::Same;
-        let planned = planned(&one)?;
-        let test = &self.targets[0].name;
-        if let Some(run) = planned.runs.first() {
-            let head =
-                format!("# The posterior mean of a calibration, at the conditions of the test {test}.\n\n");
-            write(&self.out.join("posterior-mean.toml"), &(head + &run.case.readable_toml(None)?))?;
-        }
-        let draws = found.outcome.spread(self.file.calibration.draws);
-        let mut text = format!(
-            "# Draws from the posterior of a calibration, at the conditions of the test {test}: what they scatter is what the calibration \
-             leaves open.\n\ncase = \"posterior-mean.toml\"\n\n[design]\nkind = \"list\"\nrows = [\n"
-        );
-        for draw in &draws {
-            let cells = self.file.free.iter().zip(simulation(draw).values);
-            let given = self.file.conditions.iter().zip(&self.targets[0].conditions);
-            let cells: Vec<String> = cells
-                .map(|(free, value)| format!("{} = {}", free.name, format_number(value)))
-                .chain(given.map(|((name, _), value)| format!("{name} = {}", format_number(*value))))
-                .collect();
-            text += &format!("  {{ {} }},\n", cells.join(", "));
-        }
-        text += "]\n";
-        for variable in &self.file.plan.variables {
-            let keys: Vec<String> = variable.keys.iter().map(|key| format!("{:?}", key.value)).collect();
-            text += &format!("\n[[variable]]\nname = {:?}\n", variable.name);
-            if !keys.is_empty() {
-                text += &format!("keys = [{}]\n", keys.join(", "));
-            }
-            if let VariableKind::Expression(expression) = &variable.kind {
-                text += &format!("expression = {:?}\n", expression.value.text());
-            }
-        }
-        write(&self.out.join("draws.toml"), &text)
     }
 
     fn as_json(
@@ -268,16 +203,4 @@ impl Calibration<'_> {
         ));
         lines.join("\n")
     }
-}
-
-/// A row for each draw.
-fn draws_table(outcome: &Outcome, units: &[String]) -> Result<Table, Failure> {
-    let chains = outcome.values.first().into_iter().flatten().enumerate();
-    let chain = chains.flat_map(|(k, draws)| vec![k as f64; draws.len()]).collect();
-    let mut columns = vec![Column::new("chain", "", chain)];
-    for (k, (name, values)) in outcome.names.iter().zip(&outcome.values).enumerate() {
-        let unit = units.get(k).map_or("", String::as_str);
-        columns.push(Column::new(name, unit, values.iter().flatten().copied().collect()));
-    }
-    Ok(Table::new(columns)?)
 }
