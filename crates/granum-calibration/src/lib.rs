@@ -6,6 +6,7 @@
 //! ```
 
 pub mod band;
+pub mod candidate_tests;
 pub mod chains;
 pub mod confirmation;
 pub mod coverage;
@@ -18,6 +19,8 @@ pub mod file;
 pub mod identifiability;
 pub mod known;
 pub mod likelihood;
+pub mod next_run;
+pub mod next_test;
 pub mod normal;
 pub mod outcome;
 pub mod prediction;

@@ -94,6 +94,11 @@ fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
     assert!(number(0, "quantile_95") - number(0, "quantile_5") < 0.5, "{found:#}");
     assert!(found["confirmation"].as_array().unwrap().len() >= 2, "{found:#}");
     assert_eq!(found["what_tests_tell"]["curves"][0][0], "T1");
+    // All runs are at one stress, so that there is no other test that they could tell of, but there is a next simulation.
+    assert_eq!(found["next_test"]["tests"].as_array().unwrap().len(), 0, "{found:#}");
+    let next = &found["next_run"];
+    assert_eq!((&next["test"], &next["values"][1][0]), (&"T1".into(), &"modulus".into()), "{found:#}");
+    assert!(next["then"].as_f64().unwrap() < next["now"].as_f64().unwrap(), "{next:#}");
     let out = here.join("out");
     for file in [
         "posterior.csv",
@@ -101,6 +106,7 @@ fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
         "draws.parquet",
         "surrogate.json",
         "what-tests-tell.svg",
+        "next-test.csv",
         "posterior.svg",
         "curves.svg",
         "report.html",
@@ -142,6 +148,16 @@ fn runs_are_shared(here: &Path) {
     let with = |more: &[&'static str]| [&shared[..], more].concat();
     let found = done_json(here, &with(&["--test", "T1", "--predict", "others", "--out", "shared"]));
     assert_eq!((&found["tests"][0], &found["predicted_tests"][0]), (&"T1".into(), &"T2".into()));
+    // The test that is not used is the same again, and would narrow what is left.
+    let next = &found["next_test"];
+    assert_eq!(next["tests"][0]["name"], "T2", "{next:#}");
+    for k in 0..2 {
+        let [now, then] =
+            [&next["left_now"][k], &next["tests"][0]["left"][k]].map(|left| left.as_f64().unwrap());
+        assert!(0.0 < then && then < now && now <= 1.0, "{next:#}");
+    }
+    let table = std::fs::read_to_string(here.join("shared/next-test.csv")).unwrap();
+    assert!(table.lines().nth(1).is_some_and(|line| line.starts_with("none,yes,")), "{table}");
     assert!(!here.join("shared/runs/design").exists(), "nothing but the confirmation is simulated");
     let warnings = found["warnings"].to_string();
     assert!(!warnings.contains("earlier runs"), "the runs are those that the file describes: {warnings}");
@@ -174,11 +190,13 @@ fn a_posterior_outlives_its_confirmation(here: &Path) {
     std::fs::create_dir_all(folder.join("runs")).unwrap();
     std::fs::copy(here.join("material.toml"), folder.join("material.toml")).unwrap();
     std::fs::write(folder.join("runs/confirmation-1"), "in the way of the campaign").unwrap();
-    let command = ["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "interrupted"];
+    let command =
+        ["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "interrupted"];
     let message = refused(here, 1, &command);
     assert!(message.contains("confirmation-1"), "{message}");
     assert!(message.contains("posterior is written to interrupted: posterior.csv"), "{message}");
-    for file in ["posterior.csv", "draws.parquet", "inference_data.json", "draws.toml", "posterior-mean.toml"] {
+    for file in ["posterior.csv", "draws.parquet", "inference_data.json", "draws.toml", "posterior-mean.toml"]
+    {
         assert!(folder.join(file).is_file(), "{file}");
         let complete = std::fs::metadata(here.join("out").join(file)).unwrap().len();
         let written = std::fs::metadata(folder.join(file)).unwrap().len();

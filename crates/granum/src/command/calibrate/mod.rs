@@ -3,6 +3,7 @@
 mod calibration;
 mod coverage;
 mod infer;
+mod next;
 mod posterior_files;
 mod prediction;
 mod repeated;
@@ -28,6 +29,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use calibration::Calibration;
 use infer::Found;
+use results::Told;
 use simulate::Runs;
 
 /// The copy of the file in the folder, by which the folder is known to be that of a calibration.
@@ -129,6 +131,7 @@ impl Calibrate {
             file: &file,
             all: &all,
             targets,
+            laboratory: &tests,
             parameters,
             out,
             earlier: &self.runs,
@@ -202,8 +205,10 @@ impl Calibration<'_> {
         loop {
             let emulator = self.emulator(numbers.clone(), &known)?;
             let telling = self.telling(&emulator)?;
+            let next_test = self.next_test(&emulator)?;
             let found = self.infer(&emulator)?;
             self.save_posterior(&found)?;
+            let next_run = self.next_run(&found, &emulator)?;
             let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;
             let beyond = emulator.for_targets(self.all).beyond_simulations(&found.outcome.mean())?;
             let outside = share_outside(&confirmed);
@@ -234,13 +239,8 @@ impl Calibration<'_> {
                     Some(_) => {}
                 }
                 results::put(emulator.to_json()?, &self.out.join("surrogate.json"))?;
-                return self.finish(
-                    &found,
-                    Some((&emulator, &telling)),
-                    &confirmed,
-                    &runs.simulated,
-                    remarks,
-                );
+                let told = Told { emulator, telling, next_test, next_run };
+                return self.finish(&found, Some(&told), &confirmed, &runs.simulated, remarks);
             }
             self.context.note("the simulations are added to those from which the surrogate learns, and the inference is repeated");
             known.extend(self.as_known(&numbers, &runs.simulated)?);

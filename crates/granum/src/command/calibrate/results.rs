@@ -6,6 +6,8 @@ use std::path::Path;
 use granum_calibration::band::{BAND_DRAWS, Band};
 use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
+use granum_calibration::next_run::NextRun;
+use granum_calibration::next_test::NextTest;
 use granum_calibration::prediction::Prediction;
 use granum_calibration::simulation::Simulated;
 use granum_calibration::target::{TargetTest, readings, understood};
@@ -24,6 +26,14 @@ use crate::output;
 /// Points of a band.
 const BAND_POINTS: usize = 40;
 
+/// What a surrogate tells beside the posterior.
+pub struct Told<'a> {
+    pub emulator: Emulator<'a>,
+    pub telling: WhatTestsTell,
+    pub next_test: NextTest,
+    pub next_run: Option<NextRun>,
+}
+
 /// Writes a text file.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
@@ -39,7 +49,7 @@ impl Calibration<'_> {
     pub fn finish(
         &self,
         found: &Found,
-        surrogate: Option<(&Emulator, &WhatTestsTell)>,
+        surrogate: Option<&Told>,
         confirmed: &[Confirmed],
         simulated: &[Simulated],
         remarks: Vec<String>,
@@ -47,15 +57,17 @@ impl Calibration<'_> {
         remarks.iter().for_each(|remark| self.context.warn(remark));
         let at = |name: &str| self.out.join(name);
         let table = self.posterior_table(found)?;
-        let curves = self.curves(found, surrogate.map(|(emulator, _)| emulator), simulated)?;
+        let curves = self.curves(found, surrogate.map(|told| &told.emulator), simulated)?;
         put(curves_figure(&curves).to_svg(), &at("curves.svg"))?;
         let predictions =
-            surrogate.map(|(emulator, _)| self.predictions(found, emulator)).transpose()?.unwrap_or_default();
+            surrogate.map(|told| self.predictions(found, &told.emulator)).transpose()?.unwrap_or_default();
         let names: Vec<&str> = self.targets.iter().map(|target| target.name.as_str()).collect();
         let document = report(&CalibrationReport {
             subtitle: format!("tests {}; {}", names.join(", "), found.how),
             understood: understood(self.file, self.targets),
-            telling: surrogate.map(|(_, telling)| telling),
+            telling: surrogate.map(|told| &told.telling),
+            next_test: surrogate.map(|told| &told.next_test),
+            next_run: surrogate.and_then(|told| told.next_run.as_ref()),
             outcome: &found.outcome,
             table: &table,
             curves,
@@ -63,14 +75,7 @@ impl Calibration<'_> {
             remarks: remarks.clone(),
         });
         document.write(&self.out)?;
-        let result = self.as_json(
-            found,
-            surrogate.map(|(_, telling)| telling),
-            confirmed,
-            &table,
-            &remarks,
-            &predictions,
-        );
+        let result = self.as_json(found, surrogate, confirmed, &table, &remarks, &predictions);
         put(format!("{result:#}\n"), &at("calibration.json"))?;
         output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed, &predictions))
     }
@@ -124,7 +129,7 @@ impl Calibration<'_> {
     fn as_json(
         &self,
         found: &Found,
-        telling: Option<&WhatTestsTell>,
+        surrogate: Option<&Told>,
         confirmed: &[Confirmed],
         table: &Table,
         remarks: &[String],
@@ -153,8 +158,10 @@ impl Calibration<'_> {
             "tests": names(self.targets),
             "predicted_tests": names(&self.all[self.targets.len()..]),
             "parameters": found.outcome.names.iter().enumerate().map(parameter).collect::<Vec<_>>(),
-            "what_tests_tell": telling,
-            "not_told": telling.map(WhatTestsTell::warnings),
+            "what_tests_tell": surrogate.map(|told| &told.telling),
+            "not_told": surrogate.map(|told| told.telling.warnings()),
+            "next_test": surrogate.map(|told| &told.next_test),
+            "next_run": surrogate.and_then(|told| told.next_run.as_ref()),
             "confirmation": confirmed,
             "share_outside_intervals": granum_calibration::confirmation::share_outside(confirmed),
             "predictions": predictions,
