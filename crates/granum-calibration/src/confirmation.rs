@@ -5,11 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::emulator::{Emulator, at_strains};
 use crate::error::Result;
 use crate::file::CalibrationFile;
+use crate::normal::NINETY_PERCENT;
 use crate::simulation::{DesignPoint, Simulated, of_test};
 use crate::target::TargetTest;
 
-/// Half the width of an interval of 90 % over the standard deviation of a normal distribution.
-const NINETY: f64 = 1.644_853_626_951_472_7;
 /// Share of the curves that may leave their intervals: a tenth does by chance.
 pub const MOST_OUTSIDE: f64 = 0.25;
 
@@ -41,7 +40,7 @@ pub struct Confirmed {
 impl Confirmed {
     /// True if the simulation differs from the surrogate by more than its interval of 90 %.
     pub fn is_outside(&self) -> bool {
-        self.deviations.is_some_and(|deviations| deviations > NINETY)
+        self.deviations.is_some_and(|deviations| deviations > NINETY_PERCENT)
     }
 }
 
@@ -99,8 +98,29 @@ pub fn confirm(
     Ok(found)
 }
 
-/// The share of the curves whose simulations leave the intervals of the surrogate.
-pub fn share_outside(confirmed: &[Confirmed]) -> f64 {
+/// The share of the curves whose simulations leave the intervals of the surrogate; `None` if nothing was compared with a surrogate.
+pub fn share_outside(confirmed: &[Confirmed]) -> Option<f64> {
+    let compared = confirmed.iter().filter(|one| one.deviations.is_some()).count();
     let outside = confirmed.iter().filter(|one| one.is_outside()).count();
-    outside as f64 / confirmed.len().max(1) as f64
+    (compared > 0).then(|| outside as f64 / compared as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_outside_needs_something_that_was_compared() {
+        let one = |deviations: Option<f64>| Confirmed {
+            test: "T".into(),
+            quantity: "deviator_stress".into(),
+            run: "a".into(),
+            misfit: 0.1,
+            misfit_of_surrogate: None,
+            deviations,
+        };
+        assert_eq!(share_outside(&[]), None);
+        assert_eq!(share_outside(&[one(None)]), None);
+        assert_eq!(share_outside(&[one(Some(1.0)), one(Some(2.0)), one(None)]), Some(0.5));
+    }
 }

@@ -98,7 +98,18 @@ impl<'a> Emulator<'a> {
         Ok(to_json(self.fitted.as_ref())?)
     }
 
-    fn curves(&self) -> Result<&FittedCurves> {
+    /// The inputs of the processes in a test, from the values of the free parameters.
+    ///
+    /// # Errors
+    /// If an expression has no value at them.
+    pub(crate) fn inputs(&self, values: &[f64], test: usize) -> Result<Vec<f64>> {
+        let free = of_test(self.file, self.targets.len(), values, test);
+        let numbers = self.numbers.values(&free, &self.targets[test].conditions)?;
+        Ok(numbers.iter().zip(&self.varies).filter(|(_, varies)| **varies).map(|(x, _)| *x).collect())
+    }
+
+    /// The processes.
+    pub(crate) fn curves(&self) -> Result<&FittedCurves> {
         let any: &dyn Any = self.fitted.as_ref();
         any.downcast_ref().ok_or_else(|| {
             CalibrationError::Input("this is no surrogate of the curves of a calibration".into())
@@ -142,10 +153,7 @@ impl<'a> Emulator<'a> {
         strains: impl Fn(usize) -> Option<Vec<f64>>,
     ) -> Result<Vec<Option<PredictedCurve>>> {
         let target = &self.targets[test];
-        let free = of_test(self.file, self.targets.len(), values, test);
-        let numbers = self.numbers.values(&free, &target.conditions)?;
-        let inputs: Vec<f64> =
-            numbers.iter().zip(&self.varies).filter(|(_, varies)| **varies).map(|(x, _)| *x).collect();
+        let inputs = self.inputs(values, test)?;
         let curves = self.curves()?;
         let predict = |(place, compared): (usize, &crate::file::ComparedQuantity)| {
             let Some(strain) = strains(place) else { return Ok(None) };
@@ -161,6 +169,13 @@ impl<'a> Emulator<'a> {
 }
 
 impl Emulator<'_> {
+    /// The smallest and the largest value of a key over the simulations from which the surrogate learned; `None` for a key that it does not
+    /// know.
+    pub fn range_of(&self, key: &str) -> Option<[f64; 2]> {
+        let place = self.numbers.columns().position(|(known, _)| known == key)?;
+        self.ranges.get(place).copied()
+    }
+
     /// Where values of the parameters lead beyond the simulations from which the surrogate learned: a sentence for each test and key.
     ///
     /// # Errors
@@ -171,8 +186,9 @@ impl Emulator<'_> {
             let free = of_test(self.file, self.targets.len(), values, test);
             let numbers = self.numbers.values(&free, &target.conditions)?;
             for (((key, unit), value), [low, high]) in self.numbers.columns().zip(numbers).zip(&self.ranges) {
-                let slack = 1e-3 * (high - low);
-                if low < high && !(low - slack..=high + slack).contains(&value) {
+                // A number that all simulations have is not seen by the surrogate.
+                let slack = if low < high { 1e-3 * (high - low) } else { 1e-2 * high.abs() };
+                if !(low - slack..=high + slack).contains(&value) {
                     told.push(format!(
                         "{}: {key} = {value:.4e} {unit} lies outside of the simulations ({low:.4e} to {high:.4e}), where the surrogate guesses",
                         target.name
@@ -199,7 +215,7 @@ impl ForwardModel for Emulator<'_> {
 }
 
 /// What a quantity is divided by while it is learned.
-fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
+pub(crate) fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
     if quantity.is_stress() { mean_stress } else { 1.0 }
 }
 

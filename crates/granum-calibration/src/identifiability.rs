@@ -74,6 +74,21 @@ pub fn identifiability(
     model: &dyn ForwardModel,
     points: &[Vec<f64>],
 ) -> Result<Identifiability> {
+    let fisher = fisher_information(parameters, curves, chosen, model, points)?;
+    from_fisher(parameters.iter().map(|free| free.name.clone()).collect(), &fisher)
+}
+
+/// The mean over points of the Fisher information of the shares of the parameters, row-major, by the curves whose places are in `chosen`.
+///
+/// # Errors
+/// As [`identifiability`].
+pub fn fisher_information(
+    parameters: &[FreeParameter],
+    curves: &[MeasuredCurve],
+    chosen: &[usize],
+    model: &dyn ForwardModel,
+    points: &[Vec<f64>],
+) -> Result<Vec<f64>> {
     let posterior = Posterior::new(parameters, curves, model, None)?;
     let count = parameters.len();
     let mut fisher = vec![0.0; count * count];
@@ -84,7 +99,35 @@ pub fn identifiability(
         add_fisher(&mut fisher, &posterior, chosen, model, point)?;
     }
     fisher.iter_mut().for_each(|entry| *entry /= points.len() as f64);
-    from_fisher(parameters.iter().map(|free| free.name.clone()).collect(), &fisher)
+    Ok(fisher)
+}
+
+/// For each parameter the deviation of its posterior over that of its prior while all others are free, with a Fisher information of shares.
+///
+/// # Errors
+/// If it is not finite.
+pub(crate) fn contractions(fisher: &[f64], count: usize) -> Result<Vec<f64>> {
+    let covariance = posterior_covariance(fisher, count)?;
+    Ok((0..count).map(|k| (PRIOR_PRECISION * covariance[k][k]).sqrt()).collect())
+}
+
+/// The covariance of the posterior of shares, `(F + 12 I)^-1`.
+fn posterior_covariance(fisher: &[f64], count: usize) -> Result<Vec<Vec<f64>>> {
+    let factor = Cholesky::new(count, &precision(fisher, count))
+        .ok_or_else(|| CalibrationError::Input("the Fisher information is not finite".into()))?;
+    let column = |k: usize| {
+        let mut unit = vec![0.0; count];
+        unit[k] = 1.0;
+        factor.solve(&unit)
+    };
+    Ok((0..count).map(column).collect())
+}
+
+/// The precision of the posterior of shares.
+pub(crate) fn precision(fisher: &[f64], count: usize) -> Vec<f64> {
+    let mut precision = fisher.to_vec();
+    (0..count).for_each(|k| precision[k * count + k] += PRIOR_PRECISION);
+    precision
 }
 
 fn add_fisher(
@@ -136,16 +179,8 @@ fn add_fisher(
 /// The summary of a Fisher information of shares.
 fn from_fisher(names: Vec<String>, fisher: &[f64]) -> Result<Identifiability> {
     let count = names.len();
-    let mut precision = fisher.to_vec();
-    (0..count).for_each(|k| precision[k * count + k] += PRIOR_PRECISION);
-    let factor = Cholesky::new(count, &precision)
-        .ok_or_else(|| CalibrationError::Input("the Fisher information is not finite".into()))?;
-    let column = |k: usize| {
-        let mut unit = vec![0.0; count];
-        unit[k] = 1.0;
-        factor.solve(&unit)
-    };
-    let covariance: Vec<Vec<f64>> = (0..count).map(column).collect();
+    let precision = precision(fisher, count);
+    let covariance = posterior_covariance(fisher, count)?;
     let correlation = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
     let correlation =
         correlation.map(|(i, j)| covariance[i][j] / (covariance[i][i] * covariance[j][j]).sqrt()).collect();

@@ -5,17 +5,22 @@
 //!                            (sensitivity, identifiability)
 //! ```
 
+pub mod band;
+pub mod candidate_tests;
 pub mod chains;
 pub mod confirmation;
 pub mod coverage;
 pub mod curve;
 pub mod diagnostics;
+mod differences;
 pub mod emulator;
 mod error;
 pub mod file;
 pub mod identifiability;
 pub mod known;
 pub mod likelihood;
+pub mod next_run;
+pub mod next_test;
 pub mod normal;
 pub mod outcome;
 pub mod prediction;

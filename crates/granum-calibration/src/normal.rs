@@ -2,6 +2,9 @@
 
 use libm::{erfc, log, sqrt};
 
+/// Half the width of the interval that holds 90 % of a normal distribution, over its standard deviation.
+pub const NINETY_PERCENT: f64 = 1.644_853_626_951_472_7;
+
 /// Share of the standard normal distribution below z.
 ///
 /// ```
@@ -127,6 +130,7 @@ mod tests {
                 quantile(share)
             );
         }
+        assert!((quantile(0.95) - NINETY_PERCENT).abs() < 1e-14);
         assert_eq!((quantile(0.0), quantile(1.0)), (f64::NEG_INFINITY, f64::INFINITY));
     }
 

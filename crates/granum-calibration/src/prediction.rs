@@ -3,16 +3,13 @@
 use granum_core::{Column, Table};
 use serde::{Deserialize, Serialize};
 
+use crate::band::{BAND_DRAWS, Band};
+use crate::curve::MeasuredCurve;
 use crate::emulator::Emulator;
 use crate::error::Result;
 use crate::file::CalibrationFile;
 use crate::outcome::Outcome;
 use crate::target::TargetTest;
-
-/// Draws of which a prediction is the mean.
-const DRAWS: usize = 100;
-/// Half the width of an interval of 90 % over the standard deviation of a normal distribution.
-const NINETY: f64 = 1.644_853_626_951_472_7;
 
 /// A predicted curve beside the readings of its test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,49 +62,26 @@ pub fn predict(
     test: usize,
     outcome: &Outcome,
 ) -> Result<Vec<Prediction>> {
-    let target = &targets[test];
-    let draws = outcome.spread(DRAWS);
-    let strains = |place: usize| {
-        target.curves.iter().find(|(known, _)| *known == place).map(|(_, curve)| curve.strain.clone())
-    };
-    let mut means: Vec<Vec<Vec<f64>>> = vec![Vec::new(); target.curves.len()];
-    let mut variances: Vec<Vec<f64>> =
-        target.curves.iter().map(|(_, curve)| vec![0.0; curve.strain.len()]).collect();
-    for draw in &draws {
-        let mut predicted = emulator.predict_test(draw, test, strains)?;
-        for (k, (place, curve)) in target.curves.iter().enumerate() {
-            let Some(one) = predicted.get_mut(*place).and_then(Option::take) else { continue };
-            let size =
-                outcome.names.iter().position(|name| *name == format!("{}_discrepancy", curve.quantity));
+    let draws = outcome.spread(BAND_DRAWS);
+    let predict_curve = |(place, curve): &(usize, MeasuredCurve)| {
+        let error = file.calibration.quantities[*place].error;
+        let size = outcome.names.iter().position(|name| *name == format!("{}_discrepancy", curve.quantity));
+        let further = |draw: &[f64], mean: &[f64]| {
             let size = size.map_or(0.0, |at| draw[at]);
-            let count = one.mean.len();
-            let square = one.mean.iter().map(|y| y * y).sum::<f64>() / count as f64;
-            for (i, variance) in variances[k].iter_mut().enumerate() {
-                let measurement = file.calibration.quantities[*place].error.deviation(one.mean[i]);
-                *variance += one.covariance[i * count + i] + measurement * measurement + size * size * square;
-            }
-            means[k].push(one.mean);
-        }
-    }
-    let number = draws.len().max(1) as f64;
-    let curve = |(k, (_, curve)): (usize, &(usize, crate::curve::MeasuredCurve))| {
-        let mean: Vec<f64> = (0..curve.strain.len())
-            .map(|i| means[k].iter().map(|one| one[i]).sum::<f64>() / number)
-            .collect();
-        let half = |i: usize| {
-            let between = means[k].iter().map(|one| (one[i] - mean[i]).powi(2)).sum::<f64>() / number;
-            NINETY * (between + variances[k][i] / number).sqrt()
+            let square = mean.iter().map(|y| y * y).sum::<f64>() / mean.len() as f64;
+            mean.iter().map(|y| error.deviation(*y).powi(2) + size * size * square).collect()
         };
-        Prediction {
-            test: target.name.clone(),
+        let band = Band::new(emulator, &draws, (test, *place), &curve.strain, further)?;
+        Ok(Prediction {
+            test: targets[test].name.clone(),
             quantity: curve.quantity.clone(),
             axial_strain: curve.strain.clone(),
             measured: curve.measured.clone(),
-            half_width: (0..mean.len()).map(half).collect(),
-            mean,
-        }
+            half_width: band.half_width,
+            mean: band.mean,
+        })
     };
-    Ok(target.curves.iter().enumerate().map(curve).collect())
+    targets[test].curves.iter().map(predict_curve).collect()
 }
 
 /// A row for each reading: test, quantity, axial strain, reading, prediction and the ends of its interval of 90 %, in SI units.

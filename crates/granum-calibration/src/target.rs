@@ -126,17 +126,27 @@ fn named<'a>(
     wanted.iter().map(find).collect()
 }
 
-fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<TargetTest> {
-    let lacks = |what: &str, why: &str| {
-        CalibrationError::Input(format!("the test {:?} has no {what}, {why}", test.name))
-    };
+fn lacks(test: &LaboratoryTest, what: &str, why: &str) -> CalibrationError {
+    CalibrationError::Input(format!("the test {:?} has no {what}, {why}", test.name))
+}
+
+fn mean_stress_at_start(test: &LaboratoryTest) -> Result<f64> {
     let mean_stress = test.mean_stress.first().copied().filter(|p| *p > 0.0);
-    let mean_stress = mean_stress.ok_or_else(|| {
-        lacks("mean stress at its start", "by which stresses of different tests are made comparable")
-    })?;
+    mean_stress.ok_or_else(|| {
+        lacks(test, "mean stress at its start", "by which stresses of different tests are made comparable")
+    })
+}
+
+/// What a test gives to the variables [`CalibrationFile::conditions`], in their order.
+///
+/// # Errors
+/// If it has not what is needed of it.
+pub(crate) fn conditions(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Vec<f64>> {
+    let mean_stress = mean_stress_at_start(test)?;
     let condition = |(name, condition): &(String, TestCondition)| {
         let needed = format!("which the variable {name} takes from it");
-        let first = |values: &[f64], what: &str| values.first().copied().ok_or_else(|| lacks(what, &needed));
+        let first =
+            |values: &[f64], what: &str| values.first().copied().ok_or_else(|| lacks(test, what, &needed));
         Ok(match condition {
             TestCondition::MeanStress => mean_stress,
             TestCondition::LateralStress => {
@@ -156,7 +166,16 @@ fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<TargetTest> {
             }
         })
     };
-    let conditions = file.conditions.iter().map(condition).collect::<Result<Vec<f64>>>()?;
+    file.conditions.iter().map(condition).collect()
+}
+
+/// A test as a target.
+///
+/// # Errors
+/// If it has not what is compared or needed of it.
+pub(crate) fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<TargetTest> {
+    let mean_stress = mean_stress_at_start(test)?;
+    let conditions = conditions(file, test)?;
     let curve =
         |(place, compared): (usize, &ComparedQuantity)| measured(test, compared).map(|curve| (place, curve));
     let curves: Vec<(usize, MeasuredCurve)> =

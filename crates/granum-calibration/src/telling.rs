@@ -56,12 +56,7 @@ impl WhatTestsTell {
             Ok(predicted.into_iter().map(|curve| curve.mean).collect())
         };
         let sensitivities = sensitivities(parameters.len(), SOBOL_POINTS, seed, threads, means)?;
-        let points: Vec<Vec<f64>> = (0..POINTS)
-            .map(|k| {
-                let coordinate = |j: usize| inside(f64::from(sobol_burley::sample(k, j as u32, seed)));
-                (0..parameters.len()).map(coordinate).collect()
-            })
-            .collect();
+        let points = points_of_priors(parameters.len(), seed);
         let ask = |chosen: &[usize]| identifiability(parameters, curves, chosen, model, &points);
         let mut by_quantity: Vec<(String, Identifiability)> = Vec::new();
         for curve in curves {
@@ -134,6 +129,12 @@ impl WhatTestsTell {
         };
         (0..self.parameters.len()).map(line).collect()
     }
+}
+
+/// The points of the priors, as shares, at which it is asked what curves tell.
+pub(crate) fn points_of_priors(parameters: usize, seed: u32) -> Vec<Vec<f64>> {
+    let coordinate = |k: u32, j: usize| inside(f64::from(sobol_burley::sample(k, j as u32, seed)));
+    (0..POINTS).map(|k| (0..parameters).map(|j| coordinate(k, j)).collect()).collect()
 }
 
 /// A share at which every prior is finite.

@@ -1,6 +1,8 @@
 //! The report of a calibration: what the tests tell of each parameter, the posterior, and its curves over those of the laboratory.
 
 use granum_calibration::confirmation::Confirmed;
+use granum_calibration::next_run::NextRun;
+use granum_calibration::next_test::NextTest;
 use granum_calibration::outcome::Outcome;
 use granum_calibration::telling::WhatTestsTell;
 use granum_core::Table as Numbers;
@@ -44,6 +46,10 @@ pub struct CalibrationReport<'a> {
     pub understood: Vec<String>,
     /// What the tests tell; not known without a surrogate.
     pub telling: Option<&'a WhatTestsTell>,
+    /// What further tests would tell; not known without a surrogate.
+    pub next_test: Option<&'a NextTest>,
+    /// The simulation that would tell most; not known without a surrogate.
+    pub next_run: Option<&'a NextRun>,
     /// The posterior.
     pub outcome: &'a Outcome,
     /// Its table.
@@ -157,7 +163,8 @@ pub fn report(about: &CalibrationReport) -> Document {
                        parameters were known. Lines: intervals of 90 %.";
         let figure = page.own_figure("sensitivity", caption, &telling_figure(telling));
         let warnings = escaped(&telling.warnings());
-        let lines = escaped(&telling.lines());
+        let mut lines = escaped(&telling.lines());
+        lines.extend(about.next_test.map(|next| escaped(&next.lines())).unwrap_or_default());
         page.section(
             "telling",
             "What the tests tell",
@@ -208,7 +215,12 @@ pub fn report(about: &CalibrationReport) -> Document {
             one.deviations.map_or(String::new(), |deviations| format!("{deviations:.2}")),
         ]);
     }
-    page.section("confirmation", "Confirmed by simulations", html! { (curves) (table.html()) });
+    let next: Vec<String> = about.next_run.map(NextRun::line).into_iter().collect();
+    page.section(
+        "confirmation",
+        "Confirmed by simulations",
+        html! { (curves) (table.html()) (paragraphs(&escaped(&next))) },
+    );
     page.finish("Calibration", &literal(&about.subtitle), paragraphs(&escaped(&about.remarks)))
 }
 
@@ -245,6 +257,8 @@ mod tests {
             subtitle: "1 test".into(),
             understood: vec!["A_1: 100 kPa".into()],
             telling: None,
+            next_test: None,
+            next_run: Some(&NextRun { test: "A_1".into(), values: Vec::new(), now: 0.31, then: 0.24 }),
             outcome: &outcome,
             table: &table,
             curves: vec![curve],
@@ -253,6 +267,7 @@ mod tests {
         });
         assert_eq!(document.figures.len(), 2);
         assert!(document.html.contains("rolling friction") && document.html.contains("5.0 %"));
+        assert!(document.html.contains("31 % now and 24 % after it"));
         assert!(
             document.figures[0].1.matches("<circle").count() + document.figures[0].1.matches("<path").count()
                 > 4

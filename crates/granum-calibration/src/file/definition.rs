@@ -128,6 +128,10 @@ pub enum PredictedTests {
     Named(Vec<String>),
 }
 
+/// Why predictions with intervals need a surrogate.
+pub const WHY_PREDICTIONS: &str = "a prediction with its interval asks for curves at many draws from the posterior, and simulations alone tell \
+                                   them only where they were made";
+
 impl PredictedTests {
     /// The word for all tests that are not calibrated on.
     pub const OTHERS: &'static str = "others";

@@ -39,7 +39,10 @@ mod read_variable;
 mod tests;
 mod words;
 
+#[cfg(test)]
+pub(crate) use tests::parsed as parsed_for_tests;
+
 pub use definition::{
     CalibrationFile, CalibrationTable, ComparedQuantity, CriticalStateOfTests, FreeVariable, Method,
-    PredictedTests, Quantity, TestCondition,
+    PredictedTests, Quantity, TestCondition, WHY_PREDICTIONS,
 };

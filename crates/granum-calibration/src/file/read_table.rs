@@ -5,6 +5,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::definition::{
     CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests, Quantity,
+    WHY_PREDICTIONS,
 };
 use super::words::word;
 use crate::likelihood::Discrepancy;
@@ -54,6 +55,12 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         None => Method::Surrogate,
         Some(node) => word(reader, node, "method", &Method::ALL)?,
     };
+    if let Some(node) =
+        table.get("predict").filter(|_| method == Method::Dem && predict != PredictedTests::Named(Vec::new()))
+    {
+        let message = format!("predict needs a surrogate, since {WHY_PREDICTIONS}");
+        reader.error(node.span(), message, "write method = \"surrogate\", or leave predict out");
+    }
     let mut count = |key: &str, least: u64, most: u64, usual: u64| {
         reader.count(table, key, least, most).unwrap_or(usual) as usize
     };

@@ -62,9 +62,10 @@ key = \"preparation.relative_density\"
 expression = \"min(max(density + shift, 0), 1)\"
 ";
 
-pub(crate) fn parsed(text: &str) -> granum_io::Result<CalibrationFile> {
+/// A file with the text of its base case.
+pub(crate) fn parsed(text: &str, case: &str) -> granum_io::Result<CalibrationFile> {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("sand.toml"), CASE).unwrap();
+    std::fs::write(folder.path().join("sand.toml"), case).unwrap();
     let source =
         PlanSource { file: "material.toml".into(), folder: folder.path().into(), text: Arc::from(text) };
     CalibrationFile::parse(source, Reading::default())
@@ -72,7 +73,7 @@ pub(crate) fn parsed(text: &str) -> granum_io::Result<CalibrationFile> {
 
 #[test]
 fn a_file_says_what_is_free_what_tests_give_and_what_is_compared() {
-    let file = parsed(FILE).unwrap_or_else(|error| panic!("{error}"));
+    let file = parsed(FILE, CASE).unwrap_or_else(|error| panic!("{error}"));
     let free: Vec<(&str, bool)> = file.free.iter().map(|free| (free.name.as_str(), free.own)).collect();
     assert_eq!(free, [("friction", false), ("stiffness", false), ("shift", true)]);
     assert_eq!(file.free[1].prior, Prior::LogUniform { from: 1e8, to: 1e10 });
@@ -110,11 +111,16 @@ fn mistakes_are_told_with_their_lines() {
             &["[calibration.density]"],
         ),
         ("own = true", "own = 1", &["own must be true"]),
+        (
+            "runs = 24",
+            "runs = 24\nmethod = \"dem\"\npredict = [\"C\"]",
+            &["material.toml:7:", "predict needs a surrogate, since", "leave predict out"],
+        ),
         ("runs = 24", "runs = 24\nmethod = \"abc\"", &["method = \"abc\"", "surrogate"]),
         ("test = \"relative_density\"", "test = \"relative_density\"\nfrom = 1", &["from belongs to"]),
     ] {
         assert!(FILE.contains(from), "{from}");
-        let error = parsed(&FILE.replace(from, to)).unwrap_err();
+        let error = parsed(&FILE.replace(from, to), CASE).unwrap_err();
         let told = match &error {
             Error::Inputs(all) => all
                 .iter()
@@ -133,13 +139,13 @@ fn a_state_parameter_counts_from_the_critical_state() {
             .replace("[[calibration.quantity]]", line)
     };
     let quantity = "[[calibration.quantity]]";
-    let refused = |text: &str| parsed(text).unwrap_err().to_string();
+    let refused = |text: &str| parsed(text, CASE).unwrap_err().to_string();
     let told = refused(&with(quantity));
     assert!(told.contains("state parameter counts from the critical state"), "{told}");
     let told = refused(&with(&format!("[calibration.critical_state]\nslope = 0.02\n{quantity}")));
     assert!(told.contains("critical_state needs void_ratio"), "{told}");
     let line = "[calibration.critical_state]\nvoid_ratio = 1.0\nslope = 0.02\n";
-    let file = parsed(&with(&format!("{line}{quantity}"))).unwrap();
+    let file = parsed(&with(&format!("{line}{quantity}")), CASE).unwrap();
     let line = file.calibration.critical_state.unwrap();
     assert!((line.at(101_325.0) - 0.98).abs() < 1e-12 && line.exponent == 0.7);
     let test = granum_io::LaboratoryTest {

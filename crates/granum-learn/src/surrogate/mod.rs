@@ -102,7 +102,9 @@ mod tests;
 pub use boosted_trees::BoostedTrees;
 pub use cascade::{Cascade, FittedCascade};
 pub use content::Content;
-pub use curve_process::{CorrelatedCurve, EndedEarly, FittedCurves, GaussianProcessOfCurves, LeftOutCurves};
+pub use curve_process::{
+    CorrelatedCurve, EndedEarly, FittedCurves, FurtherRun, GaussianProcessOfCurves, LeftOutCurves,
+};
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;

@@ -137,6 +137,11 @@ impl Covariance {
         dispatch(isa, ValuesWith { covariance: self, row, others })
     }
 
+    /// The value at two rows.
+    pub fn between(&self, a: &[f64], b: &[f64]) -> f64 {
+        granum_simd::fused(|| self.value(a, |d| b[d]))
+    }
+
     /// The sum over all pairs of rows, in both orders, of `B_ij - a_i a_j` times the derivatives of the value with respect to the
     /// logarithms of the parameters; the entry of the noise is the sum of `B_ii - a_i a_i` times the variance of the noise. `B` is a symmetric
     /// matrix, and `a` a vector with zeros beyond the rows.

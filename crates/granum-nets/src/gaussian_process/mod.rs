@@ -25,5 +25,5 @@ mod rows;
 mod tests;
 
 pub use error::GaussianProcessError;
-pub use process::{FitOptions, GaussianProcess, LeftOut, ProcessPrediction};
+pub use process::{FitOptions, FurtherRow, GaussianProcess, LeftOut, ProcessPrediction};
 pub use rows::Rows;

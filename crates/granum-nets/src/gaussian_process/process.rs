@@ -58,6 +58,16 @@ pub struct LeftOut {
     pub variance: f64,
 }
 
+/// A row at which a further observation could be made, for [`GaussianProcess::reduction`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FurtherRow {
+    row: Vec<f64>,
+    /// `A^-1 k`, with the covariances k of the row with those that were observed.
+    solved: Vec<f64>,
+    /// Variance of the observation, with its noise, for targets with a standard deviation of one.
+    variance: f64,
+}
+
 /// A Gaussian process: a distribution of functions, of which those near the observed targets remain.
 #[derive(Clone, Debug)]
 pub struct GaussianProcess {
@@ -177,6 +187,32 @@ impl GaussianProcess {
             variance: square * (own - self.factorised.quadratic(with)).max(0.0),
             noise: square * self.covariance.noise(),
         }
+    }
+
+    /// Prepares a further observation.
+    ///
+    /// # Panics
+    /// If the row has another number of inputs.
+    pub fn further(&self, row: &[f64]) -> FurtherRow {
+        assert_eq!(row.len(), self.rows.columns(), "inputs of a row");
+        let (with, own) = self.covariance.with(Isa::detect(), row, &self.lanes);
+        let solved = self.factorised.solve(&Row8::numbers(&with)[..self.rows.count()]);
+        let variance = (own - self.factorised.quadratic(with)).max(0.0) + self.covariance.noise();
+        FurtherRow { row: row.to_vec(), solved, variance }
+    }
+
+    /// By how much a further observation would reduce the variance of the mean at a row, whatever its value turned out to be:
+    /// `c^2 / (v + n)`, with the covariance c of the function at both rows, and the variance v and the noise n at the further one.
+    ///
+    /// # Panics
+    /// If the row has another number of inputs.
+    pub fn reduction(&self, row: &[f64], further: &FurtherRow) -> f64 {
+        assert_eq!(row.len(), self.rows.columns(), "inputs of a row");
+        let (with, _) = self.covariance.with(Isa::detect(), row, &self.lanes);
+        let known: f64 = Row8::numbers(&with).iter().zip(&further.solved).map(|(k, a)| k * a).sum();
+        let covariance = self.covariance.between(row, &further.row) - known;
+        let square = self.scale[1] * self.scale[1];
+        if further.variance > 0.0 { square * covariance * covariance / further.variance } else { 0.0 }
     }
 
     /// Each row as predicted from all others with the same parameters: `y_i - a_i / (A^-1)_ii` with the variance `1 / (A^-1)_ii`

@@ -63,6 +63,34 @@ fn a_row_left_out_is_predicted_as_if_it_had_not_been_there() {
     assert!((left.variance / total - 1.0).abs() < 0.2, "{left:?} {expected:?}");
 }
 
+/// The variance after a further observation is that of a process with a row more and the same parameters. Variances are compared over
+/// the noise, since they count in those of the targets, of which there is one more.
+#[test]
+fn a_further_row_reduces_the_variance_as_if_it_had_been_observed() {
+    let all = rows(25, 3, 11);
+    let targets = observed(&all, 12);
+    let known: Vec<usize> = (0..24).collect();
+    let process =
+        GaussianProcess::fit(Arc::new(all.at(&known)), &targets[..24], &FitOptions::default()).unwrap();
+    let more =
+        GaussianProcess::with_parameters(Arc::new(all.clone()), &targets, process.parameters().to_vec())
+            .unwrap();
+    let further = process.further(all.row(24));
+    let asked = rows(20, 3, 13);
+    let mut largest: f64 = 0.0;
+    for row in (0..20).map(|k| asked.row(k)).chain([all.row(24)]) {
+        let [before, after] = [&process, &more].map(|process| process.predict(row));
+        let found = process.reduction(row, &further) / before.noise;
+        let expected = before.variance / before.noise - after.variance / after.noise;
+        assert!(
+            (found - expected).abs() < 1e-5 * (1.0 + before.variance / before.noise),
+            "{found} {expected}"
+        );
+        largest = largest.max(found);
+    }
+    assert!(largest > 0.1, "{largest}");
+}
+
 /// Noise is told from function, an input without effect is found to have none, and the standard deviations are true.
 #[test]
 fn a_known_function_is_found_with_its_noise() {

@@ -94,6 +94,11 @@ fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
     assert!(number(0, "quantile_95") - number(0, "quantile_5") < 0.5, "{found:#}");
     assert!(found["confirmation"].as_array().unwrap().len() >= 2, "{found:#}");
     assert_eq!(found["what_tests_tell"]["curves"][0][0], "T1");
+    // All runs are at one stress, so that there is no other test that they could tell of, but there is a next simulation.
+    assert_eq!(found["next_test"]["tests"].as_array().unwrap().len(), 0, "{found:#}");
+    let next = &found["next_run"];
+    assert_eq!((&next["test"], &next["values"][1][0]), (&"T1".into(), &"modulus".into()), "{found:#}");
+    assert!(next["then"].as_f64().unwrap() < next["now"].as_f64().unwrap(), "{next:#}");
     let out = here.join("out");
     for file in [
         "posterior.csv",
@@ -101,6 +106,7 @@ fn a_synthetic_target_is_covered_and_the_same_command_goes_on() {
         "draws.parquet",
         "surrogate.json",
         "what-tests-tell.svg",
+        "next-test.csv",
         "posterior.svg",
         "curves.svg",
         "report.html",
@@ -142,7 +148,19 @@ fn runs_are_shared(here: &Path) {
     let with = |more: &[&'static str]| [&shared[..], more].concat();
     let found = done_json(here, &with(&["--test", "T1", "--predict", "others", "--out", "shared"]));
     assert_eq!((&found["tests"][0], &found["predicted_tests"][0]), (&"T1".into(), &"T2".into()));
+    // The test that is not used is the same again, and would narrow what is left.
+    let next = &found["next_test"];
+    assert_eq!(next["tests"][0]["name"], "T2", "{next:#}");
+    for k in 0..2 {
+        let [now, then] =
+            [&next["left_now"][k], &next["tests"][0]["left"][k]].map(|left| left.as_f64().unwrap());
+        assert!(0.0 < then && then < now && now <= 1.0, "{next:#}");
+    }
+    let table = std::fs::read_to_string(here.join("shared/next-test.csv")).unwrap();
+    assert!(table.lines().nth(1).is_some_and(|line| line.starts_with("none,yes,")), "{table}");
     assert!(!here.join("shared/runs/design").exists(), "nothing but the confirmation is simulated");
+    let warnings = found["warnings"].to_string();
+    assert!(!warnings.contains("earlier runs"), "the runs are those that the file describes: {warnings}");
     let [known, other] = [0, 2].map(|k| &found["predictions"][k]);
     assert_eq!((&known["test"], &other["test"]), (&"T1".into(), &"T2".into()), "{found:#}");
     // The same readings are predicted alike, whether they were calibrated on or not.
@@ -155,6 +173,8 @@ fn runs_are_shared(here: &Path) {
     assert!(!here.join("left/runs").exists());
     let alone = done_json(here, &with(&["--each-alone", "--out", "alone"]));
     assert_eq!(alone["each_alone"][0]["mean"], alone["each_alone"][1]["mean"], "the tests are the same");
+    parameters_of_a_test_are_its_own(here, &alone);
+    a_posterior_outlives_its_confirmation(here);
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T1", "--out", "no"]));
     assert!(message.contains("cannot be predicted as well"), "{message}");
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T9", "--out", "no"]));
@@ -162,6 +182,67 @@ fn runs_are_shared(here: &Path) {
     let message =
         refused(here, 1, &["calibrate", "material.toml", "two.csv", "--runs", "truth", "--out", "no"]);
     assert!(message.contains("neither a campaign nor a data set"), "{message}");
+}
+
+/// The posterior is written before simulations confirm it, so that it is there if these end in any way.
+fn a_posterior_outlives_its_confirmation(here: &Path) {
+    let folder = here.join("interrupted");
+    std::fs::create_dir_all(folder.join("runs")).unwrap();
+    std::fs::copy(here.join("material.toml"), folder.join("material.toml")).unwrap();
+    std::fs::write(folder.join("runs/confirmation-1"), "in the way of the campaign").unwrap();
+    let command =
+        ["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "interrupted"];
+    let message = refused(here, 1, &command);
+    assert!(message.contains("confirmation-1"), "{message}");
+    assert!(message.contains("posterior is written to interrupted: posterior.csv"), "{message}");
+    for file in ["posterior.csv", "draws.parquet", "inference_data.json", "draws.toml", "posterior-mean.toml"]
+    {
+        assert!(folder.join(file).is_file(), "{file}");
+        let complete = std::fs::metadata(here.join("out").join(file)).unwrap().len();
+        let written = std::fs::metadata(folder.join(file)).unwrap().len();
+        assert!(written * 2 > complete, "{file} {written} {complete}");
+    }
+    assert!(!folder.join("calibration.json").exists());
+}
+
+/// A test alone has the same posterior whether a variable is shared by all tests or own to each.
+fn parameters_of_a_test_are_its_own(here: &Path, shared: &serde_json::Value) {
+    let own = MATERIAL.replace("from = 0.1\nto = 0.8", "from = 0.1\nto = 0.8\nown = true");
+    assert_ne!(own, MATERIAL);
+    std::fs::write(here.join("own.toml"), own).unwrap();
+    let command = ["calibrate", "own.toml", "two.csv", "--runs", "out/runs/design", "--out", "own"];
+    let with = |more: &[&'static str]| [&command[..], more].concat();
+    let alone = done_json(here, &with(&["--each-alone"]));
+    for (k, test) in ["T1", "T2"].into_iter().enumerate() {
+        let found = &alone["each_alone"][k];
+        assert_eq!(found["parameters"][0], format!("friction_{test}"), "{found:#}");
+        assert_eq!(found["parameters"][1], "modulus", "{found:#}");
+        assert_eq!(found["mean"], shared["each_alone"][k]["mean"]);
+    }
+    let message = refused(here, 1, &with(&["--leave-one-out"]));
+    assert!(message.contains("friction is own to each test") && message.contains("left out"), "{message}");
+    let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T2"]));
+    assert!(message.contains("friction is own to each test"), "{message}");
+}
+
+#[test]
+fn what_only_a_surrogate_can_do_is_refused_without_one() {
+    let base = folder(false);
+    let here = base.path();
+    std::fs::write(here.join("dem.toml"), MATERIAL.replace("runs = 16", "runs = 16\nmethod = 'dem'"))
+        .unwrap();
+    let plain = ["calibrate", "dem.toml", "lab.csv", "--out", "out"];
+    for option in [
+        &["--predict", "others"][..],
+        &["--leave-one-out"],
+        &["--each-alone"],
+        &["--coverage", "2"],
+        &["--runs", "out"],
+    ] {
+        let message = refused(here, 1, &[&plain[..], option].concat());
+        assert!(message.contains(&format!("{} needs a surrogate, since", option[0])), "{message}");
+    }
+    assert!(!here.join("out").exists());
 }
 
 #[test]

@@ -85,9 +85,9 @@ pub struct CorrelatedCurve {
 /// Gaussian processes of curves, fitted to runs.
 pub struct FittedCurves {
     columns: Columns,
-    kept: Kept,
+    pub(super) kept: Kept,
     /// For each curve the process of each component.
-    processes: Vec<Vec<GaussianProcess>>,
+    pub(super) processes: Vec<Vec<GaussianProcess>>,
 }
 
 impl FittedCurves {
@@ -171,16 +171,9 @@ impl FittedCurves {
     /// # Errors
     /// If there is no such output, it is a bin of a histogram, whose values are not normal, or there are other inputs.
     pub fn correlated_curve(&self, inputs: &[f64], output: usize, at: &[f64]) -> Result<CorrelatedCurve> {
-        let Kept { points, groups, calibrations, histograms, curves, .. } = &self.kept;
-        if inputs.len() + 1 != self.columns.inputs.len() || inputs.iter().any(|value| !value.is_finite()) {
-            return Err(failed("a curve needs a finite value of every input beside the coordinate"));
-        }
-        let (Some(kept), Some(calibration), true) =
-            (curves.get(output), calibrations.get(output), histograms.is_empty())
-        else {
-            return Err(failed("there is no such output whose error has a covariance"));
-        };
-        let row: Vec<f64> = groups.iter().map(|group| group.value(inputs)).collect();
+        let points = &self.kept.points;
+        let row = self.row(inputs)?;
+        let (kept, factor) = self.normal_output(output)?;
         let start = kept.start.map_or(0.0, |input| inputs[input]);
         let along =
             |values: &[f64]| at.iter().map(|x| interpolated(*x, points, values)).collect::<Vec<f64>>();
@@ -200,9 +193,25 @@ impl FittedCurves {
         for (k, rest) in along(&kept.rest).into_iter().enumerate() {
             covariance[k * count + k] += rest;
         }
-        let factor = calibration.interval(ONE_DEVIATION);
         covariance.iter_mut().for_each(|entry| *entry *= factor * factor);
         Ok(CorrelatedCurve { mean, covariance })
+    }
+
+    /// What the processes see of the inputs beside the coordinate.
+    pub(super) fn row(&self, inputs: &[f64]) -> Result<Vec<f64>> {
+        if inputs.len() + 1 != self.columns.inputs.len() || inputs.iter().any(|value| !value.is_finite()) {
+            return Err(failed("a curve needs a finite value of every input beside the coordinate"));
+        }
+        Ok(self.kept.groups.iter().map(|group| group.value(inputs)).collect())
+    }
+
+    /// An output whose error is normal, and the factor by which its standard deviations were calibrated.
+    pub(super) fn normal_output(&self, output: usize) -> Result<(&KeptCurve, f64)> {
+        let Kept { calibrations, histograms, curves, .. } = &self.kept;
+        match (curves.get(output), calibrations.get(output), histograms.is_empty()) {
+            (Some(kept), Some(calibration), true) => Ok((kept, calibration.interval(ONE_DEVIATION))),
+            _ => Err(failed("there is no such output whose error has a covariance")),
+        }
     }
 
     /// The root mean square error of an output over the training runs, each predicted by what was fitted to others; `None` if it is not

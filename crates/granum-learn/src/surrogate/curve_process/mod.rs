@@ -22,6 +22,7 @@ mod components;
 mod densities;
 mod failure;
 mod fitted;
+mod further_run;
 mod groups;
 mod left_out;
 mod left_out_curves;
@@ -34,6 +35,7 @@ mod tests;
 
 pub(super) use calibration::Calibration;
 pub use fitted::{CorrelatedCurve, FittedCurves};
+pub use further_run::FurtherRun;
 pub(super) use groups::{Group, groups_of};
 pub use left_out_curves::LeftOutCurves;
 pub use method::GaussianProcessOfCurves;

@@ -150,6 +150,28 @@ fn the_error_of_a_curve_has_its_covariance() {
     );
 }
 
+/// A further run reduces no more than there is to reduce, most of it where it lies, and the less the farther it is.
+#[test]
+fn a_further_run_reduces_the_variance_where_it_lies() {
+    let surrogate = fitted(&dataset(16, 14), &spec());
+    let any: &dyn std::any::Any = surrogate.as_ref();
+    let curves: &FittedCurves = any.downcast_ref().unwrap();
+    let (asked, at) = ([1.15, 0.5], [0.25, 0.5, 1.0]);
+    let before = curves.reducible_variance(&asked, 0, &at).unwrap();
+    let total = curves.correlated_curve(&asked, 0, &at).unwrap().covariance;
+    let reduced = |strength: f64| {
+        let further = curves.further_run(&[strength, 0.5]).unwrap();
+        curves.reduced_variance(&asked, 0, &at, &further).unwrap()
+    };
+    let [here, near, far] = [1.15, 1.0, 0.3].map(reduced);
+    for k in 0..at.len() {
+        assert!(before[k] < total[4 * k], "{before:?} {total:?}");
+        assert!(here[k] > 0.5 * before[k] && here[k] < before[k], "{before:?} {here:?}");
+        assert!(here[k] > near[k] && near[k] > far[k], "{here:?} {near:?} {far:?}");
+    }
+    assert!(curves.further_run(&[0.4]).is_err() && curves.reducible_variance(&asked, 1, &at).is_err());
+}
+
 #[test]
 fn a_curve_starts_at_the_value_of_its_sample() {
     let spec = FitSpec::new(["x", "strength", "rate", "sample.z"], ["z"]).with_coordinate("x");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use granum_calibration::file::CalibrationFile;
 use granum_calibration::likelihood::FreeParameter;
 use granum_calibration::target::TargetTest;
+use granum_io::LaboratoryTest;
 
 use crate::command::campaign::CarryOutFlags;
 use crate::context::Context;
@@ -17,6 +18,8 @@ pub struct Calibration<'a> {
     pub all: &'a [TargetTest],
     /// The tests that are calibrated on.
     pub targets: &'a [TargetTest],
+    /// All tests of the laboratory's files.
+    pub laboratory: &'a [LaboratoryTest],
     pub parameters: Vec<FreeParameter>,
     pub out: PathBuf,
     /// Folders of earlier campaigns whose runs take the place of the design; none for a design.

@@ -8,7 +8,7 @@ use granum_calibration::likelihood::{Discrepancy, Posterior};
 use granum_calibration::outcome::Outcome;
 use granum_calibration::prior::Prior;
 use granum_calibration::sequential::{Sequential, SequentialOptions};
-use granum_calibration::simulation::{DesignPoint, Simulated, of_test};
+use granum_calibration::simulation::{DesignPoint, Simulated, of_test, parameters};
 use granum_calibration::target::{TargetTest, all_curves};
 use granum_core::observer::{Flow, Observer, Progress as Step};
 use granum_run::laboratory::ProgressField;
@@ -71,7 +71,8 @@ impl Calibration<'_> {
         self.infer_for("inference", emulator, self.targets, self.file.calibration.inadequacy)
     }
 
-    /// As [`Calibration::infer`], for targets with the conditions of these.
+    /// As [`Calibration::infer`], for other targets, of which the parameters are those that they have: a variable that is own to each test is free
+    /// in each of them.
     pub fn infer_for(
         &self,
         phase: &str,
@@ -81,7 +82,8 @@ impl Calibration<'_> {
     ) -> Result<Found, Failure> {
         let table = &self.file.calibration;
         let curves = all_curves(targets);
-        let posterior = Posterior::new(&self.parameters, &curves, emulator, inadequacy)?;
+        let parameters = parameters(self.file, targets);
+        let posterior = Posterior::new(&parameters, &curves, emulator, inadequacy)?;
         let mut options = ChainOptions::default();
         (options.chains, options.most_draws) = (table.chains, table.most_draws);
         (options.seed, options.threads) = (u64::from(table.seed), crate::command::hardware::processors());
@@ -157,6 +159,7 @@ impl Calibration<'_> {
             rounds.effective()
         );
         let found = Found { outcome, priors, how };
+        self.save_posterior(&found)?;
         let (confirmed, runs) = self.confirm(1, &found, None)?;
         self.finish(&found, None, &confirmed, &runs.simulated, Vec::new())
     }

@@ -3,6 +3,8 @@
 mod calibration;
 mod coverage;
 mod infer;
+mod next;
+mod posterior_files;
 mod prediction;
 mod repeated;
 mod results;
@@ -11,8 +13,9 @@ mod simulate;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_calibration::confirmation::{Confirmed, MOST_OUTSIDE, share_outside};
 use granum_calibration::emulator::Emulator;
-use granum_calibration::file::{CalibrationFile, Method, PredictedTests};
+use granum_calibration::file::{CalibrationFile, Method, PredictedTests, WHY_PREDICTIONS};
 use granum_calibration::known::KnownRun;
 use granum_calibration::simulation::{CaseNumbers, parameters};
 use granum_calibration::target::{predicted, targets, understood};
@@ -26,6 +29,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use calibration::Calibration;
 use infer::Found;
+use results::Told;
 use simulate::Runs;
 
 /// The copy of the file in the folder, by which the folder is known to be that of a calibration.
@@ -83,6 +87,14 @@ pub struct Calibrate {
 impl Calibrate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut file = CalibrationFile::read(&self.file, context.reading())?;
+        if let Some((option, why)) =
+            self.without_surrogate().filter(|_| file.calibration.method == Method::Dem)
+        {
+            return Err(Failure::new(format!(
+                "{option} needs a surrogate, since {why}; write method = \"surrogate\" in {}",
+                self.file.shown()
+            )));
+        }
         if !self.test.is_empty() {
             file.calibration.tests.clone_from(&self.test);
         }
@@ -103,8 +115,12 @@ impl Calibrate {
         doubts(&used).iter().for_each(|doubt| context.warn(doubt));
         understood(&file, targets).iter().for_each(|line| context.note(line));
         understood(&file, predicted).iter().for_each(|line| context.note(&format!("to predict: {line}")));
-        if let Some(option) = self.without_surrogate().filter(|_| file.calibration.method == Method::Dem) {
-            return Err(Failure::new(format!("{option} needs a surrogate; write method = \"surrogate\"")));
+        if let Some(own) = file.free.iter().find(|free| free.own).filter(|_| self.leave_one_out) {
+            return Err(Failure::new(format!(
+                "--leave-one-out predicts a test from the others, and {} is own to each test (own = true), so that the others do not tell its value in \
+                 the test that is left out; let all tests share it, or give it by an expression of what the tests have",
+                own.name
+            )));
         }
         let name = || PathBuf::from(self.file.file_stem().unwrap_or(self.file.as_os_str()));
         let out = self.out.clone().unwrap_or_else(name);
@@ -115,6 +131,7 @@ impl Calibrate {
             file: &file,
             all: &all,
             targets,
+            laboratory: &tests,
             parameters,
             out,
             earlier: &self.runs,
@@ -135,14 +152,17 @@ impl Calibrate {
         }
     }
 
-    /// An option that was given and that only a surrogate has.
-    fn without_surrogate(&self) -> Option<&'static str> {
+    /// An option that was given and that only a surrogate has, and why.
+    fn without_surrogate(&self) -> Option<(&'static str, &'static str)> {
+        let repeated = "it repeats the inference on other targets, and each inference by simulations alone needs rounds of its own";
         let given = [
-            (!self.runs.is_empty(), "--runs"),
-            (self.leave_one_out, "--leave-one-out"),
-            (self.each_alone, "--each-alone"),
+            (!self.runs.is_empty(), "--runs", "rounds of simulations choose their own points"),
+            (!self.predict.is_empty(), "--predict", WHY_PREDICTIONS),
+            (self.leave_one_out, "--leave-one-out", repeated),
+            (self.each_alone, "--each-alone", repeated),
+            (self.coverage.is_some(), "--coverage", repeated),
         ];
-        given.iter().find(|(is_given, _)| *is_given).map(|(_, option)| *option)
+        given.iter().find(|(is_given, ..)| *is_given).map(|(_, option, why)| (*option, *why))
     }
 
     /// The tests of all files; one without a name has that of its file.
@@ -185,39 +205,42 @@ impl Calibration<'_> {
         loop {
             let emulator = self.emulator(numbers.clone(), &known)?;
             let telling = self.telling(&emulator)?;
+            let next_test = self.next_test(&emulator)?;
             let found = self.infer(&emulator)?;
+            self.save_posterior(&found)?;
+            let next_run = self.next_run(&found, &emulator)?;
             let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;
             let beyond = emulator.for_targets(self.all).beyond_simulations(&found.outcome.mean())?;
-            let outside = granum_calibration::confirmation::share_outside(&confirmed);
-            let is_confirmed = outside <= granum_calibration::confirmation::MOST_OUTSIDE;
-            let unconfirmed = self.file.calibration.confirm == 0;
-            let confirmation = format!(
-                "confirmation {round}: {:.0} % of the curves of {} simulations at draws from the posterior leave the intervals of 90 % of \
-                 the surrogate",
-                100.0 * outside,
-                runs.simulated.len()
-            );
-            (!unconfirmed).then(|| self.context.note(&confirmation));
-            if is_confirmed || round >= table.rounds {
+            let outside = share_outside(&confirmed);
+            if let Some(outside) = outside {
+                self.context.note(&format!(
+                    "confirmation {round}: {:.0} % of the curves of {} simulations at draws from the posterior leave the intervals of 90 % of \
+                     the surrogate",
+                    100.0 * outside,
+                    runs.simulated.len()
+                ));
+            }
+            if outside.is_none_or(|outside| outside <= MOST_OUTSIDE) || round >= table.rounds {
                 let mut remarks = beyond;
-                if unconfirmed {
-                    remarks.push("nothing is confirmed by simulations (confirm = 0): all curves are those of the surrogate".into());
-                }
-                if !is_confirmed {
-                    remarks.push(format!(
+                match outside {
+                    None if table.confirm == 0 => remarks.push(
+                        "nothing is confirmed by simulations (confirm = 0): all curves are those of the surrogate".into(),
+                    ),
+                    None => remarks.push(
+                        "nothing is confirmed, since none of the simulations at draws from the posterior is used: all curves are those of the \
+                         surrogate"
+                            .into(),
+                    ),
+                    Some(outside) if outside > MOST_OUTSIDE => remarks.push(format!(
                         "the surrogate is not confirmed after {round} rounds: {:.0} % of the curves of simulations leave its intervals of \
                          90 %; plan more runs, or allow more rounds",
                         100.0 * outside
-                    ));
+                    )),
+                    Some(_) => {}
                 }
                 results::put(emulator.to_json()?, &self.out.join("surrogate.json"))?;
-                return self.finish(
-                    &found,
-                    Some((&emulator, &telling)),
-                    &confirmed,
-                    &runs.simulated,
-                    remarks,
-                );
+                let told = Told { emulator, telling, next_test, next_run };
+                return self.finish(&found, Some(&told), &confirmed, &runs.simulated, remarks);
             }
             self.context.note("the simulations are added to those from which the surrogate learns, and the inference is repeated");
             known.extend(self.as_known(&numbers, &runs.simulated)?);
@@ -268,7 +291,7 @@ impl Calibration<'_> {
         round: usize,
         found: &Found,
         emulator: Option<&Emulator>,
-    ) -> Result<(Vec<granum_calibration::confirmation::Confirmed>, Runs), Failure> {
+    ) -> Result<(Vec<Confirmed>, Runs), Failure> {
         let draws = found.outcome.spread(self.file.calibration.confirm);
         if draws.is_empty() {
             return Ok((Vec::new(), Runs { simulated: Vec::new() }));

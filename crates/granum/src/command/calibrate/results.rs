@@ -1,20 +1,20 @@
-//! What a calibration writes: the posterior as tables and for ArviZ, pictures and report, and cases to go on with.
+//! What a calibration writes in the end: curves, report and results for programs.
 
 use std::io::Write;
 use std::path::Path;
 
+use granum_calibration::band::{BAND_DRAWS, Band};
 use granum_calibration::confirmation::Confirmed;
 use granum_calibration::emulator::Emulator;
-use granum_calibration::outcome::Outcome;
+use granum_calibration::next_run::NextRun;
+use granum_calibration::next_test::NextTest;
 use granum_calibration::prediction::Prediction;
-use granum_calibration::simulation::{DesignPoint, Simulated, of_test, plan, planned};
-use granum_calibration::target::{TargetTest, all_curves, readings, understood};
+use granum_calibration::simulation::Simulated;
+use granum_calibration::target::{TargetTest, readings, understood};
 use granum_calibration::telling::WhatTestsTell;
-use granum_campaign::plan::VariableKind;
-use granum_core::quantity::format_number;
 use granum_io::shell::{ShowPath, quoted_path};
-use granum_io::{Column, Table, atomic::write_atomically, write_table};
-use granum_report::calibration::{CalibratedCurve, CalibrationReport, corner_figure, curves_figure, report};
+use granum_io::{Table, atomic::write_atomically};
+use granum_report::calibration::{CalibratedCurve, CalibrationReport, curves_figure, report};
 use serde_json::{Value, json};
 
 use super::calibration::Calibration;
@@ -23,10 +23,16 @@ use crate::command::text_table;
 use crate::failure::Failure;
 use crate::output;
 
-/// Draws from which bands are made.
-const BAND_DRAWS: usize = 100;
 /// Points of a band.
 const BAND_POINTS: usize = 40;
+
+/// What a surrogate tells beside the posterior.
+pub struct Told<'a> {
+    pub emulator: Emulator<'a>,
+    pub telling: WhatTestsTell,
+    pub next_test: NextTest,
+    pub next_run: Option<NextRun>,
+}
 
 /// Writes a text file.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
@@ -39,37 +45,29 @@ pub fn put(text: String, path: &Path) -> Result<(), Failure> {
 }
 
 impl Calibration<'_> {
-    /// Writes all results and prints the posterior.
+    /// Writes the results that [`Calibration::save_posterior`] has not written, and prints the posterior.
     pub fn finish(
         &self,
         found: &Found,
-        surrogate: Option<(&Emulator, &WhatTestsTell)>,
+        surrogate: Option<&Told>,
         confirmed: &[Confirmed],
         simulated: &[Simulated],
         remarks: Vec<String>,
     ) -> Result<(), Failure> {
         remarks.iter().for_each(|remark| self.context.warn(remark));
         let at = |name: &str| self.out.join(name);
-        let units = self.units();
-        let table = found.outcome.table(&found.priors, &units)?;
-        for name in ["posterior.csv", "posterior.parquet"] {
-            write_table(at(name), &table)?;
-        }
-        let draws = draws_table(&found.outcome, &units)?;
-        write_table(at("draws.parquet"), &draws)?;
-        let inference = found.outcome.inference_data(&all_curves(self.targets));
-        put(inference.to_string(), &at("inference_data.json"))?;
-        put(corner_figure(&found.outcome).to_svg(), &at("posterior.svg"))?;
-        let curves = self.curves(found, surrogate.map(|(emulator, _)| emulator), simulated)?;
+        let table = self.posterior_table(found)?;
+        let curves = self.curves(found, surrogate.map(|told| &told.emulator), simulated)?;
         put(curves_figure(&curves).to_svg(), &at("curves.svg"))?;
-        self.cases(found)?;
         let predictions =
-            surrogate.map(|(emulator, _)| self.predictions(found, emulator)).transpose()?.unwrap_or_default();
+            surrogate.map(|told| self.predictions(found, &told.emulator)).transpose()?.unwrap_or_default();
         let names: Vec<&str> = self.targets.iter().map(|target| target.name.as_str()).collect();
         let document = report(&CalibrationReport {
             subtitle: format!("tests {}; {}", names.join(", "), found.how),
             understood: understood(self.file, self.targets),
-            telling: surrogate.map(|(_, telling)| telling),
+            telling: surrogate.map(|told| &told.telling),
+            next_test: surrogate.map(|told| &told.next_test),
+            next_run: surrogate.and_then(|told| told.next_run.as_ref()),
             outcome: &found.outcome,
             table: &table,
             curves,
@@ -77,24 +75,9 @@ impl Calibration<'_> {
             remarks: remarks.clone(),
         });
         document.write(&self.out)?;
-        let result = self.as_json(
-            found,
-            surrogate.map(|(_, telling)| telling),
-            confirmed,
-            &table,
-            &remarks,
-            &predictions,
-        );
+        let result = self.as_json(found, surrogate, confirmed, &table, &remarks, &predictions);
         put(format!("{result:#}\n"), &at("calibration.json"))?;
         output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed, &predictions))
-    }
-
-    /// SI units of the parameters.
-    fn units(&self) -> Vec<String> {
-        let of_variable = |free: &granum_calibration::file::FreeVariable| {
-            vec![free.unit.clone(); if free.own { self.targets.len() } else { 1 }]
-        };
-        self.file.free.iter().flat_map(of_variable).collect()
     }
 
     /// The measured curves with what the posterior predicts of them.
@@ -105,7 +88,6 @@ impl Calibration<'_> {
         simulated: &[Simulated],
     ) -> Result<Vec<CalibratedCurve>, Failure> {
         let draws = found.outcome.spread(BAND_DRAWS);
-        let count = self.parameters.len();
         let emulator = emulator.map(|emulator| emulator.for_targets(self.all));
         let mut all = Vec::new();
         for (test, target) in self.all.iter().enumerate() {
@@ -114,26 +96,13 @@ impl Calibration<'_> {
                 let last = curve.strain.last().copied().unwrap_or(0.0);
                 let strain: Vec<f64> =
                     (0..=BAND_POINTS).map(|k| last * k as f64 / BAND_POINTS as f64).collect();
-                let mut means = Vec::new();
-                let mut variance = vec![0.0; strain.len()];
-                for draw in draws.iter().filter(|_| emulator.is_some()) {
-                    let wanted = |other: usize| (other == *place).then(|| strain.clone());
-                    let predicted = emulator
-                        .as_ref()
-                        .map(|emulator| emulator.predict_test(&draw[..count], test, wanted))
-                        .transpose()?;
-                    let Some(predicted) = predicted.and_then(|mut all| all.remove(*place)) else { continue };
-                    let width = strain.len();
-                    (0..width).for_each(|k| variance[k] += predicted.covariance[k * width + k]);
-                    means.push(predicted.mean);
-                }
-                let band = (0..strain.len()).filter(|_| !means.is_empty()).map(|k| {
-                    let number = means.len() as f64;
-                    let mean = means.iter().map(|curve| curve[k]).sum::<f64>() / number;
-                    let between = means.iter().map(|curve| (curve[k] - mean).powi(2)).sum::<f64>() / number;
-                    let half = 1.645 * (between + variance[k] / number).sqrt();
-                    [strain[k], mean - half, mean + half]
-                });
+                // Neither inadequacy nor measurement: what simulations at the draws would give.
+                let none = |_: &[f64], mean: &[f64]| vec![0.0; mean.len()];
+                let band = |emulator: &Emulator| Band::new(emulator, &draws, (test, *place), &strain, none);
+                let band = emulator.as_ref().map(band).transpose()?.unwrap_or_default();
+                let ends =
+                    band.mean.iter().zip(&band.half_width).map(|(mean, half)| [mean - half, mean + half]);
+                let band = strain.iter().zip(ends).map(|(strain, [low, high])| [*strain, low, high]);
                 let pairs = |xs: &[f64], ys: &[f64]| -> Vec<[f64; 2]> {
                     xs.iter().zip(ys).map(|(x, y)| [*x, *y]).collect()
                 };
@@ -157,54 +126,10 @@ impl Calibration<'_> {
         Ok(all)
     }
 
-    /// The case of the posterior mean at the conditions of the first test, and the plan of a campaign of draws from the posterior that starts
-    /// from it.
-    fn cases(&self, found: &Found) -> Result<(), Failure> {
-        let tests = self.targets.len();
-        let simulation =
-            |values: &[f64]| DesignPoint { test: 0, values: of_test(self.file, tests, values, 0) };
-        let mean = simulation(&found.outcome.mean());
-        let mut one = plan(self.file, self.targets, std::slice::from_ref(&mean));
-        one.design.sample_seeds = granum_campaign::plan::SampleSeeds::Same;
-        let planned = planned(&one)?;
-        let test = &self.targets[0].name;
-        if let Some(run) = planned.runs.first() {
-            let head =
-                format!("# The posterior mean of a calibration, at the conditions of the test {test}.\n\n");
-            write(&self.out.join("posterior-mean.toml"), &(head + &run.case.readable_toml(None)?))?;
-        }
-        let draws = found.outcome.spread(self.file.calibration.draws);
-        let mut text = format!(
-            "# Draws from the posterior of a calibration, at the conditions of the test {test}: what they scatter is what the calibration \
-             leaves open.\n\ncase = \"posterior-mean.toml\"\n\n[design]\nkind = \"list\"\nrows = [\n"
-        );
-        for draw in &draws {
-            let cells = self.file.free.iter().zip(simulation(draw).values);
-            let given = self.file.conditions.iter().zip(&self.targets[0].conditions);
-            let cells: Vec<String> = cells
-                .map(|(free, value)| format!("{} = {}", free.name, format_number(value)))
-                .chain(given.map(|((name, _), value)| format!("{name} = {}", format_number(*value))))
-                .collect();
-            text += &format!("  {{ {} }},\n", cells.join(", "));
-        }
-        text += "]\n";
-        for variable in &self.file.plan.variables {
-            let keys: Vec<String> = variable.keys.iter().map(|key| format!("{:?}", key.value)).collect();
-            text += &format!("\n[[variable]]\nname = {:?}\n", variable.name);
-            if !keys.is_empty() {
-                text += &format!("keys = [{}]\n", keys.join(", "));
-            }
-            if let VariableKind::Expression(expression) = &variable.kind {
-                text += &format!("expression = {:?}\n", expression.value.text());
-            }
-        }
-        write(&self.out.join("draws.toml"), &text)
-    }
-
     fn as_json(
         &self,
         found: &Found,
-        telling: Option<&WhatTestsTell>,
+        surrogate: Option<&Told>,
         confirmed: &[Confirmed],
         table: &Table,
         remarks: &[String],
@@ -233,8 +158,10 @@ impl Calibration<'_> {
             "tests": names(self.targets),
             "predicted_tests": names(&self.all[self.targets.len()..]),
             "parameters": found.outcome.names.iter().enumerate().map(parameter).collect::<Vec<_>>(),
-            "what_tests_tell": telling,
-            "not_told": telling.map(WhatTestsTell::warnings),
+            "what_tests_tell": surrogate.map(|told| &told.telling),
+            "not_told": surrogate.map(|told| told.telling.warnings()),
+            "next_test": surrogate.map(|told| &told.next_test),
+            "next_run": surrogate.and_then(|told| told.next_run.as_ref()),
             "confirmation": confirmed,
             "share_outside_intervals": granum_calibration::confirmation::share_outside(confirmed),
             "predictions": predictions,
@@ -283,16 +210,4 @@ impl Calibration<'_> {
         ));
         lines.join("\n")
     }
-}
-
-/// A row for each draw.
-fn draws_table(outcome: &Outcome, units: &[String]) -> Result<Table, Failure> {
-    let chains = outcome.values.first().into_iter().flatten().enumerate();
-    let chain = chains.flat_map(|(k, draws)| vec![k as f64; draws.len()]).collect();
-    let mut columns = vec![Column::new("chain", "", chain)];
-    for (k, (name, values)) in outcome.names.iter().zip(&outcome.values).enumerate() {
-        let unit = units.get(k).map_or("", String::as_str);
-        columns.push(Column::new(name, unit, values.iter().flatten().copied().collect()));
-    }
-    Ok(Table::new(columns)?)
 }

@@ -29,9 +29,9 @@ impl Calibration<'_> {
     /// The simulations from which the surrogate learns, with what decides one: those of the earlier campaign, or of the design, which are
     /// carried out as far as they are not finished.
     pub fn known(&self) -> Result<(CaseNumbers, Vec<KnownRun>), Failure> {
+        let design = granum_calibration::simulation::design(self.file, self.targets.len());
         if self.earlier.is_empty() {
             let numbers = CaseNumbers::new(self.file);
-            let design = granum_calibration::simulation::design(self.file, self.targets.len());
             let Runs { simulated } = self.simulate("design", 0, &design)?;
             let known = self.as_known(&numbers, &simulated)?;
             return Ok((numbers, known));
@@ -49,7 +49,9 @@ impl Calibration<'_> {
                 .note(&format!("{count} simulations of {} take the place of the design", folder.shown()));
             runs.extend(own);
         }
-        let EarlierRuns { numbers, runs, remarks } = EarlierRuns::new(self.file, runs)?;
+        // The case of the first simulation that would be carried out says what those of this file have.
+        let first = planned(&plan(self.file, self.all, &design[..1]))?.runs.swap_remove(0).case;
+        let EarlierRuns { numbers, runs, remarks } = EarlierRuns::new(self.file, &first, runs)?;
         remarks.iter().for_each(|remark| self.context.warn(remark));
         Ok((numbers, runs))
     }
