@@ -80,7 +80,7 @@ pub trait LawSet<R: Real> {
     ) -> Attraction<R>;
 }
 
-/// LawSet known when the program is compiled.
+/// Laws known when the program is compiled.
 #[derive(Debug)]
 pub struct Compiled<N, T, M = NoMoments, A = NoAdhesion>(PhantomData<(N, T, M, A)>);
 
