@@ -186,15 +186,17 @@ fn runs_are_shared(here: &Path) {
 
 /// The posterior is written before simulations confirm it, so that it is there if these end in any way.
 fn a_posterior_outlives_its_confirmation(here: &Path) {
-    let folder = here.join("interrupted");
+    // A folder of a calibration in which the simulations of the confirmation cannot be written.
+    let folder = here.join("alone");
     std::fs::create_dir_all(folder.join("runs")).unwrap();
-    std::fs::copy(here.join("material.toml"), folder.join("material.toml")).unwrap();
-    std::fs::write(folder.join("runs/confirmation-1"), "in the way of the campaign").unwrap();
-    let command =
-        ["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "interrupted"];
-    let message = refused(here, 1, &command);
-    assert!(message.contains("confirmation-1"), "{message}");
-    assert!(message.contains("posterior is written to interrupted: posterior.csv"), "{message}");
+    std::fs::write(folder.join("runs/mine"), "in the way of the simulations").unwrap();
+    let message = refused(
+        here,
+        1,
+        &["calibrate", "material.toml", "lab.csv", "--runs", "out/runs/design", "--out", "alone"],
+    );
+    assert!(message.contains("runs: contains files that granum did not write"), "{message}");
+    assert!(message.contains("posterior is written to alone: posterior.csv"), "{message}");
     for file in ["posterior.csv", "draws.parquet", "inference_data.json", "draws.toml", "posterior-mean.toml"]
     {
         assert!(folder.join(file).is_file(), "{file}");
