@@ -160,8 +160,10 @@ def test_warnings_of_the_engine_are_warnings_of_python(case: granum.Case, tmp_pa
 @pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
 def test_ctrl_c_stops_in_good_order(tmp_path: pathlib.Path) -> None:
     program = (
-        "import granum\n"
-        "case = granum.Case(grains={'count': 400}, shear={'deviator_strain': 0.3})\n"
+        "import signal, granum\n"
+        # A process that was started in the background may have inherited that the signal is ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "case = granum.Case(grains={'count': 1000}, shear={'deviator_strain': 0.3})\n"
         "print('begins', flush=True)\n"
         f"granum.run(case, out={str(tmp_path / 'run')!r})\n"
     )
