@@ -102,9 +102,7 @@ fn range(
     // Between the loosest and the densest state of the laboratory, as far as the simulations reach.
     let limits: &[f64] = if *condition == TestCondition::RelativeDensity { &[0.0, 1.0] } else { &[] };
     let of_tests = tests.iter().filter_map(|test| conditions(file, test).ok()).map(|values| values[place]);
-    let all = of_tests.chain(limits.iter().copied());
-    let [low, high] =
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let [low, high] = granum_learn::curve::range(of_tests.chain(limits.iter().copied()));
     (low <= high).then_some([low, high])
 }
 

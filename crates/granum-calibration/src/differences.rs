@@ -153,10 +153,8 @@ fn word(value: &ParameterValue) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::parsed_for_tests;
+    use crate::file::{CASE_FOR_TESTS as BASE, parsed_for_tests};
 
-    const BASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\n[[stage]]\npath = \"drained-triaxial\"\n\
-                        lateral_stress = \"100 kPa\"\naxial_strain = 0.2\n";
     const FILE: &str = "case = \"sand.toml\"
 [set]
 contact.tangential = \"no-slip\"

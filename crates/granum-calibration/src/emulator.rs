@@ -265,10 +265,7 @@ fn learned(
         )));
     }
     known.iter().try_for_each(|one| check(file, &one.name, &one.curves))?;
-    let range = |k: usize| {
-        let values = known.iter().map(|one| one.numbers[k]);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-    };
+    let range = |k: usize| granum_learn::curve::range(known.iter().map(|one| one.numbers[k]));
     let ranges: Vec<[f64; 2]> = (0..numbers.columns().count()).map(range).collect();
     let run = |one: &KnownRun| {
         let mut columns = vec![Column::new(STRAIN, "", one.curves.axial_strain.clone())];

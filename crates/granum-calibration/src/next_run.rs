@@ -163,13 +163,11 @@ mod tests {
     use granum_io::LaboratoryTest;
 
     use super::*;
-    use crate::file::parsed_for_tests;
+    use crate::file::{CASE_FOR_TESTS as BASE, parsed_for_tests};
     use crate::known::KnownRun;
     use crate::prior::Prior;
     use crate::simulation::CaseNumbers;
 
-    const BASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\n[[stage]]\npath = \"drained-triaxial\"\n\
-                        lateral_stress = \"100 kPa\"\naxial_strain = 0.2\n";
     const FILE: &str = "case = \"sand.toml\"
 [calibration]
 [[calibration.quantity]]

@@ -288,7 +288,7 @@ mod tests {
             ..Default::default()
         });
         let drawn = figure(&runs, &[], &[], &[vec![0, 1]]).0.to_svg();
-        assert!(drawn.contains("r and 1 repetition"), "{drawn}");
+        assert!(drawn.contains("r and 1 repetition<"), "{drawn}");
     }
 
     #[test]

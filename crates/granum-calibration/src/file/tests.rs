@@ -8,6 +8,9 @@ use granum_io::{Error, Reading};
 use super::*;
 use crate::prior::Prior;
 
+/// A base case for tests of other files.
+pub(crate) const PLAIN_CASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\n[[stage]]\npath = \"drained-triaxial\"\n\
+                                     lateral_stress = \"100 kPa\"\naxial_strain = 0.2\n";
 const CASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\nrelative_density = 0.5\n\
                     densest_void_ratio = 0.5\nloosest_void_ratio = 0.8\n[[stage]]\npath = \"drained-triaxial\"\n\
                     lateral_stress = \"100 kPa\"\naxial_strain = 0.2\n";
