@@ -114,7 +114,7 @@ mod tests {
     /// A hyperbola: the initial slope and the height are the parameters.
     fn hyperbola(values: &[f64]) -> Option<Vec<PredictedCurve>> {
         let mean = STRAINS.iter().map(|x| x / (1.0 / values[0] + x / values[1])).collect();
-        Some(vec![PredictedCurve { mean, covariance: Vec::new() }])
+        Some(vec![PredictedCurve { mean, ..PredictedCurve::default() }])
     }
 
     fn parameters() -> Vec<FreeParameter> {

@@ -40,12 +40,15 @@ pub struct MeasuredCurve {
 }
 
 /// A predicted curve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PredictedCurve {
     /// The mean, at the strains of the measured curve.
     pub mean: Vec<f64>,
     /// Covariance of the errors of the prediction, row-major; empty where it has none.
     pub covariance: Vec<f64>,
+    /// Covariances with the errors of curves before it in the same list, which are those of one sample: the place of the other curve and a
+    /// matrix with a row for each of the strains of this one. Curves that are not named are independent.
+    pub across: Vec<(usize, Vec<f64>)>,
 }
 
 /// What predicts the measured curves from the values of the free parameters: a surrogate, or anything that is quick enough to be asked

@@ -6,12 +6,15 @@
 //! scatter of a single sample, each with its correlation along the curve.
 
 use std::any::Any;
+use std::ops::Range;
 use std::sync::Arc;
 
 use granum_core::observer::Observer;
 use granum_core::{Column, Table};
 use granum_io::LaboratoryTest;
-use granum_learn::surrogate::{FittedCurves, GaussianProcessOfCurves, Surrogate, SurrogateMethod, to_json};
+use granum_learn::surrogate::{
+    ErrorCorrelation, FittedCurves, GaussianProcessOfCurves, Surrogate, SurrogateMethod, to_json,
+};
 use granum_learn::{Dataset, FitSpec, RunStates};
 
 use crate::curve::{ForwardModel, PredictedCurve};
@@ -32,6 +35,8 @@ pub struct Emulator<'a> {
     targets: &'a [TargetTest],
     numbers: CaseNumbers,
     fitted: Arc<dyn Surrogate>,
+    /// How the errors of the quantities of one sample go together.
+    correlation: Arc<ErrorCorrelation>,
     /// For each number of the case whether it varies over the simulations, and is an input.
     varies: Vec<bool>,
     /// For each number of the case its smallest and largest value over the simulations.
@@ -72,7 +77,9 @@ impl<'a> Emulator<'a> {
             granum_learn::LearnError::Stopped { .. } => CalibrationError::Stopped,
             other => other.into(),
         })?;
-        Ok(Emulator { file, targets, numbers, fitted: Arc::from(fitted), varies, ranges })
+        let fitted: Arc<dyn Surrogate> = Arc::from(fitted);
+        let correlation = Arc::new(processes(fitted.as_ref())?.error_correlation());
+        Ok(Emulator { file, targets, numbers, fitted, correlation, varies, ranges })
     }
 
     /// The same surrogate for other targets, which have the conditions of these.
@@ -85,6 +92,7 @@ impl<'a> Emulator<'a> {
             targets,
             numbers: self.numbers.clone(),
             fitted: self.fitted.clone(),
+            correlation: self.correlation.clone(),
             varies: self.varies.clone(),
             ranges: self.ranges.clone(),
         }
@@ -110,10 +118,7 @@ impl<'a> Emulator<'a> {
 
     /// The processes.
     pub(crate) fn curves(&self) -> Result<&FittedCurves> {
-        let any: &dyn Any = self.fitted.as_ref();
-        any.downcast_ref().ok_or_else(|| {
-            CalibrationError::Input("this is no surrogate of the curves of a calibration".into())
-        })
+        processes(self.fitted.as_ref())
     }
 
     /// The errors over simulations left out of the fit, for each quantity.
@@ -142,7 +147,8 @@ impl<'a> Emulator<'a> {
         self.file.calibration.quantities.iter().enumerate().filter_map(error).collect()
     }
 
-    /// The prediction of each compared quantity of a test at given strains, from the values of the free parameters.
+    /// The prediction of each compared quantity of a test at given strains, from the values of the free parameters; curves are named by the
+    /// places of their quantities in the file.
     ///
     /// # Errors
     /// If an expression has no value at them.
@@ -154,17 +160,35 @@ impl<'a> Emulator<'a> {
     ) -> Result<Vec<Option<PredictedCurve>>> {
         let target = &self.targets[test];
         let inputs = self.inputs(values, test)?;
-        let curves = self.curves()?;
-        let predict = |(place, compared): (usize, &crate::file::ComparedQuantity)| {
-            let Some(strain) = strains(place) else { return Ok(None) };
-            let found = curves.correlated_curve(&inputs, place, &strain)?;
-            let scale = scale(compared.quantity, target.mean_stress);
-            Ok(Some(PredictedCurve {
-                mean: found.mean.iter().map(|y| scale * y).collect(),
-                covariance: found.covariance.iter().map(|y| scale * scale * y).collect(),
-            }))
+        let quantities = &self.file.calibration.quantities;
+        let asked: Vec<(usize, Vec<f64>)> =
+            (0..quantities.len()).filter_map(|place| Some((place, strains(place)?))).collect();
+        let found = self.curves()?.correlated_curves(&inputs, &asked, &self.correlation)?;
+        let count = found.mean.len();
+        let mut from = 0;
+        let own: Vec<(usize, Range<usize>, f64)> = asked
+            .iter()
+            .map(|(place, strain)| {
+                let rows = from..from + strain.len();
+                from = rows.end;
+                (*place, rows, scale(quantities[*place].quantity, target.mean_stress))
+            })
+            .collect();
+        let block = |(_, rows, scale): &(usize, Range<usize>, f64),
+                     (_, columns, other): &(usize, Range<usize>, f64)| {
+            let entry = |(i, j): (usize, usize)| scale * other * found.covariance[i * count + j];
+            rows.clone().flat_map(|i| columns.clone().map(move |j| (i, j))).map(entry).collect()
         };
-        self.file.calibration.quantities.iter().enumerate().map(predict).collect()
+        let mut predicted: Vec<Option<PredictedCurve>> = vec![None; quantities.len()];
+        for (k, one) in own.iter().enumerate() {
+            let (place, rows, scale) = one;
+            predicted[*place] = Some(PredictedCurve {
+                mean: found.mean[rows.clone()].iter().map(|y| scale * y).collect(),
+                covariance: block(one, one),
+                across: own[..k].iter().map(|other| (other.0, block(one, other))).collect(),
+            });
+        }
+        Ok(predicted)
     }
 }
 
@@ -208,10 +232,23 @@ impl ForwardModel for Emulator<'_> {
                 let curve = target.curves.iter().find(|(known, _)| *known == place);
                 curve.map(|(_, curve)| curve.strain.clone())
             };
-            all.extend(self.predict_test(values, test, strains).ok()?.into_iter().flatten());
+            let mut places = vec![0; self.file.calibration.quantities.len()];
+            for (place, curve) in self.predict_test(values, test, strains).ok()?.into_iter().enumerate() {
+                let Some(mut curve) = curve else { continue };
+                places[place] = all.len();
+                curve.across.iter_mut().for_each(|(other, _)| *other = places[*other]);
+                all.push(curve);
+            }
         }
         Some(all)
     }
+}
+
+/// The processes of a surrogate of curves.
+fn processes(fitted: &dyn Surrogate) -> Result<&FittedCurves> {
+    let any: &dyn Any = fitted;
+    any.downcast_ref()
+        .ok_or_else(|| CalibrationError::Input("this is no surrogate of the curves of a calibration".into()))
 }
 
 /// What a quantity is divided by while it is learned.

@@ -9,9 +9,9 @@ use granum_learn::regression::cholesky::Cholesky;
 use granum_learn::regression::eigenvectors::eigenvectors;
 use serde::{Deserialize, Serialize};
 
-use crate::curve::{ForwardModel, MeasuredCurve};
+use crate::curve::{ForwardModel, MeasuredCurve, PredictedCurve};
 use crate::error::{CalibrationError, Result};
-use crate::likelihood::{FreeParameter, Posterior};
+use crate::likelihood::{FreeParameter, Posterior, groups};
 
 /// Half of the difference of shares over which slopes are taken.
 const STEP: f64 = 0.02;
@@ -154,16 +154,18 @@ fn add_fisher(
         let [low, high] = [(point[k] - STEP).max(0.0), (point[k] + STEP).min(1.0)];
         beside.push((at(low)?, at(high)?, high - low));
     }
-    for curve in chosen.iter().copied() {
-        let length = middle[curve].mean.len();
-        let covariance = posterior.covariance(curve, &middle[curve], &[]);
+    for group in groups(&middle, chosen) {
+        let covariance = posterior.covariance_of_group(&group, &middle, &[]);
+        let length = group.iter().map(|curve| middle[*curve].mean.len()).sum();
         let factor = Cholesky::new(length, &covariance).ok_or_else(|| {
             CalibrationError::Input("the covariance of the errors of a curve is not positive definite".into())
         })?;
-        let slope = |(low, high, apart): &(Vec<_>, Vec<_>, f64)| -> Vec<f64> {
-            let (low, high): (&crate::curve::PredictedCurve, &crate::curve::PredictedCurve) =
-                (&low[curve], &high[curve]);
-            high.mean.iter().zip(&low.mean).map(|(b, a)| (b - a) / apart).collect()
+        let slope = |(low, high, apart): &(Vec<PredictedCurve>, Vec<PredictedCurve>, f64)| -> Vec<f64> {
+            let of_curve = |curve: &usize| {
+                let (low, high) = (&low[*curve].mean, &high[*curve].mean);
+                high.iter().zip(low).map(|(b, a)| (b - a) / apart).collect::<Vec<f64>>()
+            };
+            group.iter().flat_map(of_curve).collect()
         };
         let scaled: Vec<Vec<f64>> = beside.iter().map(|ends| factor.solve_lower(&slope(ends))).collect();
         for i in 0..point.len() {
@@ -224,7 +226,7 @@ mod tests {
     /// The first curve sees the sum of a and b, the second their difference; neither sees c.
     fn model(values: &[f64]) -> Option<Vec<PredictedCurve>> {
         let [a, b] = [values[0], values[1]];
-        let constant = |value: f64| PredictedCurve { mean: vec![value; 2], covariance: Vec::new() };
+        let constant = |value: f64| PredictedCurve { mean: vec![value; 2], ..PredictedCurve::default() };
         Some(vec![constant(a + b), constant(a - b)])
     }
 

@@ -203,7 +203,60 @@ impl<'a> Posterior<'a> {
     fn log_likelihood(&self, values: &[f64]) -> f64 {
         let (parameters, sizes) = values.split_at(self.parameters.len());
         let Some(predicted) = self.model.predict(parameters) else { return f64::NEG_INFINITY };
-        predicted.iter().enumerate().map(|(k, curve)| self.log_density_of_curve(k, curve, sizes)).sum()
+        let all: Vec<usize> = (0..predicted.len()).collect();
+        groups(&predicted, &all).iter().map(|group| self.log_density_of_group(group, &predicted, sizes)).sum()
+    }
+
+    /// The logarithm of the likelihood of curves whose errors go together. Each has its weight as the exponent of its density given those
+    /// before it.
+    fn log_density_of_group(&self, group: &[usize], predicted: &[PredictedCurve], sizes: &[f64]) -> f64 {
+        if let [one] = group {
+            return self.log_density_of_curve(*one, &predicted[*one], sizes);
+        }
+        let apart = |curve: &usize| {
+            let measured = self.curves[*curve].measured.iter();
+            measured.zip(&predicted[*curve].mean).map(|(a, b)| a - b).collect::<Vec<f64>>()
+        };
+        let apart: Vec<f64> = group.iter().flat_map(apart).collect();
+        let count = apart.len();
+        let Some(factor) = Cholesky::new(count, &self.covariance_of_group(group, predicted, sizes)) else {
+            return f64::NEG_INFINITY;
+        };
+        let weight = |curve: &usize| vec![self.curves[*curve].weight; self.curves[*curve].strain.len()];
+        let weights = group.iter().flat_map(weight);
+        let constant = libm::log(2.0 * std::f64::consts::PI);
+        let density = |((k, y), weight): ((usize, f64), f64)| {
+            -0.5 * weight * (y * y + 2.0 * libm::log(factor.lower()[k * count + k]) + constant)
+        };
+        factor.solve_lower(&apart).into_iter().enumerate().zip(weights).map(density).sum()
+    }
+
+    /// The covariance of the differences of several curves, one after another, of which the lower triangle is filled, row-major.
+    pub fn covariance_of_group(
+        &self,
+        group: &[usize],
+        predicted: &[PredictedCurve],
+        sizes: &[f64],
+    ) -> Vec<f64> {
+        let lengths: Vec<usize> = group.iter().map(|curve| self.curves[*curve].strain.len()).collect();
+        let count: usize = lengths.iter().sum();
+        let mut all = vec![0.0; count * count];
+        let mut put = |values: &[f64], (row, column): (usize, usize), width: usize| {
+            for (k, value) in values.iter().enumerate() {
+                all[(row + k / width) * count + column + k % width] = *value;
+            }
+        };
+        let first = |place: usize| lengths[..place].iter().sum::<usize>();
+        for (place, curve) in group.iter().enumerate() {
+            let row = first(place);
+            put(&self.covariance(*curve, &predicted[*curve], sizes), (row, row), lengths[place]);
+            for (other, values) in &predicted[*curve].across {
+                if let Some(known) = group[..place].iter().position(|curve| curve == other) {
+                    put(values, (row, first(known)), lengths[known]);
+                }
+            }
+        }
+        all
     }
 }
 
@@ -215,6 +268,20 @@ impl LogDensity for Posterior<'_> {
     fn log_density(&self, shares: &[f64]) -> f64 {
         self.log_likelihood(&self.values(shares))
     }
+}
+
+/// The curves of `chosen` in groups whose errors go together.
+pub(crate) fn groups(predicted: &[PredictedCurve], chosen: &[usize]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for curve in chosen.iter().copied() {
+        let known = predicted[curve].across.iter().map(|(other, _)| *other);
+        let with = |group: &&mut Vec<usize>| known.clone().any(|other| group.contains(&other));
+        match groups.iter_mut().find(with) {
+            Some(group) => group.push(curve),
+            None => groups.push(vec![curve]),
+        }
+    }
+    groups
 }
 
 /// The logarithm of the density of a normal distribution with mean zero at a vector, of whose covariance the lower triangle is read;
@@ -289,7 +356,7 @@ mod tests {
 
     fn line(values: &[f64]) -> Option<Vec<PredictedCurve>> {
         let mean = (1..=10).map(|k| values[0] * f64::from(k) / 100.0).collect();
-        Some(vec![PredictedCurve { mean, covariance: Vec::new() }])
+        Some(vec![PredictedCurve { mean, ..PredictedCurve::default() }])
     }
 
     #[test]
@@ -354,6 +421,34 @@ mod tests {
         assert!((found - mean.ln()).abs() < 0.02, "{found} {}", mean.ln());
         let right = Posterior::new(&free, &curves, &line, None).unwrap();
         assert_eq!(right.marginal_log_likelihood(&predicted), right.log_likelihood(&[1.9]));
+    }
+
+    /// Golden: two curves whose errors go together have the density of all of their readings, and the weight of the second one counts what it
+    /// tells beside the first.
+    #[test]
+    fn curves_of_one_sample_are_judged_together() {
+        let free = slope(0.0, 4.0);
+        let error = MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 };
+        let one = MeasuredCurve { strain: vec![0.1], measured: vec![0.3], ..line_test(error) };
+        let mut two =
+            MeasuredCurve { quantity: "volumetric_strain".into(), measured: vec![0.5], ..one.clone() };
+        let model = |values: &[f64]| {
+            let curve =
+                |mean: f64, across| PredictedCurve { mean: vec![mean], covariance: vec![0.04], across };
+            Some(vec![curve(0.1 * values[0], Vec::new()), curve(0.2 * values[0], vec![(0, vec![0.03])])])
+        };
+        let variance = 0.04 + 1e-4;
+        let joint = [variance, 0.03, 0.03, variance];
+        let expected = normal_log_density(&[0.1, 0.1], &joint).unwrap();
+        let alone = normal_log_density(&[0.1], &joint[..1]).unwrap();
+        for weight in [1.0, 0.5] {
+            two.weight = weight;
+            let curves = [one.clone(), two.clone()];
+            let posterior = Posterior::new(&free, &curves, &model, None).unwrap();
+            let found = posterior.log_likelihood(&[2.0]);
+            let expected = alone + weight * (expected - alone);
+            assert!((found - expected).abs() < 1e-12, "{weight}: {found} {expected}");
+        }
     }
 
     #[test]

@@ -217,7 +217,10 @@ mod tests {
             weight: 1.0,
         };
         let strength = |values: &[f64]| {
-            Some(vec![PredictedCurve { mean: vec![values[0] + stress * values[1]], covariance: Vec::new() }])
+            Some(vec![PredictedCurve {
+                mean: vec![values[0] + stress * values[1]],
+                ..PredictedCurve::default()
+            }])
         };
         fisher_information(&free, &[curve], &[0], &strength, &[vec![0.5; 2]]).unwrap()
     }

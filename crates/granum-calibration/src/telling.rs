@@ -160,7 +160,7 @@ mod tests {
     }
 
     fn constant(value: f64) -> PredictedCurve {
-        PredictedCurve { mean: vec![value; 2], covariance: Vec::new() }
+        PredictedCurve { mean: vec![value; 2], ..PredictedCurve::default() }
     }
 
     #[test]

@@ -103,7 +103,8 @@ pub use boosted_trees::BoostedTrees;
 pub use cascade::{Cascade, FittedCascade};
 pub use content::Content;
 pub use curve_process::{
-    CorrelatedCurve, EndedEarly, FittedCurves, FurtherRun, GaussianProcessOfCurves, LeftOutCurves,
+    CorrelatedCurve, EndedEarly, ErrorCorrelation, FittedCurves, FurtherRun, GaussianProcessOfCurves,
+    LeftOutCurves,
 };
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};

@@ -180,7 +180,7 @@ impl Calibration<'_> {
             for (place, curve) in &target.curves {
                 let quantity = self.file.calibration.quantities[*place].quantity;
                 let mean = at_strains(&one.curves, quantity, &curve.strain);
-                predicted.push(PredictedCurve { mean, covariance: Vec::new() });
+                predicted.push(PredictedCurve { mean, ..PredictedCurve::default() });
             }
         }
         Ok(posterior.marginal_log_likelihood(&predicted))
