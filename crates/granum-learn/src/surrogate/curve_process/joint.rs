@@ -44,13 +44,13 @@ impl ErrorCorrelation {
     }
 }
 
-/// A component of an output at the values of the coordinate that are asked, times the standard deviation of its weight.
-struct Deviation {
+/// An output at the values of the coordinate that are asked.
+struct Deviations {
     output: usize,
-    component: usize,
     /// Place of the first of the values in the vector of all.
     from: usize,
-    along: Vec<f64>,
+    /// For each value the components there, each times the standard deviation of its weight.
+    rows: Vec<Vec<f64>>,
 }
 
 impl FittedCurves {
@@ -85,32 +85,48 @@ impl FittedCurves {
         let row = self.row(inputs)?;
         let count: usize = asked.iter().map(|(_, at)| at.len()).sum();
         let (mut mean, mut covariance) = (Vec::with_capacity(count), vec![0.0; count * count]);
-        let mut deviations = Vec::new();
+        let mut all: Vec<Deviations> = Vec::new();
         for (output, at) in asked {
             let (kept, factor) = self.normal_output(*output)?;
             let from = mean.len();
             let start = kept.start.map_or(0.0, |input| inputs[input]);
             mean.extend(at.iter().map(|x| start + interpolated(*x, points, &kept.mean)));
-            for (component, process) in self.processes[*output].iter().enumerate() {
+            let mut rows = vec![Vec::with_capacity(kept.components.len()); at.len()];
+            for (values, process) in kept.components.iter().zip(&self.processes[*output]) {
                 let weight = process.predict(&row);
                 let deviation = factor * (weight.variance + weight.noise).sqrt();
-                let values = &kept.components[component];
-                let along: Vec<f64> = at.iter().map(|x| interpolated(*x, points, values)).collect();
-                along.iter().zip(&mut mean[from..]).for_each(|(value, mean)| *mean += weight.mean * value);
-                let along = along.iter().map(|value| deviation * value).collect();
-                deviations.push(Deviation { output: *output, component, from, along });
+                for (k, x) in at.iter().enumerate() {
+                    let value = interpolated(*x, points, values);
+                    mean[from + k] += weight.mean * value;
+                    rows[k].push(deviation * value);
+                }
             }
             for (k, x) in at.iter().enumerate() {
                 let rest = factor * factor * interpolated(*x, points, &kept.rest);
                 covariance[(from + k) * count + from + k] += rest;
             }
+            all.push(Deviations { output: *output, from, rows });
         }
-        for a in &deviations {
-            for b in &deviations {
-                let alike = correlation.between((a.output, a.component), (b.output, b.component));
-                for (i, x) in a.along.iter().enumerate() {
-                    for (j, y) in b.along.iter().enumerate() {
-                        covariance[(a.from + i) * count + b.from + j] += alike * x * y;
+        for (k, a) in all.iter().enumerate() {
+            for b in &all[..=k] {
+                let components = b.rows.first().map_or(0, Vec::len);
+                for (i, row) in a.rows.iter().enumerate() {
+                    let alike = |c: usize| {
+                        let with =
+                            |(d, x): (usize, &f64)| x * correlation.between((a.output, d), (b.output, c));
+                        row.iter().enumerate().map(with).sum::<f64>()
+                    };
+                    let weights: Vec<f64> = (0..components).map(alike).collect();
+                    for (j, other) in b.rows.iter().enumerate() {
+                        let (p, q) = (a.from + i, b.from + j);
+                        if q > p {
+                            break;
+                        }
+                        let product: f64 = weights.iter().zip(other).map(|(x, y)| x * y).sum();
+                        covariance[p * count + q] += product;
+                        if q < p {
+                            covariance[q * count + p] = covariance[p * count + q];
+                        }
                     }
                 }
             }
