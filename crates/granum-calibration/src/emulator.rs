@@ -163,7 +163,9 @@ impl<'a> Emulator<'a> {
         let quantities = &self.file.calibration.quantities;
         let asked: Vec<(usize, Vec<f64>)> =
             (0..quantities.len()).filter_map(|place| Some((place, strains(place)?))).collect();
-        let found = self.curves()?.correlated_curves(&inputs, &asked, &self.correlation)?;
+        let at: Vec<(usize, &[f64])> =
+            asked.iter().map(|(place, strain)| (*place, strain.as_slice())).collect();
+        let found = self.curves()?.correlated_curves(&inputs, &at, &self.correlation)?;
         let count = found.mean.len();
         let mut from = 0;
         let own: Vec<(usize, Range<usize>, f64)> = asked

@@ -171,30 +171,7 @@ impl FittedCurves {
     /// # Errors
     /// If there is no such output, it is a bin of a histogram, whose values are not normal, or there are other inputs.
     pub fn correlated_curve(&self, inputs: &[f64], output: usize, at: &[f64]) -> Result<CorrelatedCurve> {
-        let points = &self.kept.points;
-        let row = self.row(inputs)?;
-        let (kept, factor) = self.normal_output(output)?;
-        let start = kept.start.map_or(0.0, |input| inputs[input]);
-        let along =
-            |values: &[f64]| at.iter().map(|x| interpolated(*x, points, values)).collect::<Vec<f64>>();
-        let mut mean: Vec<f64> = along(&kept.mean).into_iter().map(|value| start + value).collect();
-        let count = at.len();
-        let mut covariance = vec![0.0; count * count];
-        for (component, process) in kept.components.iter().zip(&self.processes[output]) {
-            let (weight, component) = (process.predict(&row), along(component));
-            let variance = weight.variance + weight.noise;
-            for i in 0..count {
-                mean[i] += weight.mean * component[i];
-                for j in 0..count {
-                    covariance[i * count + j] += variance * component[i] * component[j];
-                }
-            }
-        }
-        for (k, rest) in along(&kept.rest).into_iter().enumerate() {
-            covariance[k * count + k] += rest;
-        }
-        covariance.iter_mut().for_each(|entry| *entry *= factor * factor);
-        Ok(CorrelatedCurve { mean, covariance })
+        self.joint(inputs, &[(output, at)], None)
     }
 
     /// What the processes see of the inputs beside the coordinate.

@@ -44,6 +44,11 @@ impl ErrorCorrelation {
     }
 }
 
+/// The correlation of two components; without one they are independent.
+fn between(correlation: Option<&ErrorCorrelation>, a: (usize, usize), b: (usize, usize)) -> f64 {
+    correlation.map_or(f64::from(u8::from(a == b)), |known| known.between(a, b))
+}
+
 /// An output at the values of the coordinate that are asked.
 struct Deviations {
     output: usize,
@@ -78,8 +83,18 @@ impl FittedCurves {
     pub fn correlated_curves(
         &self,
         inputs: &[f64],
-        asked: &[(usize, Vec<f64>)],
+        asked: &[(usize, &[f64])],
         correlation: &ErrorCorrelation,
+    ) -> Result<CorrelatedCurve> {
+        self.joint(inputs, asked, Some(correlation))
+    }
+
+    /// Several outputs of one run; without a correlation the weights of components are independent.
+    pub(super) fn joint(
+        &self,
+        inputs: &[f64],
+        asked: &[(usize, &[f64])],
+        correlation: Option<&ErrorCorrelation>,
     ) -> Result<CorrelatedCurve> {
         let points = &self.kept.points;
         let row = self.row(inputs)?;
@@ -112,9 +127,8 @@ impl FittedCurves {
                 let components = b.rows.first().map_or(0, Vec::len);
                 for (i, row) in a.rows.iter().enumerate() {
                     let alike = |c: usize| {
-                        let with =
-                            |(d, x): (usize, &f64)| x * correlation.between((a.output, d), (b.output, c));
-                        row.iter().enumerate().map(with).sum::<f64>()
+                        let of = |d: usize| between(correlation, (a.output, d), (b.output, c));
+                        row.iter().enumerate().map(|(d, x)| x * of(d)).sum::<f64>()
                     };
                     let weights: Vec<f64> = (0..components).map(alike).collect();
                     for (j, other) in b.rows.iter().enumerate() {
