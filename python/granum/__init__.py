@@ -14,6 +14,7 @@ from ._granum import (
     Case,
     Comparison,
     Dataset,
+    Recorder,
     Run,
     Simulation,
     Table,
@@ -32,9 +33,11 @@ from ._plots import compare
 from ._progress import ProgressLine
 from .campaigns import Campaign, linear, log
 from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
+from .sensors import Bins, Sensor, SensorColumn
 
 __all__ = [
     "Assembly",
+    "Bins",
     "Campaign",
     "Case",
     "CaseError",
@@ -45,9 +48,12 @@ __all__ = [
     "InternalError",
     "Mistake",
     "ProgressLine",
+    "Recorder",
     "Run",
     "RunError",
     "RunWarning",
+    "Sensor",
+    "SensorColumn",
     "Simulation",
     "Table",
     "__version__",

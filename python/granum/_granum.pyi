@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import keys
+from .sensors import Sensor
 
 _Path: TypeAlias = str | PathLike[str]
 _Reals: TypeAlias = npt.NDArray[np.float64]
@@ -21,6 +22,7 @@ __all__ = [
     "Comparison",
     "Dataset",
     "Family",
+    "Recorder",
     "Run",
     "Simulation",
     "Surrogate",
@@ -108,6 +110,9 @@ class Case:
     def with_path(self, path: str, **parameters: Any) -> Case:
         """The case with a named path as its test; `granum.paths()` has the paths with their parameters."""
 
+    def with_stages(self, stages: Sequence[keys.Stage]) -> Case:
+        """The case with these stages, one after the other, as its test; each is a dict with the keys of a table `[[stage]]`."""
+
     def keys(self) -> list[str]:
         """The names of all keys."""
 
@@ -185,7 +190,12 @@ class Table:
 
 @final
 class Assembly:
-    """All grains and contacts at one moment. Each array is a copy of its own, read-only, and shows no later step."""
+    """All grains and contacts at one moment, in the order of the ids of the grains. Every array is read-only and shows no later step.
+
+    An assembly is a copy of what the engine keeps in another layout. Its arrays are views of it without a further copy, which keep all of it in
+    memory: the distance from one grain to the next is that of all its data (`strides`). Only `ids`, `materials`, `contacts` and `forces` are
+    arrays of their own.
+    """
 
     @property
     def time(self) -> float:
@@ -263,6 +273,8 @@ class Assembly:
         """All grains as a table, with units."""
     def contacts_table(self) -> Table:
         """All contacts as a table, with units."""
+    def force_chains(self) -> list[_Integers]:
+        """The force chains (Peters et al. 2005), as the sensor of that name counts them: for each the indices of its grains along it."""
     def measure(self) -> dict[str, float]:
         """The values of every sensor that one assembly suffices for, by column, in SI units."""
 
@@ -285,11 +297,35 @@ class Simulation:
 
         `strain_rate` are rates of strain in 1/s, compression positive, shear strains as angles. `stress` are stresses in Pa that a servo
         holds; `mean_stress`, Pa, is held by the axes that have neither. `rate_limit` bounds the rate, by default 1 1/s, that the servo
-        adds. Each may have a unit, as in a case.
+        adds. Each may have a unit, as in a case. A stress that was held by the same strain rates before is held on without a jump, also if
+        its value changes: the servo does not begin anew.
+        """
+
+    def follow(
+        self,
+        path: Callable[[Simulation], dict[str, Any] | None],
+        *,
+        every: SupportsIndex,
+        recorder: Recorder | None = None,
+        states_every: int = 1,
+        most_steps: SupportsIndex | None = None,
+    ) -> int:
+        """Lets a function steer: it is called with the simulation at once and after every so many steps (`every`, the control interval),
+        and returns the arguments of `control` as a dict, or `None` at the end of the path. Returns the number of steps.
+
+        `recorder` records the first state and that after every `states_every` intervals. At most `most_steps` steps are made. What the
+        function raises ends the path; the simulation is then at the end of an interval.
         """
 
     def assembly(self) -> Assembly:
-        """All grains and contacts as they are now."""
+        """All grains and contacts as they are now: a copy, which shows no later step."""
+    def history(self) -> dict[str, _Reals]:
+        """What the contact laws keep of each contact, in the order of the contacts of `assembly()`, as copies.
+
+        `tangential_vectors` (contacts, vectors, 3) are vectors in the plane of contact on the first grain, the first of which is the
+        tangential force, N; `tangential_scalars` (contacts, scalars) what else that law keeps. `normal_scalars`, `rolling_vectors`,
+        `rolling_scalars` and `adhesion_scalars` are those of the other laws. What no law keeps is left out. Units are those of the law.
+        """
     @property
     def time(self) -> float:
         """Time since the start of the phase, s."""
@@ -326,6 +362,32 @@ class Simulation:
     def __copy__(self) -> Simulation: ...
     def __deepcopy__(self, _memo: Any) -> Simulation: ...
     def __reduce__(self) -> Any: ...
+
+@final
+class Recorder:
+    """Records states of a simulation that is advanced by hand, with every sensor that tests record.
+
+    `case` gives the keys of `[recording]`: further sensors by name, their parameters and bins. `sensors` adds names of sensors and sensors of
+    one's own.
+    """
+
+    def __new__(
+        cls, case: Case | Mapping[str, Any] | _Path | None = None, *, sensors: Iterable[str | Sensor] | None = None
+    ) -> Recorder: ...
+    def record(self, of: Simulation | Assembly) -> None:
+        """Records what a simulation, or an assembly, is like now as the next state, of one observation. A sensor that raises leaves the
+        recorder as it was.
+        """
+
+    @property
+    def series(self) -> Table:
+        """The recorded states, a row a state."""
+    @property
+    def tables(self) -> list[str]:
+        """The names of its tables: the series and the histograms of the sensors."""
+    def table(self, name: str) -> Table:
+        """The table of that name."""
+    def __len__(self) -> int: ...
 
 @final
 class Run:
@@ -606,21 +668,24 @@ def run(
     case: Case | Mapping[str, Any] | _Path,
     sample: Run | _Path | None = None,
     *,
-    path: str | None = None,
+    path: str | Sequence[keys.Stage] | None = None,
     packing: _Path | None = None,
     out: _Path | None = None,
     threads: SupportsIndex | None = None,
     checkpoint_every: keys.Quantity | None = None,
+    sensors: Iterable[str | Sensor] | None = None,
     on_state: Callable[[dict[str, float]], object] | None = None,
     on_progress: Callable[[dict[str, Any]], object] | None = None,
     force: bool = False,
     **parameters: Any,
 ) -> Run:
-    """Carries out the test of a case, or a named `path` with its `parameters`, in the folder `out` or in memory.
+    """Carries out the test of a case, or a named `path` with its `parameters`, or a list of stages, in the folder `out` or in memory.
 
     `sample` is what `prepare` returned or the folder that it wrote; without it the sample is prepared first. `on_state` is called with the
-    values of the columns of each state that is recorded; if it returns `False`, the test stops in good order. The other arguments are those
-    of `prepare`. What a function raises is raised after the run was stopped in good order.
+    values of the columns of each state that is recorded; if it returns `False`, the test stops in good order. `sensors` are recorded with
+    the rest, as those that `recording.sensors` names: names, and sensors of one's own (`granum.Sensor`). The other arguments are those of
+    `prepare`. What `on_state` and `on_progress` raise is raised after the run was stopped in good order; what a sensor raises ends the run
+    at its last checkpoint, from which `granum.resume` goes on.
     """
 
 def resume(
@@ -628,12 +693,14 @@ def resume(
     *,
     threads: SupportsIndex | None = None,
     checkpoint_every: keys.Quantity | None = None,
+    sensors: Iterable[str | Sensor] | None = None,
     on_state: Callable[[dict[str, float]], object] | None = None,
     on_progress: Callable[[dict[str, Any]], object] | None = None,
 ) -> Run:
     """Continues a run that was interrupted or killed, to the bits of one that was not. A finished run is returned as it is.
 
-    A run needs nothing outside its folder once it has begun: the sample from which it began may be gone.
+    A run needs nothing outside its folder once it has begun: the sample from which it began may be gone. Sensors of one's own that the run
+    records have to be given again as `sensors`.
     """
 
 def open(folder: _Path) -> Run:

@@ -3,19 +3,58 @@
 
 use std::sync::Arc;
 
-use granum_core::Table;
+use granum_core::assembly::{Contact, Grain};
+use granum_core::{Assembly, Table};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors;
 
-/// What an array shows.
+/// What an array shows, and keeps alive.
 enum Storage {
     /// A column of a table.
     Column(Arc<Table>, usize),
     Reals(Vec<f64>),
     Integers(Vec<i64>),
     Booleans(Vec<bool>),
+    /// A field of the grains or the contacts of an assembly.
+    Field(Arc<Assembly>, Field),
+}
+
+/// The records of an assembly.
+#[derive(Clone, Copy)]
+pub enum Records {
+    Grains,
+    Contacts,
+}
+
+/// A field of the grains or the contacts of an assembly: a number or a truth value of each, or a vector.
+#[derive(Clone, Copy)]
+pub struct Field {
+    pub of: Records,
+    /// Its offset in a grain or a contact, bytes.
+    pub offset: usize,
+    pub kind: FieldKind,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub enum FieldKind {
+    Real,
+    Vector,
+    Boolean,
+}
+
+impl Field {
+    /// The address of the field in the first record, the distance to that of the next, and the number of records.
+    fn layout(&self, assembly: &Assembly) -> (usize, usize, usize) {
+        let (start, stride, count) = match self.of {
+            Records::Grains => (assembly.grains.as_ptr().addr(), size_of::<Grain>(), assembly.grains.len()),
+            Records::Contacts => {
+                (assembly.contacts.as_ptr().addr(), size_of::<Contact>(), assembly.contacts.len())
+            }
+        };
+        (start + if count == 0 { 0 } else { self.offset }, stride, count)
+    }
 }
 
 /// Numbers that never change, with their shape.
@@ -38,6 +77,10 @@ impl Values {
             Storage::Reals(values) => (values.as_ptr().addr(), "f8"),
             Storage::Integers(values) => (values.as_ptr().addr(), "i8"),
             Storage::Booleans(values) => (values.as_ptr().addr(), "b1"),
+            Storage::Field(assembly, field) => {
+                let kind = if field.kind == FieldKind::Boolean { "b1" } else { "f8" };
+                (field.layout(assembly).0, kind)
+            }
         };
         let order = if kind == "b1" {
             '|'
@@ -51,6 +94,10 @@ impl Values {
         interface.set_item("typestr", format!("{order}{kind}"))?;
         // True: read-only.
         interface.set_item("data", (address, true))?;
+        if let Storage::Field(assembly, field) = &self.storage {
+            let strides = [field.layout(assembly).1, size_of::<f64>()];
+            interface.set_item("strides", pyo3::types::PyTuple::new(py, &strides[..self.shape.len()])?)?;
+        }
         interface.set_item("version", 3)?;
         Ok(interface)
     }
@@ -62,6 +109,13 @@ pub type Array<'py> = Bound<'py, PyAny>;
 fn array(py: Python<'_>, storage: Storage, shape: Vec<usize>) -> PyResult<Array<'_>> {
     let values = Bound::new(py, Values { storage, shape })?;
     py.import("numpy")?.call_method1("asarray", (values,))
+}
+
+/// A field of the grains or the contacts of an assembly, without a copy.
+pub fn field(py: Python<'_>, assembly: Arc<Assembly>, field: Field) -> PyResult<Array<'_>> {
+    let (_, _, count) = field.layout(&assembly);
+    let shape = if field.kind == FieldKind::Vector { vec![count, 3] } else { vec![count] };
+    array(py, Storage::Field(assembly, field), shape)
 }
 
 /// Real numbers in the given shape.

@@ -1,5 +1,6 @@
 //! Assemblies: all grains and contacts at one moment, as arrays; and their measurement by every sensor.
 
+use std::mem::offset_of;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,11 +9,12 @@ use granum_core::{Part, Parts};
 use granum_io::formats::join::join;
 use granum_io::formats::{FileContact, Frame, FrameCell, JoinOptions};
 use granum_io::snapshot::{contacts_table, grains_table};
-use granum_sensors::{Measurement, Sensors};
+use granum_sensors::force_chains::Chains;
+use granum_sensors::{Measurement, Observation, Sensors};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{self, Array};
+use crate::arrays::{self, Array, Field, FieldKind, Records};
 use crate::detached::detached;
 use crate::errors;
 use crate::table;
@@ -30,38 +32,42 @@ impl From<granum_core::Assembly> for Assembly {
 }
 
 impl Assembly {
-    fn of_grains<'py>(&self, py: Python<'py>, value: impl Fn(&Grain) -> f64 + Send) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = py.detach(|| self.inner.grains.iter().map(value).collect());
-        let shape = vec![values.len()];
-        arrays::reals(py, values, shape)
+    /// An assembly that others hold as well.
+    pub fn shared(inner: Arc<granum_core::Assembly>) -> Assembly {
+        Assembly { inner }
     }
 
-    fn vectors_of_grains<'py>(
-        &self,
-        py: Python<'py>,
-        value: impl Fn(&Grain) -> Vector + Send,
-    ) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = py.detach(|| self.inner.grains.iter().flat_map(value).collect());
-        arrays::reals(py, values, vec![self.inner.grains.len(), 3])
+    /// What it holds.
+    pub fn inner(&self) -> Arc<granum_core::Assembly> {
+        self.inner.clone()
     }
 
-    fn of_contacts<'py>(
+    fn field<'py>(
         &self,
         py: Python<'py>,
-        value: impl Fn(&Contact) -> f64 + Send,
+        of: Records,
+        kind: FieldKind,
+        offset: usize,
     ) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = py.detach(|| self.inner.contacts.iter().map(value).collect());
-        let shape = vec![values.len()];
-        arrays::reals(py, values, shape)
+        arrays::field(py, self.inner.clone(), Field { of, offset, kind })
     }
 
-    fn vectors_of_contacts<'py>(
-        &self,
-        py: Python<'py>,
-        value: impl Fn(&Contact) -> Vector + Send,
-    ) -> PyResult<Array<'py>> {
-        let values: Vec<f64> = py.detach(|| self.inner.contacts.iter().flat_map(value).collect());
-        arrays::reals(py, values, vec![self.inner.contacts.len(), 3])
+    /// A number of each grain.
+    fn of_grains<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, Records::Grains, FieldKind::Real, offset)
+    }
+
+    fn vectors_of_grains<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, Records::Grains, FieldKind::Vector, offset)
+    }
+
+    /// A number of each contact.
+    fn of_contacts<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, Records::Contacts, FieldKind::Real, offset)
+    }
+
+    fn vectors_of_contacts<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, Records::Contacts, FieldKind::Vector, offset)
     }
 }
 
@@ -123,37 +129,37 @@ impl Assembly {
 
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, |grain| grain.position)
+        self.vectors_of_grains(py, offset_of!(Grain, position))
     }
 
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, |grain| grain.velocity)
+        self.vectors_of_grains(py, offset_of!(Grain, velocity))
     }
 
     #[getter]
     fn spins<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, |grain| grain.spin)
+        self.vectors_of_grains(py, offset_of!(Grain, spin))
     }
 
     #[getter]
     fn grain_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, |grain| grain.force)
+        self.vectors_of_grains(py, offset_of!(Grain, force))
     }
 
     #[getter]
     fn grain_torques<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, |grain| grain.torque)
+        self.vectors_of_grains(py, offset_of!(Grain, torque))
     }
 
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, |grain| grain.radius)
+        self.of_grains(py, offset_of!(Grain, radius))
     }
 
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, |grain| grain.mass)
+        self.of_grains(py, offset_of!(Grain, mass))
     }
 
     #[getter]
@@ -166,37 +172,38 @@ impl Assembly {
 
     #[getter]
     fn branches<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, |contact| contact.branch)
+        self.vectors_of_contacts(py, offset_of!(Contact, branch))
     }
 
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, |contact| contact.normal)
+        self.vectors_of_contacts(py, offset_of!(Contact, normal))
     }
 
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, Contact::force)
+        let forces: Vec<f64> = py.detach(|| self.inner.contacts.iter().flat_map(Contact::force).collect());
+        arrays::reals(py, forces, vec![self.inner.contacts.len(), 3])
     }
 
     #[getter]
     fn normal_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_contacts(py, |contact| contact.normal_force)
+        self.of_contacts(py, offset_of!(Contact, normal_force))
     }
 
     #[getter]
     fn tangential_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, |contact| contact.tangential_force)
+        self.vectors_of_contacts(py, offset_of!(Contact, tangential_force))
     }
 
     #[getter]
     fn overlaps<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_contacts(py, |contact| contact.approach)
+        self.of_contacts(py, offset_of!(Contact, approach))
     }
 
     #[getter]
     fn sliding<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        arrays::booleans(py, self.inner.contacts.iter().map(|contact| contact.sliding).collect())
+        self.field(py, Records::Contacts, FieldKind::Boolean, offset_of!(Contact, sliding))
     }
 
     fn grains_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -209,6 +216,16 @@ impl Assembly {
         let found = detached(py, || contacts_table(&self.inner))?;
         let found = found.map_err(|error| errors::of_file(py, &error, false))?;
         table::object(py, found)
+    }
+
+    /// The grains of each force chain, by their places.
+    fn force_chains<'py>(&self, py: Python<'py>) -> PyResult<Vec<Array<'py>>> {
+        let found = detached(py, || Chains::from_observation(&Observation::new(&self.inner)).chains)?;
+        let chain = |chain: Vec<usize>| {
+            let shape = vec![chain.len()];
+            arrays::integers(py, chain.into_iter().map(|grain| grain as i64).collect(), shape)
+        };
+        found.into_iter().map(chain).collect()
     }
 
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

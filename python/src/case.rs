@@ -8,6 +8,7 @@ use granum::Registry;
 use granum_campaign::data_set::meaning_of_column;
 use granum_core::quantity::format_number;
 use granum_core::{Column, ColumnKind};
+use granum_dem::config::Recording;
 use granum_io::case::{CaseParameter, ParameterValue, SetKey};
 use granum_io::{Error, Reading};
 use granum_sensors::Sensors;
@@ -89,6 +90,25 @@ impl Case {
             pairs.iter().zip(&paths).map(|((flag, text), path)| SetKey { flag, path, text }).collect();
         let checked = inner.check().and_then(|()| inner.check_bare_numbers(&self.inner, &keys));
         checked.map_err(named)?;
+        Ok(Case { inner })
+    }
+
+    /// The case with stages as its test, in place of the one that it has.
+    pub fn in_stages<'py>(&self, py: Python<'py>, stages: &Bound<'py, PyAny>) -> PyResult<Case> {
+        if stages.len()? == 0 {
+            return Err(errors::of_value(py, "stage", "[]", "a test has at least one stage"));
+        }
+        let alone = PyDict::new(py);
+        alone.set_item("stage", stages)?;
+        let mut inner = self.inner.clone();
+        inner.test = from_mapping(alone.as_mapping())?.inner.test;
+        // As with a named path, the states that a test records are said by its stages.
+        inner.recording = Recording::default().with(|recording| {
+            recording.observations_per_state = self.inner.recording.observations_per_state;
+            recording.sensors.clone_from(&self.inner.recording.sensors);
+            recording.parameters.clone_from(&self.inner.recording.parameters);
+        });
+        inner.check().map_err(|error| errors::of_file(py, &error, true))?;
         Ok(Case { inner })
     }
 
@@ -182,6 +202,10 @@ impl Case {
         parameters: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Case> {
         self.along(py, path, parameters)
+    }
+
+    fn with_stages(&self, py: Python<'_>, stages: &Bound<'_, PyAny>) -> PyResult<Case> {
+        self.in_stages(py, stages)
     }
 
     fn keys(&self) -> Vec<String> {

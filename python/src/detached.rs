@@ -1,7 +1,7 @@
 //! Work without Python's lock, whose panics become exceptions.
 
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind};
+use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -46,7 +46,7 @@ impl Drop for AtWork {
 /// Does some work while other threads of Python go on. A panic, a mistake of granum, becomes an `InternalError`.
 ///
 /// # Errors
-/// In a process that was forked while granum was at work, and after a panic.
+/// In a process that was forked while granum was at work, after a panic, and what [`raise`] was given.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     if FORKED.load(Ordering::Relaxed) {
         return Err(errors::general(py, OF_FORK));
@@ -54,7 +54,19 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyR
     let at_work = AtWork::new();
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
     drop(at_work);
-    done.map_err(|panic| errors::internal(py, &message(panic.as_ref())))
+    done.map_err(|panic| match panic.downcast::<Raised>() {
+        Ok(raised) => raised.0,
+        Err(panic) => errors::internal(py, &message(panic.as_ref())),
+    })
+}
+
+/// What a function of the user raised inside work that has no errors of its own.
+struct Raised(PyErr);
+
+/// Ends the work that [`detached`] began, which then raises what a function of the user did. What the work had begun to change is left
+/// as it was when a process is killed.
+pub fn raise(error: PyErr) -> ! {
+    resume_unwind(Box::new(Raised(error)))
 }
 
 /// Where the last panic was; with several at once that of one of them.

@@ -16,10 +16,12 @@ mod mistake;
 mod place;
 mod program;
 mod quantity;
+mod recorder;
 mod report;
 mod results;
 mod run;
 mod running;
+mod sensor;
 mod simulation;
 mod surrogate;
 mod table;
@@ -53,6 +55,8 @@ mod module {
     use crate::mistake::mistake;
     #[pymodule_export]
     use crate::program::program;
+    #[pymodule_export]
+    use crate::recorder::Recorder;
     #[pymodule_export]
     use crate::run::Run;
     #[pymodule_export]

@@ -17,7 +17,7 @@ use crate::errors;
 use crate::report;
 use crate::results::Place;
 use crate::simulation::Simulation;
-use crate::table;
+use crate::table::{self, SERIES, no_table};
 use crate::values;
 use crate::watch::serialised;
 
@@ -148,14 +148,14 @@ impl Run {
                 // Of a run that goes on there may be more in a moment.
                 let known = self.tables(py)?;
                 if !known.iter().any(|known| known == name) {
-                    return Err(no_table(name, &known));
+                    return Err(no_table(NO_TABLE, name, &known));
                 }
                 self.read(py, |run| run.now().table_named(name))?
             }
             Place::Memory { result, .. } if name == SERIES => result.record.series.clone(),
             Place::Memory { result, .. } => {
                 let found = result.record.histogram_tables().find(|(known, _)| *known == name);
-                let Some((_, found)) = found else { return Err(no_table(name, &self.tables(py)?)) };
+                let Some((_, found)) = found else { return Err(no_table(NO_TABLE, name, &self.tables(py)?)) };
                 found
             }
         };
@@ -255,11 +255,6 @@ impl Run {
     }
 }
 
-fn no_table(name: &str, known: &[String]) -> PyErr {
-    errors::of_key("the run has no table", name, known.iter().map(String::as_str))
-}
-
-/// The table of the states of a test.
-const SERIES: &str = "series";
+const NO_TABLE: &str = "the run has no table";
 /// The snapshot at the end of a run.
 const END: &str = "end";

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use granum::Registry;
 use granum_core::quantity::Dimension;
-use granum_io::{RunFolder, RunKind};
+use granum_io::{RunFolder, RunKind, RunStatus};
 use granum_run::{Laboratory, LaboratoryError, PlannedRun, Source};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 use tempfile::TempDir;
 
 use crate::case::{Case, case_of};
@@ -18,6 +18,7 @@ use crate::detached::detached;
 use crate::errors;
 use crate::quantity;
 use crate::run::Run;
+use crate::sensor::Sensors;
 use crate::watch::{self, Watch};
 
 /// Most threads of a run.
@@ -30,8 +31,9 @@ struct Means<'a, 'py> {
 }
 
 impl Means<'_, '_> {
-    fn laboratory(&self, py: Python<'_>) -> PyResult<Laboratory> {
-        let mut laboratory = Laboratory::here().with_registry(Registry::standard());
+    /// A laboratory that knows what is in a registry.
+    fn laboratory(&self, py: Python<'_>, registry: Registry) -> PyResult<Laboratory> {
+        let mut laboratory = Laboratory::here().with_registry(registry);
         if let Some(threads) = self.threads {
             laboratory.resources.hardware.threads =
                 quantity::whole("threads", threads, 1, MOST_THREADS)? as usize;
@@ -79,10 +81,20 @@ fn in_folder(
     kept: Option<Arc<TempDir>>,
 ) -> PyResult<Run> {
     let folder = RunFolder::create(out, force).map_err(|error| errors::of_file(py, &error, false))?;
-    let done = detached(py, || planned.in_folder(&folder, &mut watch))?;
+    let done = detached(py, || planned.in_folder(&folder, &mut watch));
+    let done = done.inspect_err(|_| interrupted(&folder))?;
     let run = folder.run();
     drop(folder);
     told(py, watch, done).map(|_| Run::in_folder(run, kept))
+}
+
+/// Notes in the record that nobody works on a run any more that a sensor of the user has ended: it is resumed from its last checkpoint.
+fn interrupted(folder: &RunFolder) {
+    if let Ok(mut record) = folder.run().record() {
+        record.status = RunStatus::Interrupted;
+        // What the user is told is why the run ended.
+        let _ = folder.write_record(&record);
+    }
 }
 
 #[pyfunction]
@@ -98,7 +110,7 @@ pub fn prepare(
     force: bool,
 ) -> PyResult<Run> {
     let case = case_of(py, case)?;
-    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py, Registry::standard())?;
     let source = packing.map_or(Source::Case, Source::Packing);
     let watch = Watch::new(None, on_progress);
     let (plan, watch) = planned(py, &laboratory, RunKind::Sample, &case, &source, watch)?;
@@ -132,16 +144,17 @@ fn source_of(sample: Option<&Bound<'_, PyAny>>, packing: Option<PathBuf>) -> PyR
 }
 
 #[pyfunction]
-#[pyo3(name = "run", signature = (case, sample=None, *, path=None, packing=None, out=None, threads=None, checkpoint_every=None, on_state=None, on_progress=None, force=false, **parameters))]
+#[pyo3(name = "run", signature = (case, sample=None, *, path=None, packing=None, out=None, threads=None, checkpoint_every=None, sensors=None, on_state=None, on_progress=None, force=false, **parameters))]
 pub fn run_case(
     py: Python<'_>,
     case: &Bound<'_, PyAny>,
     sample: Option<&Bound<'_, PyAny>>,
-    path: Option<&str>,
+    path: Option<&Bound<'_, PyAny>>,
     packing: Option<PathBuf>,
     out: Option<PathBuf>,
     threads: Option<&Bound<'_, PyAny>>,
     checkpoint_every: Option<&Bound<'_, PyAny>>,
+    sensors: Option<&Bound<'_, PyAny>>,
     on_state: Option<Py<PyAny>>,
     on_progress: Option<Py<PyAny>>,
     force: bool,
@@ -149,7 +162,19 @@ pub fn run_case(
 ) -> PyResult<Run> {
     let mut case = case_of(py, case)?;
     match (path, parameters) {
-        (Some(path), parameters) => case = Case { inner: case }.along(py, path, parameters)?.inner,
+        (Some(path), parameters) if path.is_instance_of::<PyString>() => {
+            case = Case { inner: case }.along(py, &path.extract::<String>()?, parameters)?.inner;
+        }
+        (Some(path), _) if path.is_callable() => {
+            let message = "a function is followed by hand, with granum.Simulation.follow: what it does is no part of a case";
+            return Err(PyTypeError::new_err(message));
+        }
+        (Some(_), Some(parameters)) if !parameters.is_empty() => {
+            let names: Vec<String> = parameters.keys().iter().map(|name| name.to_string()).collect();
+            let message = format!("{} with a list of stages: give it in a stage", names.join(", "));
+            return Err(PyTypeError::new_err(message));
+        }
+        (Some(stages), _) => case = Case { inner: case }.in_stages(py, stages)?.inner,
         (None, Some(parameters)) if !parameters.is_empty() => {
             let names: Vec<String> = parameters.keys().iter().map(|name| name.to_string()).collect();
             let message = format!("{} without a path: give path=\"NAME\" too", names.join(", "));
@@ -157,7 +182,9 @@ pub fn run_case(
         }
         _ => {}
     }
-    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let sensors = Sensors::from_list(py, sensors)?;
+    sensors.record(&mut case.recording);
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py, sensors.registry)?;
     let source = source_of(sample, packing)?;
     let watch = Watch::new(on_state, on_progress);
     let (plan, mut watch) = planned(py, &laboratory, RunKind::Test, &case, &source, watch)?;
@@ -169,12 +196,13 @@ pub fn run_case(
 }
 
 #[pyfunction]
-#[pyo3(signature = (folder, *, threads=None, checkpoint_every=None, on_state=None, on_progress=None))]
+#[pyo3(signature = (folder, *, threads=None, checkpoint_every=None, sensors=None, on_state=None, on_progress=None))]
 pub fn resume(
     py: Python<'_>,
     folder: &Bound<'_, PyAny>,
     threads: Option<&Bound<'_, PyAny>>,
     checkpoint_every: Option<&Bound<'_, PyAny>>,
+    sensors: Option<&Bound<'_, PyAny>>,
     on_state: Option<Py<PyAny>>,
     on_progress: Option<Py<PyAny>>,
 ) -> PyResult<Run> {
@@ -187,12 +215,14 @@ pub fn resume(
             "a run in memory cannot be resumed; give out=\"NAME\" when you run it",
         ));
     };
-    let laboratory = Means { threads, checkpoint_every }.laboratory(py)?;
+    let registry = Sensors::from_list(py, sensors)?.registry;
+    let laboratory = Means { threads, checkpoint_every }.laboratory(py, registry)?;
     let mut watch = Watch::new(on_state, on_progress);
     // A folder that holds no run is refused before it is locked.
     let run = granum_io::Run::at(&path).map_err(|error| errors::of_file(py, &error, false))?;
     let folder = RunFolder::open(&path).map_err(|error| errors::of_file(py, &error, false))?;
-    let done = detached(py, || laboratory.resume(&folder, &mut watch))?;
+    let done = detached(py, || laboratory.resume(&folder, &mut watch));
+    let done = done.inspect_err(|_| interrupted(&folder))?;
     drop(folder);
     told(py, watch, done).map(|_| Run::in_folder(run.now(), kept))
 }

@@ -1,14 +1,14 @@
 //! Simulations that are advanced by hand.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use granum_core::quantity::Dimension;
 use granum_dem::servo::{COMPONENTS, CellControl, PLACES, Row};
 use granum_dem::simulation::Simulation as Engine;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyDict, PyMapping};
 
-use crate::arrays::Array;
+use crate::arrays::{self, Array};
 use crate::assembly::{Assembly, matrix};
 use crate::detached::detached;
 use crate::errors;
@@ -52,6 +52,11 @@ impl Simulation {
     fn look<T>(&self, look: impl FnOnce(&Engine) -> T) -> Option<T> {
         let slot = self.slot();
         slot.as_deref().map(look)
+    }
+
+    /// All grains and contacts as they are now.
+    pub fn observed(&self, py: Python<'_>) -> PyResult<Arc<granum_core::Assembly>> {
+        self.see_detached(py, Engine::assembly).map(Arc::new)
     }
 
     /// As [`Simulation::see`] for what takes long, while other threads of Python go on.
@@ -112,6 +117,48 @@ impl Simulation {
         result
     }
 
+    /// Lets a function steer: it is called at every control interval and gives the control, or ends the path.
+    #[pyo3(signature = (path, *, every, recorder=None, states_every=1, most_steps=None))]
+    fn follow<'py>(
+        slf: &Bound<'py, Self>,
+        path: &Bound<'py, PyAny>,
+        every: &Bound<'py, PyAny>,
+        recorder: Option<&Bound<'py, PyAny>>,
+        states_every: u64,
+        most_steps: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<u64> {
+        let interval = quantity::whole("every", every, 1, u64::MAX)?;
+        let most =
+            most_steps.map_or(Ok(u64::MAX), |steps| quantity::whole("most_steps", steps, 0, u64::MAX))?;
+        let record = |number: u64| match recorder {
+            Some(recorder) if number.is_multiple_of(states_every.max(1)) => {
+                recorder.call_method1("record", (slf,)).map(drop)
+            }
+            _ => Ok(()),
+        };
+        let (mut done, mut number) = (0, 0);
+        record(number)?;
+        while done < most {
+            let control = path.call1((slf,))?;
+            if control.is_none() {
+                break;
+            }
+            let Ok(control) = control.cast::<PyDict>() else {
+                let kind = control.get_type().name()?;
+                let message = format!(
+                    "a path returns a dict with the arguments of control, or None at its end, not {kind}"
+                );
+                return Err(pyo3::exceptions::PyTypeError::new_err(message));
+            };
+            slf.call_method("control", (), Some(control))?;
+            let steps = interval.min(most - done);
+            slf.call_method1("advance", (steps,))?;
+            (done, number) = (done + steps, number + 1);
+            record(number)?;
+        }
+        Ok(done)
+    }
+
     #[pyo3(signature = (*, strain_rate=None, stress=None, mean_stress=None, rate_limit=None))]
     fn control(
         &self,
@@ -163,7 +210,7 @@ impl Simulation {
             let mut slot = self.slot();
             let simulation = slot.as_mut()?;
             control.since = simulation.state().time();
-            simulation.set_control(control);
+            simulation.change_control(control);
             Some(())
         };
         let is_set = set();
@@ -171,7 +218,30 @@ impl Simulation {
     }
 
     fn assembly(&self, py: Python<'_>) -> PyResult<Assembly> {
-        self.see_detached(py, Engine::assembly).map(Assembly::from)
+        self.observed(py).map(Assembly::shared)
+    }
+
+    /// What the laws keep of the contacts, by law and kind.
+    fn history<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let history = self.see_detached(py, Engine::contact_history)?;
+        let contacts = history.contacts;
+        let found = PyDict::new(py);
+        for (name, law) in [
+            ("normal", history.normal),
+            ("tangential", history.tangential),
+            ("rolling", history.moments),
+            ("adhesion", history.adhesion),
+        ] {
+            if law.vectors_kept > 0 {
+                let shape = vec![contacts, law.vectors_kept, 3];
+                found.set_item(format!("{name}_vectors"), arrays::reals(py, law.vectors.concat(), shape)?)?;
+            }
+            if law.scalars_kept > 0 {
+                let shape = vec![contacts, law.scalars_kept];
+                found.set_item(format!("{name}_scalars"), arrays::reals(py, law.scalars, shape)?)?;
+            }
+        }
+        Ok(found)
     }
 
     fn __copy__(&self, py: Python<'_>) -> PyResult<Simulation> {

@@ -22,6 +22,14 @@ type Parts<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
 /// Named columns, each with its values.
 type Columns<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
+/// The name of the table of the states of a test.
+pub const SERIES: &str = "series";
+
+/// A `KeyError` for a table that is not there.
+pub fn no_table(what: &str, name: &str, known: &[String]) -> PyErr {
+    errors::of_key(what, name, known.iter().map(String::as_str))
+}
+
 /// A table of named columns of numbers or of words.
 #[pyclass(frozen, module = "granum")]
 pub struct Table {

@@ -252,6 +252,69 @@ def test_a_simulation_is_advanced_by_hand_and_its_arrays_stay_as_they_were(teste
         simulation.control(stress={"zz": None})
 
 
+def test_the_arrays_of_an_assembly_are_views_that_keep_it_alive(tested: granum.Run) -> None:
+    simulation = tested.simulation()
+    simulation.control(strain_rate={"xy": 50.0, "zz": 20.0}, rate_limit=100.0)
+    simulation.advance(50)
+    assembly = simulation.assembly()
+    grains, contacts = assembly.grains_table(), assembly.contacts_table()
+    assert np.array_equal(assembly.positions[:, 2], grains["position_z"]) and np.array_equal(assembly.radii, grains["radius"])
+    assert np.array_equal(assembly.velocities[:, 0], grains["velocity_x"]) and assembly.spins.shape == (60, 3)
+    assert np.array_equal(assembly.normal_forces, contacts["normal_force"]) and assembly.normals.shape == (len(contacts), 3)
+    assert np.array_equal(assembly.sliding, contacts["sliding"])
+    assert np.allclose(assembly.forces, assembly.tangential_forces - assembly.normal_forces[:, None] * assembly.normals, rtol=0, atol=1e-18)
+    # One place in memory, read twice, and not a copy for each reading.
+    assert np.shares_memory(assembly.positions, assembly.positions) and not np.shares_memory(assembly.forces, assembly.forces)
+    views = [assembly.positions, assembly.radii, assembly.normals, assembly.overlaps, assembly.sliding]
+    copies = [view.copy() for view in views]
+    assert not any(view.flags.writeable for view in views)
+    del assembly, grains, contacts
+    simulation.advance(50)
+    others = [tested.simulation().assembly() for _ in range(20)]
+    assert all(np.array_equal(view, copied) for view, copied in zip(views, copies)) and len(others) == 20
+    # Without contacts there is nothing to show.
+    simulation.control(strain_rate={"xx": -1e3, "yy": -1e3, "zz": -1e3}, rate_limit=1.0)
+    simulation.advance(3000)
+    assert simulation.assembly().contacts.shape == (0, 2) and simulation.assembly().normals.shape == (0, 3)
+    assert all(len(values) == 0 for values in simulation.history().values())
+
+
+def test_the_history_of_the_contacts_is_that_of_the_laws(tested: granum.Run) -> None:
+    simulation = tested.simulation()
+    assembly, history = simulation.assembly(), simulation.history()
+    contacts = len(assembly.contacts)
+    assert {name: values.shape for name, values in history.items()} == {
+        "tangential_vectors": (contacts, 3, 3),
+        "tangential_scalars": (contacts, 2),
+    }
+    assert np.array_equal(history["tangential_vectors"][:, 0], assembly.tangential_forces) and np.any(assembly.tangential_forces)
+    rolling = granum.Case(
+        grains={"count": 60},
+        contact={"normal": "luding", "tangential": "no-slip", "rolling": "elastic-plastic"},
+        preparation={"solid_fraction": "none", "unbalanced_force": 0.05},
+    )
+    history = granum.prepare(rolling).simulation().history()
+    assert {name: values.shape[1:] for name, values in history.items()} == {
+        "normal_scalars": (3,),
+        "tangential_vectors": (1, 3),
+        "tangential_scalars": (1,),
+        "rolling_vectors": (1, 3),
+        "rolling_scalars": (1,),
+    }
+    assert history["normal_scalars"].min() > 0
+
+
+def test_a_control_that_is_given_again_changes_nothing(tested: granum.Run) -> None:
+    once, often = tested.simulation(), tested.simulation()
+    for simulation in [once, often]:
+        simulation.control(strain_rate={"zz": 50.0}, mean_stress=20e3, rate_limit=100.0)
+    for _ in range(10):
+        often.control(strain_rate={"zz": "50 1/s"}, mean_stress="20 kPa", rate_limit=100.0)
+        often.advance(30)
+    once.advance(300)
+    assert np.array_equal(once.assembly().positions, often.assembly().positions)
+
+
 def test_the_program_comes_with_the_package() -> None:
     assert granum_program("--version").strip() == f"granum {granum.__version__}"
     wrong = subprocess.run([sys.executable, "-m", "granum", "nonsense"], capture_output=True, text=True)

@@ -105,6 +105,41 @@ impl State {
         }
     }
 
+    /// The slots of the contacts that touch, in the order of the contacts of the assembly, each with minus one where the grains of its pair
+    /// have changed roles there, and one elsewhere.
+    pub(crate) fn slots_of_contacts(&self) -> Vec<(usize, f64)> {
+        let order = self.order_of_ids();
+        let mut rank = vec![0; order.len()];
+        for (r, &g) in order.iter().enumerate() {
+            rank[g] = r;
+        }
+        let slots: Vec<usize> = self.pairs.touching().collect();
+        let Places { places, images } = self.places(&slots, &rank);
+        let mut found = vec![(0, 1.0); slots.len()];
+        for (slot, place) in slots.into_iter().zip(places) {
+            let [i, j] = self.grains_of(slot).map(|g| rank[g]);
+            found[place] = (slot, if i <= j { 1.0 } else { -1.0 });
+        }
+        if images {
+            let pair = |&(slot, _): &(usize, f64)| {
+                let [i, j] = self.grains_of(slot);
+                [i.min(j), i.max(j)]
+            };
+            for images in found.chunk_by_mut(|a, b| pair(a) == pair(b)) {
+                images.sort_unstable_by(|a, b| self.branch_x(*a).total_cmp(&self.branch_x(*b)));
+            }
+        }
+        found
+    }
+
+    /// The first component of the branch vector of the contact in a slot, m.
+    fn branch_x(&self, (slot, sign): (usize, f64)) -> f64 {
+        let [i, j] = self.grains_of(slot).map(|g| self.particles[g].0[0]);
+        let code = self.pairs.image[slot / LANES][slot % LANES];
+        let image = if code == NO_IMAGE { 0.0 } else { self.cell.image(image_vector(code))[0] };
+        sign * (j + image - i)
+    }
+
     /// The grains in the order of their ids.
     fn order_of_ids(&self) -> Vec<usize> {
         let n = self.grains();

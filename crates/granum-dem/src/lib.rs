@@ -7,6 +7,7 @@
 pub mod checkpoint;
 pub mod config;
 pub mod contact;
+pub mod contact_history;
 pub mod invariants;
 pub mod loading;
 pub mod material;

@@ -97,6 +97,12 @@ impl Row {
         if self.target_rate == 0.0 { self.target } else { self.target + self.target_rate * elapsed }
     }
 
+    /// True if both hold the same combination by the same strain rates; the targets may differ.
+    fn holds_as(&self, other: &Row) -> bool {
+        (self.stress, self.strain, self.moves) == (other.stress, other.strain, other.moves)
+            && (self.divisor, self.stiffness) == (other.divisor, other.stiffness)
+    }
+
     /// True if it is the mean stress.
     fn is_mean(&self) -> bool {
         self.stress == MEAN && self.divisor == 3.0 && self.strain == [0.0; 6]
@@ -262,6 +268,15 @@ pub(crate) struct ServoInput {
 }
 
 impl Servo {
+    /// The servo of another control: combinations that both hold by the same strain rates keep their integrals, all others begin anew.
+    pub(crate) fn carried(&self, before: &CellControl, after: &CellControl) -> Servo {
+        let kept = |row: &Row| {
+            let at = before.rows.iter().position(|old| old.is_some_and(|old| old.holds_as(row)))?;
+            Some(self.integrals[at])
+        };
+        Servo { integrals: after.rows.map(|row| row.as_ref().and_then(kept).unwrap_or(0.0)) }
+    }
+
     /// The velocity gradient L for the next step.
     pub(crate) fn gradient(&mut self, control: &CellControl, sample: &ServoInput) -> Matrix {
         let elapsed = control.progress(sample.time);

@@ -137,6 +137,14 @@ impl Simulation {
         self.integrator.state.servo = Servo::default();
     }
 
+    /// Changes the control of the cell during a test: combinations of stresses that are held by the same strain rates as before keep the
+    /// integrals of the servo, so that a control whose targets are changed often holds them as well as one that is not changed.
+    pub fn change_control(&mut self, control: CellControl) {
+        let state = &mut self.integrator.state;
+        state.servo = state.servo.carried(&state.control, &control);
+        state.control = control;
+    }
+
     /// Changes the bound on the rates that the servo adds, and keeps its integrals.
     pub fn set_rate_limit(&mut self, limit: f64) {
         self.integrator.state.control.rate_limit = limit;

@@ -257,3 +257,55 @@ fn both_ways_of_calling_laws_give_the_same_bits() {
         }
     }
 }
+
+/// The first vector of a tangential law is the tangential force on the first grain, contact by contact as in the assembly.
+#[test]
+fn histories_are_in_the_order_of_the_contacts() {
+    let mut s = small_sample(Hardware::default(), 0.1);
+    s.set_control(CellControl::constant_mean_stress(0, 100.0, 20e3, 1e3));
+    s.advance(300).unwrap();
+    let (assembly, history) = (s.assembly(), s.contact_history());
+    assert_eq!(history.contacts, assembly.contacts.len());
+    let kept = history.tangential.vectors_kept;
+    assert_eq!((kept, history.tangential.scalars_kept, history.moments.vectors_kept), (3, 2, 0));
+    assert_eq!(history.tangential.vectors.len(), kept * history.contacts);
+    assert!(assembly.contacts.iter().any(|contact| contact.tangential_force != [0.0; 3]));
+    for (contact, vectors) in assembly.contacts.iter().zip(history.tangential.vectors.chunks(kept)) {
+        assert_eq!(vectors[0], contact.tangential_force);
+    }
+}
+
+/// Two images of one grain touch another: their histories are in the order of their contacts too.
+#[test]
+fn histories_of_images_are_in_the_order_of_the_contacts() {
+    let l = DIAMETER * (1.0 - 1e-4);
+    let mut s = lattice(&[[0.0; 3], [l, 0.0, 0.0]], Cell::cuboid([2.0 * l, l, l]), NormalKind::HERTZ);
+    let mut control = CellControl::fixed();
+    control.rate = [[0.0, 50.0, 3.0], [50.0, 20.0, 0.0], [3.0, 0.0, -20.0]];
+    s.set_control(control);
+    s.advance(40).unwrap();
+    let (assembly, history) = (s.assembly(), s.contact_history());
+    let both = assembly.contacts.iter().filter(|contact| contact.i != contact.j).count();
+    assert_eq!((both, history.contacts), (2, assembly.contacts.len()));
+    for (contact, force) in assembly.contacts.iter().zip(&history.tangential.vectors) {
+        assert_eq!(*force, contact.tangential_force);
+    }
+}
+
+/// A control that is set again and again, as by a program that steers a test, gives the same bits as one that stays; the servo is not begun anew.
+#[test]
+fn a_control_that_changes_to_itself_changes_nothing() {
+    let control = CellControl::constant_mean_stress(0, 50.0, 20e3, 1e3);
+    let sample = small_sample(Hardware::default(), 0.0);
+    let after = |change: fn(&mut Simulation, CellControl)| {
+        let mut s = sample.clone();
+        s.set_control(control);
+        for _ in 0..20 {
+            change(&mut s, control);
+            s.advance(20).unwrap();
+        }
+        (s.state().stress(), s.state().strain())
+    };
+    assert_eq!(after(Simulation::change_control), after(|_, _| ()));
+    assert_ne!(after(Simulation::set_control), after(|_, _| ()));
+}

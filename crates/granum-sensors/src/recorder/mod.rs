@@ -250,21 +250,29 @@ impl Recorder {
             self.saved.states.push(fresh);
         }
         let Some(sums) = self.saved.states.last_mut() else { return };
-        let observation = Observation::new(assembly).with_recording(&self.saved.schedule.recording);
-        let mut row = Vec::with_capacity(sums.sums.len());
-        let mut first = 0;
-        for (Instance { known, bins }, memory) in self.sensors.iter().zip(&mut self.saved.memories) {
-            let columns = row.len() + known.description.columns.len();
-            let end = (first + bins.len()).min(sums.histograms.len());
-            let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
-            if known.costs_too_much(assembly).is_none() {
-                known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
-            }
-            // A sensor that measured nothing, or has too many or too few values, must not shift the columns of the sensors after it.
-            row.resize(columns, f64::NAN);
-            first = end;
-        }
-        sums.add(&row, self.sensors.iter().flat_map(|instance| &instance.known.description.columns));
+        measure(&self.sensors, &self.saved.schedule.recording, assembly, &mut self.saved.memories, sums);
+    }
+
+    /// Records an assembly as the next state, of one observation, whether one is due or not: for a program that chooses the states itself.
+    /// If a sensor panics, the recorder is as it was before.
+    ///
+    /// ```
+    /// use granum_dem::{assembly::Assembly, config::Recording};
+    /// use granum_sensors::{Recorder, Sensors};
+    ///
+    /// let mut recorder = Recorder::new(&Sensors::standard(), &Recording::default(), 0.3)?;
+    /// recorder.observe_state(&Assembly::default());
+    /// recorder.observe_state(&Assembly::default());
+    /// assert_eq!(recorder.record().series.values("state"), Some([0.0, 1.0].as_slice()));
+    /// # Ok::<(), granum_sensors::SensorError>(())
+    /// ```
+    pub fn observe_state(&mut self, assembly: &Assembly) {
+        let state = self.saved.schedule.next_state();
+        let (mut sums, mut memories) = (self.empty_state(state), self.saved.memories.clone());
+        measure(&self.sensors, &self.saved.schedule.recording, assembly, &mut memories, &mut sums);
+        self.saved.memories = memories;
+        self.saved.states.push(sums);
+        self.saved.schedule.end_state();
     }
 
     /// Discards the data that the sensors store: the stage has ended, and nothing will be compared with its last observation.
@@ -308,6 +316,31 @@ impl Recorder {
     fn empty_state(&self, state: usize) -> StateSums {
         StateSums::new(state, self.columns().count(), self.bins().iter().map(Bins::empty).collect())
     }
+}
+
+/// Adds what some sensors measure on an assembly to the sums of a state.
+fn measure(
+    sensors: &[Instance],
+    recording: &Recording,
+    assembly: &Assembly,
+    memories: &mut [Memory],
+    sums: &mut StateSums,
+) {
+    let observation = Observation::new(assembly).with_recording(recording);
+    let mut row = Vec::with_capacity(sums.sums.len());
+    let mut first = 0;
+    for (Instance { known, bins }, memory) in sensors.iter().zip(memories) {
+        let columns = row.len() + known.description.columns.len();
+        let end = (first + bins.len()).min(sums.histograms.len());
+        let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
+        if known.costs_too_much(assembly).is_none() {
+            known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
+        }
+        // A sensor that measured nothing, or has too many or too few values, must not shift the columns of the sensors after it.
+        row.resize(columns, f64::NAN);
+        first = end;
+    }
+    sums.add(&row, sensors.iter().flat_map(|instance| &instance.known.description.columns));
 }
 
 #[cfg(test)]

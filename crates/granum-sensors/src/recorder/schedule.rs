@@ -191,6 +191,11 @@ impl Schedule {
         Some(state)
     }
 
+    /// The next state is over, however many observations of it were made.
+    pub(super) fn end_state(&mut self) {
+        self.next = (self.next.0 + 1, 0);
+    }
+
     pub(super) fn advance(&mut self) {
         let (state, observation) = self.next;
         self.next = if observation + 1 < self.observations_of(state) {
