@@ -31,6 +31,7 @@ from ._granum import __version__, _forked
 from ._granum import open as open
 from ._plots import compare
 from ._progress import ProgressLine
+from ._view import View, view
 from .campaigns import Campaign, linear, log
 from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
 from .sensors import Bins, Sensor, SensorColumn
@@ -56,6 +57,7 @@ __all__ = [
     "SensorColumn",
     "Simulation",
     "Table",
+    "View",
     "__version__",
     "campaigns",
     "compare",
@@ -71,6 +73,7 @@ __all__ = [
     "schema",
     "surrogates",
     "template",
+    "view",
 ]
 
 # Threads do not survive a fork: a child that was forked while granum was at work is told so instead of waiting for them for ever.

@@ -38,6 +38,8 @@ def functions(tested: granum.Run) -> list[Callable[..., Any]]:
         granum.Case, granum.Case.from_dict, granum.Case.from_toml, granum.Case.read, granum.Table, granum.Table.read, granum.measure,
         granum.open, granum.resume, granum.run, granum.surrogates.load, granum.CaseError, granum.Dataset, granum.Dataset.read,
         granum.surrogates.fit, granum.surrogates.read, granum.Campaign, granum.Campaign.open, granum.compare, granum.laboratory, granum.log,
+        granum.view, granum.Recorder, lambda *arguments, **words: granum.view(assembly, colour=arguments[0]), granum.Recorder().record,
+        lambda *arguments, **words: granum.Recorder(sensors=[granum.Sensor(*arguments, **words)]).record(assembly),
         lambda *arguments, **words: granum.surrogates.fit(dataset, *arguments, method="ridge", **words),
         lambda *arguments, **words: granum.Campaign(granum.Case(), "study", friction=(0.1, 0.2), variables=arguments[0], **words),
     ]  # fmt: skip
