@@ -1,6 +1,6 @@
 """Checks the book and the other pages: check_book.py [FOLDER OF THE BUILT BOOK]
 
-Every link to a file, a heading or a picture must lead somewhere, every page must be in the table of contents, every
+Every link to a file, a heading or a picture must lead somewhere, every file of the repository that is named as code must exist, every page must be in the table of contents, every
 included program must exist, and a line of a table of VALIDATION.md is at most a few sentences. With the folder that `mdbook build` wrote, its pages are checked in the same way.
 """
 import html.parser
@@ -82,6 +82,15 @@ def check_page(page):
             problems.append(f"{page.relative_to(root)}: {name or 'the page itself'} has no heading #{heading}")
 
 
+def check_named_files(page):
+    """Files and folders that are named as code, such as `crates/granum-dem/src/engine.rs` or `granum-dem/src/engine.rs`, exist."""
+    folders = "crates|scripts|benches|data|docs|examples|python|granum-[a-z0-9]+"
+    for name in re.findall(rf"`((?:{folders})/[\w./-]+)(?:::\w+)?`", page.read_text()):
+        path = root / "crates" / name if name.startswith("granum-") else root / name
+        if not path.exists():
+            problems.append(f"{page.relative_to(root)}: names {name}, which does not exist")
+
+
 class Links(html.parser.HTMLParser):
     def __init__(self):
         super().__init__()
@@ -128,6 +137,7 @@ pages = sorted(source.rglob("*.md")) + sorted(root.glob("*.md")) + sorted(root.g
 pages += sorted(root.glob("benches/**/README.md")) + sorted(root.glob("data/**/README.md")) + [root / "fuzz" / "README.md"]
 for page in pages:
     check_page(page)
+    check_named_files(page)
 check_examples()
 for number, line in enumerate((root / "VALIDATION.md").read_text().splitlines(), 1):
     if line.startswith("|") and len(line) > LONGEST_TABLE_LINE:

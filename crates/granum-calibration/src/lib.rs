@@ -26,6 +26,7 @@ pub mod outcome;
 pub mod prediction;
 pub mod prior;
 mod random;
+pub mod sample_scatter;
 pub mod sensitivity;
 pub mod sequential;
 pub mod simulation;

@@ -16,8 +16,10 @@ use crate::curve::{ForwardModel, MeasuredCurve, MeasurementError, PredictedCurve
 use crate::error::{CalibrationError, Result};
 use crate::prior::Prior;
 
-/// Sizes of a discrepancy over which its prior is averaged.
+/// Sizes of a discrepancy over which its prior is averaged, where each quantity is averaged on its own.
 const NODES: usize = 24;
+/// Sets of sizes over which the priors of all quantities are averaged together.
+const SETS: usize = 128;
 
 /// A free parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -157,17 +159,31 @@ impl<'a> Posterior<'a> {
                     own.map(|(k, _)| self.log_density_of_curve(k, &predicted[k], &all)).sum()
                 })
                 .collect();
-            let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if largest == f64::NEG_INFINITY {
-                return largest;
-            }
-            let mean = terms.iter().map(|term| libm::exp(term - largest)).sum::<f64>() / terms.len() as f64;
-            largest + libm::log(mean)
+            log_mean(&terms)
         };
         if predicted.len() != self.curves.len() {
             return f64::NEG_INFINITY;
         }
-        (0..quantities).map(of_quantity).sum()
+        match self.sizes {
+            Some(prior) if predicted.iter().any(|curve| !curve.across.is_empty()) => {
+                self.averaged_together(predicted, prior, quantities)
+            }
+            _ if self.sizes.is_none() => self.log_likelihood_of(predicted, &[]),
+            _ => (0..quantities).map(of_quantity).sum(),
+        }
+    }
+
+    /// As [`Posterior::marginal_log_likelihood`] where the errors of different quantities go together: the mean over points that fill the priors
+    /// of all sizes evenly.
+    fn averaged_together(&self, predicted: &[PredictedCurve], prior: Prior, quantities: usize) -> f64 {
+        let size = |set: usize, quantity: usize| {
+            prior.value(f64::from(sobol_burley::sample(set as u32, quantity as u32, 0)))
+        };
+        let term = |set: usize| {
+            let sizes: Vec<f64> = (0..quantities).map(|quantity| size(set, quantity)).collect();
+            self.log_likelihood_of(predicted, &sizes)
+        };
+        log_mean(&(0..SETS).map(term).collect::<Vec<f64>>())
     }
 
     /// The logarithm of the likelihood of one curve, weighted.
@@ -203,8 +219,13 @@ impl<'a> Posterior<'a> {
     fn log_likelihood(&self, values: &[f64]) -> f64 {
         let (parameters, sizes) = values.split_at(self.parameters.len());
         let Some(predicted) = self.model.predict(parameters) else { return f64::NEG_INFINITY };
+        self.log_likelihood_of(&predicted, sizes)
+    }
+
+    /// The logarithm of the likelihood of predicted curves with the given relative sizes of discrepancies, up to a constant.
+    fn log_likelihood_of(&self, predicted: &[PredictedCurve], sizes: &[f64]) -> f64 {
         let all: Vec<usize> = (0..predicted.len()).collect();
-        groups(&predicted, &all).iter().map(|group| self.log_density_of_group(group, &predicted, sizes)).sum()
+        groups(predicted, &all).iter().map(|group| self.log_density_of_group(group, predicted, sizes)).sum()
     }
 
     /// The logarithm of the likelihood of curves whose errors go together. Each has its weight as the exponent of its density given those
@@ -268,6 +289,16 @@ impl LogDensity for Posterior<'_> {
     fn log_density(&self, shares: &[f64]) -> f64 {
         self.log_likelihood(&self.values(shares))
     }
+}
+
+/// The logarithm of the mean of exponentials.
+fn log_mean(terms: &[f64]) -> f64 {
+    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    let mean = terms.iter().map(|term| libm::exp(term - largest)).sum::<f64>() / terms.len() as f64;
+    largest + libm::log(mean)
 }
 
 /// The curves of `chosen` in groups whose errors go together.
@@ -448,6 +479,33 @@ mod tests {
             let found = posterior.log_likelihood(&[2.0]);
             let expected = alone + weight * (expected - alone);
             assert!((found - expected).abs() < 1e-12, "{weight}: {found} {expected}");
+        }
+    }
+
+    /// Golden: averaged over the sizes of two quantities whose errors go together, the likelihood is that of a fine grid of sizes; with a
+    /// covariance of zero between them it is that of each quantity on its own.
+    #[test]
+    fn sizes_of_discrepancies_are_averaged_together() {
+        let free = slope(0.0, 4.0);
+        let error = MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 };
+        let one = MeasuredCurve { strain: vec![0.1], measured: vec![0.3], ..line_test(error) };
+        let two = MeasuredCurve { quantity: "volumetric_strain".into(), measured: vec![0.5], ..one.clone() };
+        let curves = [one, two];
+        let discrepancy = Some(Discrepancy { scale: 0.3, correlation_strain: 0.05 });
+        let posterior = Posterior::new(&free, &curves, &line, discrepancy).unwrap();
+        let prior = Prior::Normal { mean: 0.0, deviation: 0.3, from: 0.0, to: f64::INFINITY };
+        for across in [0.03, 0.0] {
+            let curve =
+                |mean: f64, across| PredictedCurve { mean: vec![mean], covariance: vec![0.04], across };
+            let predicted = [curve(0.2, Vec::new()), curve(0.4, vec![(0, vec![across])])];
+            let size = |k: u32| prior.value((f64::from(k) + 0.5) / 60.0);
+            let sets = (0..3600).map(|k| [size(k / 60), size(k % 60)]);
+            let terms: Vec<f64> = sets.map(|sizes| posterior.log_likelihood_of(&predicted, &sizes)).collect();
+            let found = posterior.marginal_log_likelihood(&predicted);
+            assert!((found - log_mean(&terms)).abs() < 0.01, "{found} {}", log_mean(&terms));
+            let alone = predicted.clone().map(|curve| PredictedCurve { across: Vec::new(), ..curve });
+            let alone = posterior.marginal_log_likelihood(&alone);
+            assert_eq!((found - alone).abs() < 0.01, across == 0.0, "{across}: {found} {alone}");
         }
     }
 

@@ -22,6 +22,9 @@ use crate::random::{standard_normal, stream, unit};
 /// Shares this near to 0 and 1 are not proposed: their normal quantiles would be infinite.
 const NEAREST: f64 = 1e-9;
 
+const NEEDS_LOGARITHMS: &str =
+    "each point of a round needs the finite logarithm of its likelihood, or minus infinity";
+
 /// How rounds are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -140,16 +143,29 @@ impl Sequential {
     pub fn take(&mut self, shares: &[Vec<f64>], log_likelihoods: &[f64]) -> Result<()> {
         let fits =
             shares.len() == log_likelihoods.len() && shares.iter().all(|point| point.len() == self.dimension);
-        if !fits || log_likelihoods.iter().any(|value| value.is_nan() || *value == f64::INFINITY) {
-            let message =
-                "each point of a round needs the finite logarithm of its likelihood, or minus infinity";
-            return Err(CalibrationError::Input(message.into()));
+        if !fits || log_likelihoods.iter().any(|value| !is_logarithm(*value)) {
+            return Err(CalibrationError::Input(NEEDS_LOGARITHMS.into()));
         }
         self.points.extend(shares.iter().map(|point| point.iter().map(|share| quantile(*share)).collect()));
         self.log_likelihoods.extend(log_likelihoods);
         self.rounds.push((shares.len(), self.proposed.take()));
         let moments = self.moments_now();
         self.moments.push(moments);
+        Ok(())
+    }
+
+    /// Takes the place of the logarithms of the likelihood of all points so far, before those of a further round are taken: for a likelihood whose
+    /// errors are estimated from all rounds together.
+    ///
+    /// # Errors
+    /// If the numbers of points and results differ, or a result is not a number.
+    pub fn judge_again(&mut self, log_likelihoods: &[f64]) -> Result<()> {
+        if log_likelihoods.len() != self.points.len()
+            || log_likelihoods.iter().any(|value| !is_logarithm(*value))
+        {
+            return Err(CalibrationError::Input(NEEDS_LOGARITHMS.into()));
+        }
+        self.log_likelihoods = log_likelihoods.to_vec();
         Ok(())
     }
 
@@ -285,6 +301,11 @@ impl Kernels {
     }
 }
 
+/// True for what a likelihood can have as its logarithm.
+fn is_logarithm(value: f64) -> bool {
+    value.is_finite() || value == f64::NEG_INFINITY
+}
+
 /// The logarithm of the prior's density over normal quantiles.
 fn prior_log_density(point: &[f64]) -> f64 {
     let constant = 0.5 * libm::log(2.0 * std::f64::consts::PI);
@@ -378,6 +399,14 @@ mod tests {
         let (_, weights) = rounds.weighted();
         assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!(again.take(&[vec![0.5; 3]], &[f64::NAN]).is_err());
+        // A likelihood that is the same everywhere leaves the prior, whatever was taken before.
+        assert!(again.judge_again(&[0.0]).is_err());
+        again.judge_again(&vec![-1.0; weights.len()]).unwrap();
+        assert!(
+            again.moments_now().iter().all(|[mean, _]| (mean - 0.5).abs() < 0.1),
+            "{:?}",
+            again.moments_now()
+        );
     }
 
     #[test]

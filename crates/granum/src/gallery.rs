@@ -106,9 +106,19 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-paths.toml"),
     },
     ReadyPlan {
+        name: "sand-paths-unseen",
+        case: "undrained-dense",
+        text: include_str!("../gallery/plans/sand-paths-unseen.toml"),
+    },
+    ReadyPlan {
         name: "powder-paths",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths.toml"),
+    },
+    ReadyPlan {
+        name: "powder-paths-unseen",
+        case: "powder-oedometer",
+        text: include_str!("../gallery/plans/powder-paths-unseen.toml"),
     },
     ReadyPlan {
         name: "random-paths",

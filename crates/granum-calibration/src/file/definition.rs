@@ -97,6 +97,8 @@ pub struct CalibrationTable {
     /// Simulations from which the surrogate learns, of all tests together; for [`Method::Dem`] the points of a round, each with a simulation
     /// of every test.
     pub runs: usize,
+    /// Samples of each simulation of a round ([`Method::Dem`]), from which the scatter of samples is estimated.
+    pub samples: usize,
     /// Most rounds: of simulations ([`Method::Dem`]), or of confirmations after which the surrogate is fitted again.
     pub rounds: usize,
     /// Draws from the posterior that are simulated to confirm it.

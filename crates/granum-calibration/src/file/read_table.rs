@@ -11,11 +11,12 @@ use super::words::word;
 use crate::likelihood::Discrepancy;
 
 /// The keys of the table.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "tests",
     "predict",
     "method",
     "runs",
+    "samples",
     "rounds",
     "confirm",
     "draws",
@@ -32,6 +33,8 @@ const QUANTITY_KEYS: [&str; 9] =
     ["name", "strains", "from", "to", "points", "weight", "absolute", "relative", "correlation_strain"];
 /// Axial strains between which quantities are compared unless the file says otherwise, and their number.
 const USUAL_STRAINS: ([f64; 2], usize) = ([0.005, 0.15], 16);
+/// Samples of each simulation of a round unless the file says otherwise: the least that tell how samples scatter.
+const USUAL_SAMPLES: u64 = 2;
 /// Most strains of a quantity: the cost of the likelihood grows as their third power.
 const MOST_STRAINS: u64 = 200;
 const STRAIN_UNIT: &str = "";
@@ -61,6 +64,10 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         let message = format!("predict needs a surrogate, since {WHY_PREDICTIONS}");
         reader.error(node.span(), message, "write method = \"surrogate\", or leave predict out");
     }
+    if let Some(node) = table.get("samples").filter(|_| method == Method::Surrogate) {
+        let message = "samples is for method = \"dem\": a surrogate learns the scatter of samples from runs that each have a sample of their own";
+        reader.error(node.span(), message, "leave it out, or write method = \"dem\"");
+    }
     let mut count = |key: &str, least: u64, most: u64, usual: u64| {
         reader.count(table, key, least, most).unwrap_or(usual) as usize
     };
@@ -69,6 +76,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         Method::Dem => (32, 10),
     };
     let [runs, rounds] = [count("runs", 8, 100_000, usual_runs), count("rounds", 1, 1000, usual_rounds)];
+    let samples = count("samples", 1, 100, USUAL_SAMPLES);
     let [confirm, draws] = [count("confirm", 0, 1000, 4), count("draws", 1, 100_000, 20)];
     let [chains, most_draws] = [count("chains", 2, 64, 4), count("most_draws", 1000, 10_000_000, 100_000)];
     let seed = count("seed", 0, u64::from(u32::MAX), 1) as u32;
@@ -86,6 +94,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         predict_span: table.get("predict").map_or(node.span(), |node| node.span()),
         method,
         runs,
+        samples,
         rounds,
         confirm,
         draws,

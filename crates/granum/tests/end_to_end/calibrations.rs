@@ -7,6 +7,7 @@ use granum_io::Run;
 use granum_run::record::read_record;
 use granum_run::strength::as_laboratory;
 
+use crate::common::{run, stderr};
 use crate::{done, done_json, refused};
 
 /// A drained triaxial test that takes a fraction of a second.
@@ -225,6 +226,43 @@ fn parameters_of_a_test_are_its_own(here: &Path, shared: &serde_json::Value) {
     assert!(message.contains("friction is own to each test") && message.contains("left out"), "{message}");
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T2"]));
     assert!(message.contains("friction is own to each test"), "{message}");
+}
+
+/// So few simulations leave a surrogate that is too sure of itself: those at draws from the posterior are added to them, and the inference
+/// is repeated.
+#[test]
+fn a_surrogate_that_simulations_do_not_confirm_learns_from_them() {
+    let base = folder(true);
+    let here = base.path();
+    let few = MATERIAL.replace("runs = 16", "runs = 8").replace("confirm = 2", "confirm = 3");
+    std::fs::write(here.join("few.toml"), few.replace("rounds = 1", "rounds = 3")).unwrap();
+    let output = run(here, &["calibrate", "few.toml", "lab.csv", "--out", "out"]);
+    let told = stderr(&output);
+    assert!(output.status.success(), "{told}");
+    let at = |text: &str| told.find(text).unwrap_or_else(|| panic!("{text}: {told}"));
+    let added = at("the simulations are added to those from which the surrogate learns, and the inference is repeated");
+    assert!(at("learned from 8 runs") < added && added < at("learned from 11 runs"), "{told}");
+    assert!(at("confirmation 2: 0 %") > added, "{told}");
+    assert!(here.join("out/runs/confirmation-2/campaign.json").is_file());
+}
+
+/// Rounds of simulations without a surrogate, each point with two samples, of whose scatter the likelihood knows.
+#[test]
+fn rounds_of_simulations_find_a_synthetic_target() {
+    let base = folder(true);
+    let here = base.path();
+    let rounds = MATERIAL.replace("rounds = 1", "rounds = 6\nmethod = 'dem'").replace("runs = 16", "runs = 24");
+    std::fs::write(here.join("dem.toml"), &rounds).unwrap();
+    let command = ["calibrate", "dem.toml", "lab.csv", "--out", "out"];
+    let found = done_json(here, &command);
+    let number = |key: &str| found["parameters"][0][key].as_f64().unwrap();
+    assert!(number("quantile_5") < 0.35 && 0.35 < number("quantile_95"), "{found:#}");
+    assert!(number("quantile_95") - number("quantile_5") < 0.6, "{found:#}");
+    // Two samples of each of the 24 points.
+    let first = done_json(here, &["campaign", "status", "out/runs/round-1"]);
+    assert_eq!(first["runs"].as_array().map(Vec::len), Some(48), "{first:#}");
+    // Nothing is simulated again.
+    assert_eq!(done_json(here, &command)["parameters"], found["parameters"]);
 }
 
 #[test]

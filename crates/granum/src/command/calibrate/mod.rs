@@ -8,6 +8,7 @@ mod posterior_files;
 mod prediction;
 mod repeated;
 mod results;
+mod rounds;
 mod simulate;
 
 use std::path::{Path, PathBuf};

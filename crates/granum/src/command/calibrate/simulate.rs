@@ -64,10 +64,24 @@ impl Calibration<'_> {
 
     /// Simulates the tests, each with a sample of its own, as a campaign of this name; what is finished is used again.
     pub fn simulate(&self, name: &str, number: usize, simulations: &[DesignPoint]) -> Result<Runs, Failure> {
+        self.simulate_samples(name, number, simulations, 1)
+    }
+
+    /// As [`Calibration::simulate`], with so many samples of each simulation, that differ in their seed alone.
+    pub fn simulate_samples(
+        &self,
+        name: &str,
+        number: usize,
+        simulations: &[DesignPoint],
+        samples: usize,
+    ) -> Result<Runs, Failure> {
         let runs = self.out.join(RUNS);
         let folder: PathBuf = runs.join(name);
         let _runs = OutputFolder::open_or_create(&runs)?;
         let mut plan = plan(self.file, self.all, simulations);
+        plan.design.replicates = samples;
+        let simulations: Vec<DesignPoint> =
+            simulations.iter().flat_map(|one| std::iter::repeat_n(one.clone(), samples)).collect();
         if number > 0 {
             // Samples of other seeds than those of the campaigns before.
             let first = plan.case.preparation.seed.wrapping_add(SEEDS * number as u64);
@@ -92,7 +106,7 @@ impl Calibration<'_> {
             true => DataSet::read(&data_set, self.context.reading())?.each_run()?,
             false => Vec::new(),
         };
-        let (simulated, missing) = simulated(simulations, &planned, each);
+        let (simulated, missing) = simulated(&simulations, &planned, each);
         if missing > 0 {
             self.context.warn(&format!(
                 "{name}: {missing} of {} simulations are not used, since they failed or did not pass their checks (`granum campaign status {}` \
