@@ -120,7 +120,11 @@ fn mistakes_are_told_with_their_lines() {
             &["material.toml:7:", "predict needs a surrogate, since", "leave predict out"],
         ),
         ("runs = 24", "runs = 24\nmethod = \"abc\"", &["method = \"abc\"", "surrogate"]),
-        ("runs = 24", "runs = 24\nsamples = 2", &["material.toml:6:", "samples is for method = \"dem\"", "leave it out"]),
+        (
+            "runs = 24",
+            "runs = 24\nsamples = 2",
+            &["material.toml:6:", "samples is for method = \"dem\"", "leave it out"],
+        ),
         ("test = \"relative_density\"", "test = \"relative_density\"\nfrom = 1", &["from belongs to"]),
     ] {
         assert!(FILE.contains(from), "{from}");

@@ -240,7 +240,9 @@ fn a_surrogate_that_simulations_do_not_confirm_learns_from_them() {
     let told = stderr(&output);
     assert!(output.status.success(), "{told}");
     let at = |text: &str| told.find(text).unwrap_or_else(|| panic!("{text}: {told}"));
-    let added = at("the simulations are added to those from which the surrogate learns, and the inference is repeated");
+    let added = at(
+        "the simulations are added to those from which the surrogate learns, and the inference is repeated",
+    );
     assert!(at("learned from 8 runs") < added && added < at("learned from 11 runs"), "{told}");
     assert!(at("confirmation 2: 0 %") > added, "{told}");
     assert!(here.join("out/runs/confirmation-2/campaign.json").is_file());
@@ -251,7 +253,8 @@ fn a_surrogate_that_simulations_do_not_confirm_learns_from_them() {
 fn rounds_of_simulations_find_a_synthetic_target() {
     let base = folder(true);
     let here = base.path();
-    let rounds = MATERIAL.replace("rounds = 1", "rounds = 6\nmethod = 'dem'").replace("runs = 16", "runs = 24");
+    let rounds =
+        MATERIAL.replace("rounds = 1", "rounds = 6\nmethod = 'dem'").replace("runs = 16", "runs = 24");
     std::fs::write(here.join("dem.toml"), &rounds).unwrap();
     let command = ["calibrate", "dem.toml", "lab.csv", "--out", "out"];
     let found = done_json(here, &command);
