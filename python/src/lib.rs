@@ -13,6 +13,8 @@ mod detached;
 mod errors;
 mod families;
 mod mistake;
+mod pair;
+mod pair_law;
 mod place;
 mod program;
 mod quantity;
@@ -53,6 +55,8 @@ mod module {
     use crate::families::{Family, families};
     #[pymodule_export]
     use crate::mistake::mistake;
+    #[pymodule_export]
+    use crate::pair::pair;
     #[pymodule_export]
     use crate::program::program;
     #[pymodule_export]
