@@ -8,7 +8,7 @@
 
 import os as _os
 
-from . import campaigns, surrogates
+from . import calibration, campaigns, surrogates
 from ._granum import (
     Assembly,
     Case,
@@ -33,6 +33,7 @@ from ._granum import open as open
 from ._plots import compare
 from ._progress import ProgressLine
 from ._view import View, view
+from .calibration import Posterior, calibrate
 from .campaigns import Campaign, linear, log
 from .errors import CaseError, Error, FileError, InternalError, Mistake, RunError, RunWarning
 from .sensors import Bins, Sensor, SensorColumn
@@ -49,6 +50,7 @@ __all__ = [
     "FileError",
     "InternalError",
     "Mistake",
+    "Posterior",
     "ProgressLine",
     "Recorder",
     "Run",
@@ -60,6 +62,8 @@ __all__ = [
     "Table",
     "View",
     "__version__",
+    "calibrate",
+    "calibration",
     "campaigns",
     "compare",
     "laboratory",

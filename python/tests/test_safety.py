@@ -38,7 +38,7 @@ def functions(tested: granum.Run) -> list[Callable[..., Any]]:
         granum.Case, granum.Case.from_dict, granum.Case.from_toml, granum.Case.read, granum.Table, granum.Table.read, granum.measure,
         granum.open, granum.resume, granum.run, granum.surrogates.load, granum.CaseError, granum.Dataset, granum.Dataset.read,
         granum.surrogates.fit, granum.surrogates.read, granum.Campaign, granum.Campaign.open, granum.compare, granum.laboratory, granum.log,
-        granum.view, granum.Recorder, granum.pair,
+        granum.view, granum.Recorder, granum.pair, granum.Posterior,
         lambda *arguments, **words: granum.pair({"normal_approach": [1e-8], "tangential_displacement": [0.0]}, normal=arguments[0]),
         lambda *arguments, **words: granum.view(assembly, colour=arguments[0]), granum.Recorder().record,
         lambda *arguments, **words: granum.Recorder(sensors=[granum.Sensor(*arguments, **words)]).record(assembly),
