@@ -4,8 +4,8 @@
 
     python3 scripts/ship_data.py CAMPAIGN/dataset data/families/sand/drained --plan sand-drained.toml
 
-Needs Python with pyarrow (python3 -m venv env; env/bin/pip install pyarrow). States are kept where curves change most: every one of the
-first 24 of the last stage, every second of the next 24, every fifth of the others, and the first and the last state of each stage. Columns are
+Needs Python with pyarrow (python3 -m venv env; env/bin/pip install pyarrow). States are kept where curves change most: of each stage every
+one of the first 24, every second of the next 24, every fifth of the others, and the last. Columns are
 those of COLUMNS and the distribution of contact forces. Numbers are rounded to 16 significant bits,
 by less than 8e-6 of their value. Parquet is compressed by gzip over
 byte streams (BYTE_STREAM_SPLIT), which every reader knows; zstd would need a C compiler where granum is built.
@@ -48,21 +48,18 @@ def digest(texts):
 
 
 def kept_states(runs, stages):
-    """The rows that are kept, run by run."""
+    """The rows that are kept, stage by stage."""
     kept, start = [], 0
     while start < len(runs):
         end = start
-        while end < len(runs) and runs[end] == runs[start]:
+        while end < len(runs) and (runs[end], stages[end]) == (runs[start], stages[start]):
             end += 1
-        last = stages[end - 1]
-        first_of_last = next(row for row in range(start, end) if stages[row] == last)
         for row in range(start, end):
-            number = row - first_of_last
-            ends = row in (start, end - 1) or stages[row] != stages[row - 1] or stages[row] != stages[row + 1]
-            fine = 0 <= number < ALL_OF
+            number = row - start
+            fine = number < ALL_OF
             half = ALL_OF <= number < ALL_OF + HALF_OF and number % 2 == 0
             rest = number >= ALL_OF + HALF_OF and number % EVERY == 0
-            if ends or fine or half or rest:
+            if row == end - 1 or fine or half or rest:
                 kept.append(row)
         start = end
     return kept

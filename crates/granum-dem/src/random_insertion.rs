@@ -14,6 +14,8 @@ use crate::sizes::SizeError;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;
+/// Number of times that all grains are placed anew: few grains may block each other by chance at a solid fraction at which others have room.
+const FRESH_STARTS: usize = 10;
 /// Number of attempts after which positions are drawn only from regions that may have room.
 const PATIENCE: usize = 30;
 /// Side of a room (a small cube of the cell) over the smallest diameter, and largest number of rooms along an edge.
@@ -27,8 +29,8 @@ const ATTEMPTS_AT_ONCE: u64 = 1024;
 pub enum InsertionError {
     /// A grain found no place.
     #[error(
-        "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about \
-         0.38; choose preparation.initial_solid_fraction from 0.01 to 0.36"
+        "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about 0.38, \
+         and less with few grains; choose a preparation.initial_solid_fraction below {solid_fraction}"
     )]
     NoRoom {
         /// Grains that have a place.
@@ -81,21 +83,38 @@ pub fn followed_insertion(
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     let length = libm::cbrt(solid / solid_fraction);
+    let mut listen = Listen { observer, calls: 0, count: grains.count };
+    let mut most = 0;
+    for _ in 0..FRESH_STARTS {
+        match placed(&radii, length, &mut rng, &mut listen)? {
+            Ok(spheres) => return Ok((Cell::cuboid([length; 3]), spheres)),
+            Err(placed) => most = most.max(placed),
+        }
+    }
+    Err(InsertionError::NoRoom { placed: most, count: grains.count, solid_fraction })
+}
+
+/// Places grains of these radii, in falling order, in a cell with this edge; the number of those that found a place if one of them found none.
+fn placed(
+    radii: &[f64],
+    length: f64,
+    rng: &mut ChaCha8Rng,
+    listen: &mut Listen,
+) -> Result<Result<Vec<InitialSphere>, usize>, InsertionError> {
     let mut boxes = Boxes::new(length, 2.0 * radii[0]);
     let smallest = radii.last().copied().unwrap_or(0.0);
     let mut rooms: Option<Rooms> = None;
-    let mut spheres: Vec<InitialSphere> = Vec::with_capacity(grains.count);
-    let mut listen = Listen { observer, calls: 0, count: grains.count };
+    let mut spheres: Vec<InitialSphere> = Vec::with_capacity(radii.len());
     for (k, &radius) in radii.iter().enumerate() {
         let mut found = None;
         for attempt in 0..TRIES {
             listen.tell(k)?;
             if attempt == PATIENCE && rooms.is_none() {
-                rooms = Some(Rooms::new(length, smallest, &spheres, &mut listen)?);
+                rooms = Some(Rooms::new(length, smallest, &spheres, listen)?);
             }
             let guess = match &mut rooms {
-                None => Some([(); 3].map(|()| length * unit(&mut rng))),
-                Some(rooms) => rooms.guess(&mut rng),
+                None => Some([(); 3].map(|()| length * unit(rng))),
+                Some(rooms) => rooms.guess(rng),
             };
             let Some(x) = guess else { break };
             if boxes.free(&x, radius) {
@@ -104,7 +123,7 @@ pub fn followed_insertion(
             }
         }
         let Some(position) = found else {
-            return Err(InsertionError::NoRoom { placed: k, count: grains.count, solid_fraction });
+            return Ok(Err(k));
         };
         boxes.insert(position, radius);
         if let Some(rooms) = &mut rooms {
@@ -112,7 +131,7 @@ pub fn followed_insertion(
         }
         spheres.push(InitialSphere { id: k as u64 + 1, position, radius });
     }
-    Ok((Cell::cuboid([length; 3]), spheres))
+    Ok(Ok(spheres))
 }
 
 /// Tells the observer of the work now and then.
@@ -314,6 +333,25 @@ mod tests {
         let mut stopping = Counting { calls: 0, stop_at: 2 };
         let stopped = followed_insertion(&g, 0.36, 3, &mut stopping).unwrap_err();
         assert!(matches!(stopped, InsertionError::Stopped { count: 2000, .. }) && stopping.calls == 2);
+    }
+
+    /// Of 80 grains at a solid fraction of 0.36 some block each other; then all are placed anew.
+    #[test]
+    fn few_grains_that_block_each_other_are_placed_anew() {
+        let few = grains(80, 0.3);
+        let is_blocked = |seed: &u64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(*seed);
+            let mut radii: Vec<f64> = few.diameters(&mut rng).unwrap().iter().map(|d| 0.5 * d).collect();
+            radii.sort_unstable_by(|a, b| b.total_cmp(a));
+            let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+            let mut listen = Listen { observer: &mut NoObserver, calls: 0, count: 80 };
+            placed(&radii, libm::cbrt(solid / 0.36), &mut rng, &mut listen).unwrap().is_err()
+        };
+        let blocked: Vec<u64> = (1..=200).filter(is_blocked).collect();
+        assert!(!blocked.is_empty());
+        for seed in blocked {
+            assert_eq!(random_insertion(&few, 0.36, seed).unwrap().1.len(), 80);
+        }
     }
 
     #[test]

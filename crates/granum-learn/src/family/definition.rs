@@ -1,5 +1,6 @@
 //! What a family is: which tests belong to it, what is known of a sample before its test, and what is predicted.
 
+use super::test_progress::{TEST_PROGRESS, test_progress};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 
@@ -24,7 +25,7 @@ pub struct FamilyDefinition {
     pub stress_keys: &'static [&'static str],
     /// Words of the case that all of its runs have: key and word.
     pub words: &'static [(&'static str, &'static str)],
-    /// The column along which curves run.
+    /// The column along which curves run; `test_progress` counts stages and the share of the strain within a stage.
     pub coordinate: &'static str,
     /// What is known before a test, in the order in which typical values depend on each other.
     pub inputs: &'static [FamilyInput],
@@ -115,6 +116,9 @@ impl FamilyDefinition {
         let mut made = run.clone();
         for input in self.inputs.iter().filter(|input| input.name != input.key) {
             made = made.with_parameter(input.name, "", input.of_run(run)?)?;
+        }
+        if self.coordinate == TEST_PROGRESS {
+            made = made.with_column(TEST_PROGRESS, "", test_progress(run)?)?;
         }
         for output in self.outputs {
             let Some((column, over)) = output.ratio else { continue };

@@ -17,6 +17,7 @@ mod replicates;
 mod sand;
 mod score_types;
 mod scores;
+mod test_progress;
 #[cfg(test)]
 mod tests;
 mod typical;

@@ -2,6 +2,7 @@
 
 use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
 use super::definition::{FamilyDefinition, FamilyInput, FamilyOutput, PATH};
+use super::test_progress::TEST_PROGRESS;
 
 /// The laws of the grains, and the path.
 const fn words(path: &'static str) -> [(&'static str, &'static str); 4] {
@@ -19,6 +20,7 @@ const fn output(column: &'static str, meaning: &'static str, symbol: &'static st
 }
 
 const STRESS_RATIO: FamilyOutput = output("stress_ratio", "deviator stress over mean stress", "q/p");
+const VOLUME: FamilyOutput = output("volumetric_strain", "volumetric strain", "e_v");
 const FABRIC: FamilyOutput = output("deviator_fabric", "deviator fabric", "phi_d");
 const COORDINATION: FamilyOutput =
     output("mechanical_coordination_number", "mechanical coordination number", "Z_m");
@@ -27,14 +29,7 @@ const FORCES: FamilyOutput =
     output("probability_density", "distribution of the normal contact forces over their mean", "P(f)");
 
 /// What is predicted where the volume changes.
-pub(super) const OUTPUTS: &[FamilyOutput] = &[
-    STRESS_RATIO,
-    output("volumetric_strain", "volumetric strain", "e_v"),
-    FABRIC,
-    COORDINATION,
-    SLIDING,
-    FORCES,
-];
+pub(super) const OUTPUTS: &[FamilyOutput] = &[STRESS_RATIO, VOLUME, FABRIC, COORDINATION, SLIDING, FORCES];
 
 /// What is predicted where the volume is held.
 const OUTPUTS_AT_CONSTANT_VOLUME: &[FamilyOutput] = &[
@@ -45,6 +40,17 @@ const OUTPUTS_AT_CONSTANT_VOLUME: &[FamilyOutput] = &[
         meaning: "mean stress over that of the sample",
         symbol: "p/p_0",
     },
+    FABRIC,
+    COORDINATION,
+    SLIDING,
+    FORCES,
+];
+
+/// What is predicted where strain turns, so that it is no coordinate.
+const OUTPUTS_WITH_STRAIN: &[FamilyOutput] = &[
+    output("axial_strain", "axial strain", "e_1"),
+    STRESS_RATIO,
+    VOLUME,
     FABRIC,
     COORDINATION,
     SLIDING,
@@ -205,13 +211,17 @@ pub const SAND_UNLOAD_RELOAD: FamilyDefinition = FamilyDefinition {
     ],
     stress_keys: &[],
     words: &words("unload-reload"),
-    coordinate: "arc_length",
+    coordinate: TEST_PROGRESS,
+    outputs: OUTPUTS_WITH_STRAIN,
     case: "undrained-dense",
     plan: PATHS,
     about: &[
         ABOUT,
         SAMPLES,
-        "They are then compressed axially at constant lateral stress, to an axial strain of 0.08 with loops of unloading.",
+        "They are then compressed axially at constant lateral stress, to an axial strain of 0.08; at 0.01, 0.03 and 0.06 they are unloaded to \
+         the isotropic stress and loaded again.",
+        "The coordinate, the progress of the test, counts the stages (loading, unloading, loading and so on); within a stage it is the root of the \
+         share of its strain, since how far an unloading strains the sample depends on the sample. The axial strain is an output.",
     ],
     limits: &[
         "It knows the loops of its path alone, from an isotropic sample.",
