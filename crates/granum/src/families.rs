@@ -15,12 +15,26 @@ pub struct FittedFamily {
     pub text: &'static str,
 }
 
+/// A family and a path, with the file of this name.
+macro_rules! fitted {
+    ($name:literal, $path:literal) => {
+        FittedFamily {
+            name: $name,
+            path: $path,
+            text: include_str!(concat!("../families/", $name, "/", $path, ".json")),
+        }
+    };
+}
+
 /// The surrogates that come with the program.
-pub const FITTED: &[FittedFamily] = &[FittedFamily {
-    name: "sand",
-    path: "drained-triaxial",
-    text: include_str!("../families/sand/drained-triaxial.json"),
-}];
+pub const FITTED: &[FittedFamily] = &[
+    fitted!("sand", "drained-triaxial"),
+    fitted!("sand", "constant-p"),
+    fitted!("sand", "undrained-triaxial"),
+    fitted!("sand", "unload-reload"),
+    fitted!("powder", "constant-p"),
+    fitted!("powder", "oedometer"),
+];
 
 /// The fitted surrogate of a family along a path that comes with the program; `None` if it comes without one.
 ///

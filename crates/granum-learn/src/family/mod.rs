@@ -8,6 +8,7 @@
 //! The families are listed in [`ALL`], each path by itself.
 
 mod common_inputs;
+mod common_outputs;
 mod definition;
 mod file;
 mod model;

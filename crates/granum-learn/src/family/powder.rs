@@ -1,8 +1,9 @@
 //! Powder: fine grains that stick to each other and rub, in compression.
 
 use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
+use super::common_outputs::{OUTPUTS, OUTPUTS_TO_A_STRESS};
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
-use super::sand::OUTPUTS;
+use super::test_progress::TEST_PROGRESS;
 
 /// The laws of the grains, and the path.
 const fn words(path: &'static str) -> [(&'static str, &'static str); 3] {
@@ -90,11 +91,14 @@ pub const POWDER_OEDOMETER: FamilyDefinition = FamilyDefinition {
         ("stage.1.interval", "1e-3"),
     ],
     words: &words("oedometer"),
-    coordinate: "axial_strain",
+    coordinate: TEST_PROGRESS,
+    outputs: OUTPUTS_TO_A_STRESS,
     about: &[
         ABOUT,
         SAMPLES,
         "They are compressed axially without lateral strain, to an axial stress of 100 kPa.",
+        "The coordinate, the progress of the test, is the root of the share of its strain, since the strain at which the stress is reached depends on \
+         the sample. Strain and mean stress are outputs.",
     ],
     limits: &[
         "It knows loading in the oedometer without unloading, from an isotropic sample.",

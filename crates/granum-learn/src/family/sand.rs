@@ -1,7 +1,8 @@
 //! Sand: stiff grains without adhesion that resist rolling, along four paths.
 
 use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
-use super::definition::{FamilyDefinition, FamilyInput, FamilyOutput, PATH};
+use super::common_outputs::{OUTPUTS, OUTPUTS_AT_CONSTANT_VOLUME, OUTPUTS_WITH_STRAIN};
+use super::definition::{FamilyDefinition, FamilyInput, PATH};
 use super::test_progress::TEST_PROGRESS;
 
 /// The laws of the grains, and the path.
@@ -13,49 +14,6 @@ const fn words(path: &'static str) -> [(&'static str, &'static str); 4] {
         (PATH, path),
     ]
 }
-
-/// An output that is a column of a run.
-const fn output(column: &'static str, meaning: &'static str, symbol: &'static str) -> FamilyOutput {
-    FamilyOutput { column, ratio: None, meaning, symbol }
-}
-
-const STRESS_RATIO: FamilyOutput = output("stress_ratio", "deviator stress over mean stress", "q/p");
-const VOLUME: FamilyOutput = output("volumetric_strain", "volumetric strain", "e_v");
-const FABRIC: FamilyOutput = output("deviator_fabric", "deviator fabric", "phi_d");
-const COORDINATION: FamilyOutput =
-    output("mechanical_coordination_number", "mechanical coordination number", "Z_m");
-const SLIDING: FamilyOutput = output("sliding_fraction", "share of the contacts that slide", "");
-const FORCES: FamilyOutput =
-    output("probability_density", "distribution of the normal contact forces over their mean", "P(f)");
-
-/// What is predicted where the volume changes.
-pub(super) const OUTPUTS: &[FamilyOutput] = &[STRESS_RATIO, VOLUME, FABRIC, COORDINATION, SLIDING, FORCES];
-
-/// What is predicted where the volume is held.
-const OUTPUTS_AT_CONSTANT_VOLUME: &[FamilyOutput] = &[
-    STRESS_RATIO,
-    FamilyOutput {
-        column: "mean_stress_over_initial",
-        ratio: Some(("mean_stress", "preparation.mean_stress")),
-        meaning: "mean stress over that of the sample",
-        symbol: "p/p_0",
-    },
-    FABRIC,
-    COORDINATION,
-    SLIDING,
-    FORCES,
-];
-
-/// What is predicted where strain turns, so that it is no coordinate.
-const OUTPUTS_WITH_STRAIN: &[FamilyOutput] = &[
-    output("axial_strain", "axial strain", "e_1"),
-    STRESS_RATIO,
-    VOLUME,
-    FABRIC,
-    COORDINATION,
-    SLIDING,
-    FORCES,
-];
 
 /// What is known of grains and sample.
 const INPUTS: &[FamilyInput] = &[

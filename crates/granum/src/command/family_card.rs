@@ -51,7 +51,7 @@ pub fn text(model: &FamilyModel) -> String {
 pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
     let FamilyScores { data, points, outside, left_out, level, outputs } = scores;
     let mut lines = vec![format!(
-        "\n## On unseen runs: {} ({} runs, {points} sands with several samples)\n",
+        "\n## On unseen runs: {} ({} runs, {points} materials with several samples)\n",
         data.name, data.runs
     )];
     let percent = |value: f64| if value.is_finite() { format!("{:.1} %", 100.0 * value) } else { "-".into() };

@@ -152,6 +152,10 @@ fn case(
             set(key, part * known.get(own).unwrap_or(0.0))?;
         }
     }
+    // Cohesive grains are so while the sample is made as well.
+    if let Some(energy) = known.get("grains.material.interface_energy") {
+        set("preparation.interface_energy", energy)?;
+    }
     if let Some(grains) = grains {
         case.set("grains.count", &grains.to_string())?;
     }

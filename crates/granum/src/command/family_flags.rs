@@ -38,6 +38,12 @@ pub struct FamilyFlags {
     /// Young's modulus of the grains, e.g. "2 GPa".
     #[arg(long, value_name = "STRESS", requires = "family")]
     youngs_modulus: Option<String>,
+    /// Interface energy of cohesive grains, e.g. "0.02 J/m2".
+    #[arg(long, value_name = "ENERGY", requires = "family")]
+    interface_energy: Option<String>,
+    /// Mean diameter of cohesive grains, e.g. "10 um".
+    #[arg(long, value_name = "LENGTH", requires = "family")]
+    diameter: Option<String>,
     /// Half the range of the diameters over their mean; by default a typical one.
     #[arg(long, value_name = "NUMBER", requires = "family")]
     spread: Option<String>,
@@ -85,13 +91,20 @@ impl KnownNumbers {
 
 impl FamilyFlags {
     /// The flags of numbers: name, key, dimension, value.
-    fn numbers(&self) -> [(&'static str, &'static str, Dimension, &Option<String>); 8] {
+    fn numbers(&self) -> [(&'static str, &'static str, Dimension, &Option<String>); 10] {
         let number = Dimension::NUMBER;
         [
             ("--friction", "grains.material.friction", number, &self.friction),
             ("--rolling-friction", "contact.rolling_friction", number, &self.rolling_friction),
             ("--pressure", "preparation.mean_stress", Dimension::STRESS, &self.pressure),
             ("--youngs-modulus", "grains.material.youngs_modulus", Dimension::STRESS, &self.youngs_modulus),
+            (
+                "--interface-energy",
+                "grains.material.interface_energy",
+                Dimension::SURFACE_ENERGY,
+                &self.interface_energy,
+            ),
+            ("--diameter", "grains.diameter", Dimension::LENGTH, &self.diameter),
             ("--spread", "grains.spread", number, &self.spread),
             ("--preparation-friction", "preparation.friction", number, &self.preparation_friction),
             ("--void-ratio", VOID_RATIO, number, &self.void_ratio),
@@ -236,11 +249,13 @@ pub fn inputs_of(family: &FamilyDefinition, known: &KnownNumbers) -> Result<Vec<
     let inputs: Vec<Option<f64>> = family.inputs.iter().map(|input| input.from_numbers(&value)).collect();
     let lacking =
         family.inputs.iter().zip(&inputs).filter(|(input, value)| input.is_required && value.is_none());
-    let missing: Vec<String> = lacking
-        .flat_map(|(input, _)| std::iter::once(input.key).chain(input.over.iter().copied()))
-        .filter(|key| known.get(key).is_none())
-        .map(FamilyFlags::flag_of)
-        .collect();
+    let keys = lacking.flat_map(|(input, _)| std::iter::once(input.key).chain(input.over.iter().copied()));
+    let mut missing: Vec<String> = Vec::new();
+    for flag in keys.filter(|key| known.get(key).is_none()).map(FamilyFlags::flag_of) {
+        if !missing.contains(&flag) {
+            missing.push(flag);
+        }
+    }
     if missing.is_empty() {
         return Ok(inputs);
     }

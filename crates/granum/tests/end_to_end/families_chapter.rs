@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::{done, refused};
+use crate::{done, done_json, refused};
 
 const CHAPTER: &str = include_str!("../../../../docs/src/families.md");
 
@@ -80,7 +80,7 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     let commands = commands("## What is asked and answered");
-    assert_eq!(commands.len(), 5, "{commands:?}");
+    assert_eq!(commands.len(), 6, "{commands:?}");
     let said = |words: &[String]| done(here, &words[1..].iter().map(String::as_str).collect::<Vec<_>>());
     let said: Vec<String> = commands.iter().map(|words| said(words)).collect();
     assert!(said[0].contains("void ratio = 0.7 (given)") && said[0].contains("q/p = "), "{}", said[0]);
@@ -92,7 +92,8 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     );
     assert!(said[2].contains("## Where not to use it"), "{}", said[2]);
     assert!(said[4].contains("friction = 0.5 (given)"), "{}", said[4]);
-    assert!(here.join("curves.svg").is_file());
+    assert!(said[5].contains("interface energy over") || said[5].contains("adhesion number"), "{}", said[5]);
+    assert!(here.join("curves.svg").is_file() && here.join("oedometer.svg").is_file());
 }
 
 #[test]
@@ -124,7 +125,7 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
                 );
             }
             ["evaluate", ..] => {
-                assert!(said.contains("| stress_ratio ") && said.contains("2 sands"), "{said}")
+                assert!(said.contains("| stress_ratio ") && said.contains("2 materials"), "{said}")
             }
             _ => {}
         }
@@ -153,11 +154,65 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     let path = [&far[..], &["--path", "oedometer"]].concat();
     assert!(refused(here, 1, &path).contains("the tests of sand.json have the path drained-triaxial"));
     let path = ["predict", "--family", "powder", "--path", "oedometer", "--friction", "0.4"];
-    assert!(refused(here, 1, &path).contains("granum init --plan powder-paths"));
+    let told = refused(here, 1, &path);
+    assert!(told.contains("missing: --interface-energy, --pressure, --diameter, --youngs-modulus"), "{told}");
     let told = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
     assert!(told.contains("curves.pdf: its name must end in .svg"), "{told}");
     let told = refused(here, 1, &["predict", "--family", "sandy"]);
     assert!(told.contains("there is no family `sandy`; did you mean sand?"), "{told}");
     let told = refused(here, 1, &["train", "sands", "--family", "sand", "-o", "sand.json"]);
     assert!(told.contains("sand.json"), "{told}");
+}
+
+/// Every surrogate that comes with the program answers, has been scored on runs that it has not seen, and writes a table over its coordinate.
+#[test]
+fn every_family_and_path_answers() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let listed = done(here, &["predict", "--family"]);
+    assert!(!listed.contains("no fitted surrogate"), "{listed}");
+    let sand = [
+        "--friction",
+        "0.5",
+        "--rolling-friction",
+        "0.1",
+        "--pressure",
+        "100 kPa",
+        "--youngs-modulus",
+        "2 GPa",
+    ];
+    let powder = [
+        "--friction",
+        "0.3",
+        "--interface-energy",
+        "5 mJ/m2",
+        "--diameter",
+        "10 um",
+        "--pressure",
+        "5 kPa",
+        "--youngs-modulus",
+        "200 MPa",
+    ];
+    for (family, inputs, path, coordinate, last) in [
+        ("sand", &sand[..], "drained-triaxial", "axial_strain", 0.25),
+        ("sand", &sand, "constant-p", "deviator_strain", 0.35),
+        ("sand", &sand, "undrained-triaxial", "axial_strain", 0.08),
+        ("sand", &sand, "unload-reload", "test_progress", 7.0),
+        ("powder", &powder, "constant-p", "deviator_strain", 0.3),
+        ("powder", &powder, "oedometer", "test_progress", 1.0),
+    ] {
+        let which = ["predict", "--family", family, "--path", path];
+        let found = done_json(here, &[&which[..], inputs, &["-o", "curves.csv", "--force"]].concat());
+        let points = found[coordinate].as_array().unwrap();
+        let end = points.last().unwrap().as_f64().unwrap();
+        assert!((end / last - 1.0).abs() < 0.06, "{family} {path}: {end}");
+        assert_eq!(found["outside"].as_array().map(Vec::len), Some(0), "{family} {path}: {found}");
+        let q = found["curves"]["stress_ratio"]["mean"].as_array().unwrap();
+        assert!(q[0].as_f64().unwrap().abs() < 0.05, "{family} {path}: {}", q[0]);
+        assert!(q[32].as_f64().unwrap() > 0.2, "{family} {path}: {}", q[32]);
+        let table = std::fs::read_to_string(here.join("curves.csv")).unwrap();
+        assert!(table.starts_with(&format!("{coordinate},")), "{table}");
+        let card = done(here, &[&which[..], &["--card"]].concat());
+        assert!(card.contains("## On unseen runs: ") && card.contains("| stress_ratio "), "{card}");
+    }
 }
