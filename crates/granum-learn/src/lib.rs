@@ -36,10 +36,12 @@
 #[cfg(test)]
 extern crate self as granum_learn;
 
+pub mod active_learning;
 mod comparison;
 pub mod curve;
 pub mod dataset;
 mod error;
+pub mod examine;
 pub mod family;
 pub mod inference;
 pub mod input_use;

@@ -216,6 +216,8 @@ pub enum SampleSeeds {
 pub enum DesignKind {
     /// A scrambled Sobol sequence.
     Sobol,
+    /// Points of such a sequence by their numbers, in the order in which they were chosen ([`Plan::with_chosen`]).
+    Chosen(Vec<usize>),
     /// A Latin hypercube.
     LatinHypercube,
     /// All combinations.

@@ -39,6 +39,7 @@ mod read_variables;
 mod reader;
 mod runs;
 mod schema;
+mod sequence;
 mod units;
 mod values;
 
@@ -50,6 +51,7 @@ pub use expression::{Condition, Expression};
 pub use read_variables::Draft;
 pub use reader::{Node, Reader};
 pub use runs::{PlanRun, PlannedRuns, apply_settings};
+pub use sequence::SequencePoint;
 pub use values::RunValue;
 
 #[cfg(test)]

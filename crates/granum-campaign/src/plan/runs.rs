@@ -76,13 +76,13 @@ struct Mistake {
 }
 
 /// A point with its values, before its case is made.
-struct Valued {
-    values: Vec<(String, RunValue)>,
-    settings: Vec<(String, String)>,
+pub(super) struct Valued {
+    pub(super) values: Vec<(String, RunValue)>,
+    pub(super) settings: Vec<(String, String)>,
 }
 
 /// What keeps a point from being a run.
-enum Refusal {
+pub(super) enum Refusal {
     /// A constraint does not hold.
     Constraint(usize),
     /// Something is wrong with it.
@@ -207,6 +207,12 @@ impl Plan {
                     return Err(self.source.error(&self.design.span, message).into());
                 }
             }
+            DesignKind::Chosen(numbers) => {
+                for number in numbers {
+                    let valued = self.of_point(&free, &sobol(*number, self.design.seed, &axes));
+                    found.extend(take(valued, None).map(|valued| (valued, None)));
+                }
+            }
             DesignKind::LatinHypercube => {
                 for point in latin_hypercube(wanted, self.design.seed, &axes) {
                     found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
@@ -241,7 +247,11 @@ impl Plan {
         }
     }
 
-    fn of_point(&self, free: &[&PlanVariable], point: &Point) -> std::result::Result<Valued, Refusal> {
+    pub(super) fn of_point(
+        &self,
+        free: &[&PlanVariable],
+        point: &Point,
+    ) -> std::result::Result<Valued, Refusal> {
         let mut values = BTreeMap::new();
         for (variable, coordinate) in free.iter().zip(point) {
             values.insert(variable.name.as_str(), chosen(variable, *coordinate));

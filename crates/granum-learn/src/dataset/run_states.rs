@@ -148,6 +148,22 @@ impl RunStates {
         Ok(self)
     }
 
+    /// The same run with other values of a column or of a parameter, of which the first is taken.
+    ///
+    /// # Errors
+    /// If there is none of this name, or not one value for each state.
+    pub(crate) fn with_values(mut self, name: &str, values: Vec<f64>) -> Result<RunStates> {
+        let variable = self.variable(name);
+        let bad = |reason: String| record_error(&self.name, reason);
+        let unit = variable.ok_or_else(|| bad(format!("it has no {name}")))?.unit;
+        if self.table.has(name) {
+            self.table.set(Column::new(name, unit, values)).map_err(|error| bad(error.to_string()))?;
+        } else if let Some(value) = values.first() {
+            self.set_parameter(CaseParameter::new(name, &unit, ParameterValue::Number(*value)));
+        }
+        Ok(self)
+    }
+
     /// Adds a word as a parameter.
     ///
     /// # Errors

@@ -104,7 +104,7 @@ pub use cascade::{Cascade, FittedCascade};
 pub use content::Content;
 pub use curve_process::{
     CorrelatedCurve, EndedEarly, ErrorCorrelation, FittedCurves, FurtherRun, GaussianProcessOfCurves,
-    LeftOutCurves,
+    LeftOutCurves, NextRuns,
 };
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};

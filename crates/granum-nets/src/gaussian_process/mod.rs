@@ -19,11 +19,13 @@
 mod covariance;
 mod error;
 mod evidence;
+mod observations;
 mod process;
 mod rows;
 #[cfg(test)]
 mod tests;
 
 pub use error::GaussianProcessError;
+pub use observations::{Observations, PosteriorCovariance};
 pub use process::{FitOptions, FurtherRow, GaussianProcess, LeftOut, ProcessPrediction};
 pub use rows::Rows;

@@ -208,11 +208,30 @@ impl GaussianProcess {
     /// If the row has another number of inputs.
     pub fn reduction(&self, row: &[f64], further: &FurtherRow) -> f64 {
         assert_eq!(row.len(), self.rows.columns(), "inputs of a row");
-        let (with, _) = self.covariance.with(Isa::detect(), row, &self.lanes);
-        let known: f64 = Row8::numbers(&with).iter().zip(&further.solved).map(|(k, a)| k * a).sum();
-        let covariance = self.covariance.between(row, &further.row) - known;
+        let covariance = self.remaining_scaled(row, &self.covariances(row), further);
         let square = self.scale[1] * self.scale[1];
         if further.variance > 0.0 { square * covariance * covariance / further.variance } else { 0.0 }
+    }
+
+    /// The covariances of a row with those that were observed, before anything was.
+    pub(super) fn covariances(&self, row: &[f64]) -> Vec<Row8> {
+        self.covariance.with(Isa::detect(), row, &self.lanes).0
+    }
+
+    /// The covariance of the function at a row, given by its covariances with those that were observed, and at a further one.
+    pub(super) fn remaining(&self, row: &[f64], with: &[Row8], further: &FurtherRow) -> f64 {
+        self.scale[1] * self.scale[1] * self.remaining_scaled(row, with, further)
+    }
+
+    /// The same for targets with a standard deviation of one.
+    fn remaining_scaled(&self, row: &[f64], with: &[Row8], further: &FurtherRow) -> f64 {
+        let known: f64 = Row8::numbers(with).iter().zip(&further.solved).map(|(k, a)| k * a).sum();
+        self.covariance.between(row, &further.row) - known
+    }
+
+    /// Variance of the noise of a single observation.
+    pub fn noise(&self) -> f64 {
+        self.scale[1] * self.scale[1] * self.covariance.noise()
     }
 
     /// Each row as predicted from all others with the same parameters: `y_i - a_i / (A^-1)_ii` with the variance `1 / (A^-1)_ii`

@@ -12,6 +12,7 @@ mod digest;
 mod engine_flags;
 mod evaluate;
 mod evaluate_study;
+mod examine;
 mod export;
 mod export_data_set;
 mod export_deck;
@@ -115,6 +116,7 @@ commands! {
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
     Worth(worth::MeasureWorth),
+    Examine(examine::Examine),
     Measure(measure::Measure),
     Stiffness(stiffness::MeasureStiffness),
     Export(export::Export),

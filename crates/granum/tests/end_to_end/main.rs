@@ -1,6 +1,7 @@
 //! End-to-end tests of the program as a user runs it: small simulations, networks that are trained on them, and inputs that
 //! are refused.
 
+mod adaptive;
 mod bounds_of_use;
 mod calibrations;
 mod campaign_chapter;

@@ -2,6 +2,7 @@
 //! that it stands for.
 
 use crate::regression::eigenvectors::eigenvectors;
+use crate::regression::independent::{independent_rotation, projected};
 
 /// Components with less than this share of the variance are left out.
 const LEAST_SHARE: f64 = 1e-7;
@@ -46,6 +47,31 @@ impl Components {
         let rest = (0..points).map(|k| (0..curves.len()).map(|i| left(i, k).powi(2)).sum::<f64>() / count);
         Components { rest: rest.collect(), mean, components, weights }
     }
+
+    /// The same curves with components in the same directions, turned until their weights are independent of each other.
+    pub fn independent(self) -> Components {
+        let deviation = |weights: &Vec<f64>| {
+            (weights.iter().map(|w| w * w).sum::<f64>() / weights.len().max(1) as f64).sqrt()
+        };
+        let deviations: Vec<f64> = self.weights.iter().map(deviation).collect();
+        let scaled: Vec<Vec<f64>> = self
+            .weights
+            .iter()
+            .zip(&deviations)
+            .map(|(weights, deviation)| weights.iter().map(|weight| weight / deviation).collect())
+            .collect();
+        let shapes: Vec<Vec<f64>> = self
+            .components
+            .iter()
+            .zip(&deviations)
+            .map(|(component, deviation)| component.iter().map(|value| value * deviation).collect())
+            .collect();
+        let rotation = independent_rotation(&scaled);
+        let turned = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            rotation.chunks(columns.len().max(1)).map(|direction| projected(columns, direction)).collect()
+        };
+        Components { components: turned(&shapes), weights: turned(&scaled), ..self }
+    }
 }
 
 /// The orthogonal directions of length one in which vectors differ most from zero, at most `most`, each with at least the given share of
@@ -88,6 +114,15 @@ mod tests {
                 found.mean[k] + (0..2).map(|j| found.weights[j][i] * found.components[j][k]).sum::<f64>()
             };
             assert!((0..9).all(|k| (back(k) - curve[k]).abs() < 1e-12));
+        }
+        // Turned ones give them back as well.
+        let turned = Components::new(&curves, &shares, 8).independent();
+        assert_ne!(turned.weights, found.weights);
+        for (i, curve) in curves.iter().enumerate() {
+            let back = |k: usize| {
+                turned.mean[k] + (0..2).map(|j| turned.weights[j][i] * turned.components[j][k]).sum::<f64>()
+            };
+            assert!((0..9).all(|k| (back(k) - curve[k]).abs() < 1e-9));
         }
         // With one component the rest is what it lacks.
         let one = Components::new(&curves, &shares, 1);

@@ -23,6 +23,7 @@ pub(super) struct Curves<'a> {
     pub rows: Option<&'a Rows>,
     /// Parameters of the process of each component, fitted to all runs.
     pub parameters: &'a [Vec<f64>],
+    pub independent: bool,
     pub options: FitOptions,
 }
 
@@ -37,6 +38,7 @@ impl Curves<'_> {
         let known: Vec<Vec<f64>> = others.iter().map(|&run| self.curves[run].clone()).collect();
         let most = if others.len() > 2 { self.parameters.len() } else { 0 };
         let components = Components::new(&known, self.shares, most);
+        let components = if self.independent { components.independent() } else { components };
         let processes = self.processes(&others, &components)?;
         let predicted = |run: usize| {
             let each = components.components.iter().zip(&processes);

@@ -56,6 +56,8 @@ const SAMPLE: &str = "sample.";
 pub struct GaussianProcessOfCurves {
     /// Most principal components of the curves of an output (8).
     pub components: usize,
+    /// Whether the components are turned until their weights are independent of each other, and not only uncorrelated (false).
+    pub independent: bool,
     /// Searches for the most probable parameters of each process (2).
     pub starts: usize,
     /// Most runs by which parameters are judged (300); all runs are used for predictions.
@@ -64,7 +66,7 @@ pub struct GaussianProcessOfCurves {
 
 impl Default for GaussianProcessOfCurves {
     fn default() -> Self {
-        GaussianProcessOfCurves { components: 8, starts: 2, most_runs: 300 }
+        GaussianProcessOfCurves { components: 8, independent: false, starts: 2, most_runs: 300 }
     }
 }
 
@@ -238,6 +240,7 @@ impl GaussianProcessOfCurves {
         let most = if shared.rows.is_some() { self.components } else { 0 };
         let with = |start: Option<usize>, curves: Vec<Vec<f64>>| {
             let components = Components::new(&curves, &shared.shares, most);
+            let components = if self.independent { components.independent() } else { components };
             Prepared { start, curves, components }
         };
         let (mut prepared, mut output) = (Vec::new(), 0);
@@ -320,6 +323,7 @@ impl GaussianProcessOfCurves {
                 shares: &shared.shares,
                 rows: shared.rows.as_deref(),
                 parameters: &parameters[curve],
+                independent: self.independent,
                 options,
             };
             let predicted = curves.predicted(part)?;

@@ -2,6 +2,7 @@
 
 mod arithmetic;
 mod dem;
+mod learning;
 mod nets;
 
 use std::path::PathBuf;

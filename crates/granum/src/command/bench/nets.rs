@@ -9,6 +9,7 @@ use granum_nets::trainer::{LevenbergMarquardt, NoObserver, Trainer, Traingdx};
 use granum_nets::{Data, Model, ModelColumn, ModelDefinition, Network};
 use serde::Serialize;
 
+use super::learning;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -96,6 +97,7 @@ pub fn measure(
         Ok(())
     })?;
     show("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1)?;
+    learning::measure(context, isa, seconds, &mut |name, value, unit| show(name, value, unit, 1))?;
     Ok(figures)
 }
 
@@ -153,7 +155,7 @@ fn model(isa: Isa) -> Result<Model, Failure> {
 }
 
 /// Shortest time of one call, s, measured for about `seconds`.
-fn best(
+pub(super) fn best(
     context: &Context,
     seconds: f64,
     mut call: impl FnMut() -> Result<(), Failure>,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum::contents::{FolderKind, check_free};
 use granum_campaign::data_set::{Collected, DataSetSummary};
 use granum_campaign::execution::{Coordinator, Summary};
-use granum_campaign::plan::{Keep, Plan, PlannedRuns};
+use granum_campaign::plan::{DesignKind, Keep, Plan, PlannedRuns};
 use granum_campaign::scheduler::{
     self, JobRecord, Order, Scheduler, SchedulerError, SchedulerOptions, Submission, Submitted,
 };
@@ -19,7 +19,7 @@ use serde_json::json;
 
 use super::flags::{CarryOutFlags, PlanFlags, SchedulerFlags};
 use super::show::ShowCampaign;
-use super::{estimate, plan_text, scheduling, status};
+use super::{adaptive, estimate, plan_text, scheduling, status};
 use crate::command::engine_flags::LammpsFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -37,9 +37,17 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         context.run_registry().engines.named(&plan.engine).map_err(LaboratoryError::from)?;
     }
     plan.lammps = lammps_start(&flags.lammps, &plan.engine, &plan.lammps)?;
-    let planned = plan.runs()?;
     let out =
         flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
+    if let Some(surrogate) = &flags.adaptive.adaptive {
+        if !flags.scheduler.is_local() {
+            return Err(Failure::new(
+                "--adaptive chooses runs by those before, which are executed on this machine",
+            ));
+        }
+        return adaptive::run(context, flags, surrogate, &plan, &out);
+    }
+    let planned = plan.runs()?;
     if flags.dry_run {
         let campaign = Campaign::new(&out, &plan, &planned, env!("CARGO_PKG_VERSION"));
         check(&context.with_force(), &flags.carry_out, &campaign)?;
@@ -51,8 +59,19 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
             estimate.map_or(text.clone(), |found| format!("{text}\n{}", estimate::text(&found)))
         });
     }
+    carry_out_whole(context, flags, &plan, &planned, &out)
+}
+
+/// Carries out the runs of a plan as the flags say.
+pub(super) fn carry_out_whole(
+    context: &Context,
+    flags: &PlanFlags,
+    plan: &Plan,
+    planned: &PlannedRuns,
+    out: &Path,
+) -> Result<(), Failure> {
     let scheduler = flags.scheduler.scheduler(context, &flags.carry_out)?;
-    let (campaign, folder) = prepared(context, &flags.carry_out, &plan, &planned, &out)?;
+    let (campaign, folder) = prepared(context, &flags.carry_out, plan, planned, out)?;
     if flags.list_jobs {
         return list_jobs(context, &campaign);
     }
@@ -69,7 +88,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         scheduling::check_none_queued(context, &campaign)?;
         return carry_out(context, &*scheduler, &flags.carry_out, None, &campaign, &folder);
     }
-    let pace = if scheduler.packs() { pace(context, flags, &plan, &planned, &campaign)? } else { None };
+    let pace = if scheduler.packs() { pace(context, flags, plan, planned, &campaign)? } else { None };
     let submitted = carry_out(context, &*scheduler, &flags.carry_out, pace, &campaign, &folder);
     // So that the state is that of a campaign on which none is at work here.
     drop(folder);
@@ -160,7 +179,10 @@ fn prepared(
     if let Some(earlier) = &earlier {
         campaign = campaign.after(earlier);
         let difference = campaign.difference(earlier);
-        tell_difference(context, &difference, campaign.no_longer_planned());
+        // That chosen points follow each other is no change of a plan.
+        if !matches!(plan.design.kind, DesignKind::Chosen(_)) || !difference.dropped.is_empty() {
+            tell_difference(context, &difference, campaign.no_longer_planned());
+        }
         if context.force {
             dropped = campaign.no_longer_planned().to_vec();
             campaign = campaign.forgetting_earlier();
@@ -192,7 +214,9 @@ pub fn resume(
         campaign.write()?;
     }
     let scheduler = SchedulerFlags::local().scheduler(context, flags)?;
-    carry_out(context, &*scheduler, flags, None, campaign, &folder)
+    carry_out(context, &*scheduler, flags, None, campaign, &folder)?;
+    adaptive::remark(campaign.folder()).iter().for_each(|text| context.note(text));
+    Ok(())
 }
 
 /// Carries out a plan here for a command that needs its runs, and adds them to the data set of the campaign; what is finished is used again.

@@ -8,6 +8,7 @@ use clap::{Args, Command};
 use granum_campaign::clock::duration;
 use granum_campaign::scheduler::{self, Schedulers};
 
+use super::adaptive::AdaptiveFlags;
 use crate::command::checkpoints::CheckpointFlags;
 use crate::command::engine_flags::LammpsFlags;
 
@@ -35,6 +36,8 @@ pub struct PlanFlags {
     /// Take up what such commands have done, and run nothing here.
     #[arg(long, conflicts_with = "dry_run")]
     pub collect: bool,
+    #[command(flatten)]
+    pub adaptive: AdaptiveFlags,
     #[command(flatten)]
     pub lammps: LammpsFlags,
     #[command(flatten)]

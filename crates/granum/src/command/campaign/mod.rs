@@ -1,5 +1,6 @@
 //! `granum campaign`: the runs of a plan.
 
+mod adaptive;
 mod arguments;
 mod cancel;
 mod element;

@@ -46,6 +46,7 @@ fn design(plan: &Plan) -> String {
     let design = &plan.design;
     let what = match &design.kind {
         DesignKind::Sobol => "points of a Sobol sequence",
+        DesignKind::Chosen(_) => "chosen points of a Sobol sequence",
         DesignKind::LatinHypercube => "points of a Latin hypercube",
         DesignKind::FullFactorial => "all combinations",
         DesignKind::Rows(_) => "listed points",
