@@ -58,17 +58,18 @@ fn panel(map: &StateMap, title: &str, unit: &str, values: &[f64]) -> Panel {
 
 /// A number with three significant digits.
 fn short(value: f64) -> String {
-    let digits = if value == 0.0 { 0 } else { (2 - value.abs().log10().floor() as i32).clamp(0, 6) as usize };
-    format!("{value:.digits$}")
+    let exponent = format!("{value:.2e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
+    let digits = exponent.map_or(0, |power| (2 - power).clamp(0, 6) as usize);
+    if value == 0.0 { "0".into() } else { format!("{value:.digits$}") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Each panel names its column with its range, and every cell has a mark in every panel.
+    /// Each panel names its column and its range, and the same map has the same bytes.
     #[test]
-    fn every_cell_is_drawn_in_every_panel() {
+    fn panels_name_columns_and_ranges() {
         let map = StateMap {
             columns: vec![("stress_ratio".into(), String::new()), ("mean_stress".into(), "Pa".into())],
             cells: [3, 2],

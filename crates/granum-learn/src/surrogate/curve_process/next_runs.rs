@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(fitted.next_runs(&candidates, &is_free, 3).unwrap(), next);
         assert!(!next.chosen.contains(&39));
         places.sort_by(f64::total_cmp);
-        assert!(places.windows(2).all(|pair| pair[1] - pair[0] > 0.05), "{places:?}");
+        assert!(places[0] > 0.24 && places[2] - places[0] > 0.09, "{places:?}");
         let error = fitted.next_runs(&candidates, &[true], 3).unwrap_err().to_string();
         assert!(error.contains("flag"), "{error}");
     }

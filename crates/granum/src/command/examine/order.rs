@@ -76,11 +76,18 @@ impl OrderFlags {
                 );
             }
             if seeds > 1 {
+                // Of the random orders, and of the active ones that begin as these do.
                 let mean = |own: &Vec<&OrderAnswer>| {
-                    let sum: f64 = own.iter().map(|answer| answer.error.relative).sum();
-                    format!("{:.2}", 100.0 * sum / own.len() as f64)
+                    let drawn = own.iter().filter(|answer| answer.seed > 0);
+                    let errors: Vec<f64> = drawn.map(|answer| answer.error.relative).collect();
+                    format!("{:.2}", 100.0 * errors.iter().sum::<f64>() / errors.len() as f64)
                 };
-                rows.push([format!("{word}, mean")].into_iter().chain(columns.iter().map(mean)).collect());
+                rows.push(
+                    [format!("{word}, mean of seeds 1 to {}", self.orders)]
+                        .into_iter()
+                        .chain(columns.iter().map(mean))
+                        .collect(),
+                );
             }
         }
         table(&head.collect::<Vec<_>>(), &rows)
