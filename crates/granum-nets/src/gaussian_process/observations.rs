@@ -76,17 +76,15 @@ pub struct Observations {
 }
 
 impl Observations {
-    /// Chooses at most `count` of the rows for which `is_free` is true, each at most once, by the processes with their weights.
-    ///
-    /// # Panics
-    /// If a covariance has another number of rows than `is_free`.
+    /// Chooses at most `count` of the rows for which `is_free` is true, each at most once, by the processes with their weights. A row that one of
+    /// the processes does not have is not chosen.
     pub fn choose(
         mut processes: Vec<(f64, PosteriorCovariance)>,
         is_free: &[bool],
         count: usize,
     ) -> Observations {
-        assert!(processes.iter().all(|(_, own)| own.count == is_free.len()), "one flag for each row");
-        let mut is_free = is_free.to_vec();
+        let known = processes.iter().map(|(_, own)| own.count).min().unwrap_or(0);
+        let mut is_free = is_free[..known.min(is_free.len())].to_vec();
         let mean = |processes: &[(f64, PosteriorCovariance)]| -> f64 {
             processes.iter().map(|(weight, own)| weight * own.mean_variance()).sum()
         };

@@ -9,7 +9,7 @@ use granum_nets::{
     Batch, Data, Differentiable, Gru, Lstm, Model, ModelColumn, ModelDefinition, Network, Sequences,
 };
 
-use super::nets::best;
+use super::timing::best;
 use crate::context::Context;
 use crate::failure::Failure;
 

@@ -4,6 +4,7 @@ mod arithmetic;
 mod dem;
 mod learning;
 mod nets;
+mod timing;
 
 use std::path::PathBuf;
 

@@ -1,7 +1,6 @@
 //! Speed of training and prediction, on synthetic rows of the size of Antony, Zhou and Wang (2006).
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use granum_core::parallel;
 use granum_dem::Isa;
@@ -10,6 +9,7 @@ use granum_nets::{Data, Model, ModelColumn, ModelDefinition, Network};
 use serde::Serialize;
 
 use super::learning;
+use super::timing::best;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -152,21 +152,4 @@ fn model(isa: Isa) -> Result<Model, Failure> {
     };
     let rule = LevenbergMarquardt { isa, epochs: 20, ..Default::default() };
     Ok(Model::fit(&definition, &rows(3)?, &rule, &mut NoObserver)?.0)
-}
-
-/// Shortest time of one call, s, measured for about `seconds`.
-pub(super) fn best(
-    context: &Context,
-    seconds: f64,
-    mut call: impl FnMut() -> Result<(), Failure>,
-) -> Result<f64, Failure> {
-    let clock = Instant::now();
-    let mut least = f64::INFINITY;
-    while least.is_infinite() || clock.elapsed().as_secs_f64() < seconds {
-        context.check_stopped(|| "nothing was written".into())?;
-        let start = Instant::now();
-        call()?;
-        least = least.min(start.elapsed().as_secs_f64());
-    }
-    Ok(least)
 }

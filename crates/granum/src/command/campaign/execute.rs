@@ -19,7 +19,7 @@ use serde_json::json;
 
 use super::flags::{CarryOutFlags, PlanFlags, SchedulerFlags};
 use super::show::ShowCampaign;
-use super::{adaptive, estimate, plan_text, scheduling, status};
+use super::{choice, estimate, plan_text, scheduling, status};
 use crate::command::engine_flags::LammpsFlags;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -30,23 +30,7 @@ const MOST_NAMED: usize = 10;
 
 /// Carries out a plan, or prints what it will run.
 pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
-    let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
-    flags.scheduler.check(&flags.carry_out)?;
-    let mut plan = Plan::read(file, context.reading())?;
-    if !plan.engine.is_empty() {
-        context.run_registry().engines.named(&plan.engine).map_err(LaboratoryError::from)?;
-    }
-    plan.lammps = lammps_start(&flags.lammps, &plan.engine, &plan.lammps)?;
-    let out =
-        flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
-    if let Some(surrogate) = &flags.adaptive.adaptive {
-        if !flags.scheduler.is_local() {
-            return Err(Failure::new(
-                "--adaptive chooses runs by those before, which are executed on this machine",
-            ));
-        }
-        return adaptive::run(context, flags, surrogate, &plan, &out);
-    }
+    let (plan, out) = plan_and_folder(context, flags)?;
     let planned = plan.runs()?;
     if flags.dry_run {
         let campaign = Campaign::new(&out, &plan, &planned, env!("CARGO_PKG_VERSION"));
@@ -60,6 +44,20 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         });
     }
     carry_out_whole(context, flags, &plan, &planned, &out)
+}
+
+/// Reads the plan, and names the folder of its campaign.
+pub(super) fn plan_and_folder(context: &Context, flags: &PlanFlags) -> Result<(Plan, PathBuf), Failure> {
+    let Some(file) = &flags.plan else { return Err(Failure::new("a plan is needed")) };
+    flags.scheduler.check(&flags.carry_out)?;
+    let mut plan = Plan::read(file, context.reading())?;
+    if !plan.engine.is_empty() {
+        context.run_registry().engines.named(&plan.engine).map_err(LaboratoryError::from)?;
+    }
+    plan.lammps = lammps_start(&flags.lammps, &plan.engine, &plan.lammps)?;
+    let out =
+        flags.out.clone().unwrap_or_else(|| PathBuf::from(file.file_stem().unwrap_or(file.as_os_str())));
+    Ok((plan, out))
 }
 
 /// Carries out the runs of a plan as the flags say.
@@ -215,7 +213,7 @@ pub fn resume(
     }
     let scheduler = SchedulerFlags::local().scheduler(context, flags)?;
     carry_out(context, &*scheduler, flags, None, campaign, &folder)?;
-    adaptive::remark(campaign.folder()).iter().for_each(|text| context.note(text));
+    choice::remark(campaign.folder()).iter().for_each(|text| context.note(text));
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use clap::{Args, Command};
 use granum_campaign::clock::duration;
 use granum_campaign::scheduler::{self, Schedulers};
 
-use super::adaptive::AdaptiveFlags;
+use super::choice::AdaptiveFlags;
 use crate::command::checkpoints::CheckpointFlags;
 use crate::command::engine_flags::LammpsFlags;
 

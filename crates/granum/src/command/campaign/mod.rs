@@ -3,6 +3,7 @@
 mod adaptive;
 mod arguments;
 mod cancel;
+mod choice;
 mod element;
 mod estimate;
 mod execute;
@@ -62,7 +63,10 @@ impl Campaign {
             Some(Action::Status(status)) => status.run(context),
             Some(Action::Cancel(cancel)) => cancel.run(context),
             Some(Action::Run(run)) => run.run(context),
-            None => execute::run(context, &self.plan),
+            None => match &self.plan.adaptive.adaptive {
+                Some(surrogate) => adaptive::run(context, &self.plan, surrogate),
+                None => execute::run(context, &self.plan),
+            },
         }
     }
 }
