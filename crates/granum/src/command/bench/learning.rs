@@ -3,7 +3,10 @@
 
 use std::hint::black_box;
 
+use granum_core::{Column, Table};
 use granum_dem::Isa;
+use granum_learn::surrogate::{FitSpec, GaussianProcessOfCurves, RunInputs, SurrogateMethod};
+use granum_learn::{Dataset, RunStates};
 use granum_nets::trainer::{Adam, Lbfgs, LevenbergMarquardt, NoObserver, Trainer};
 use granum_nets::{
     Batch, Data, Differentiable, Gru, Lstm, Model, ModelColumn, ModelDefinition, Network, Sequences,
@@ -19,6 +22,8 @@ const TABLE: [usize; 4] = [12_000, 8, 32, 256];
 const RUNS: [usize; 6] = [64, 100, 5, 32, 3, 16];
 /// Numbers of epochs of a measurement.
 const EPOCHS: u64 = 5;
+/// Training runs of curves, states of a run, and states that are asked.
+const CURVES: [usize; 3] = [48, 100, 20_000];
 /// Rows of predictions with intervals in a call.
 const ASKED: usize = 20_000;
 /// Training rows of the network that is asked.
@@ -116,6 +121,34 @@ fn intervals(context: &Context, isa: Isa, seconds: f64, hidden: usize) -> Result
     Ok(ASKED as f64 / each)
 }
 
+/// Predictions of two outputs with intervals a second, of states along runs, by Gaussian processes of curves.
+fn curves(context: &Context, seconds: f64) -> Result<f64, Failure> {
+    let [runs, states, asked] = CURVES;
+    let run = |k: usize| -> granum_learn::Result<RunStates> {
+        let place = (0.618_033_988_749_894_8 * k as f64).fract();
+        let x: Vec<f64> = (0..states).map(|i| i as f64 / (states - 1) as f64).collect();
+        let curve = |height: f64| x.iter().map(|x| height * x / (x + 0.1)).collect();
+        let columns =
+            [("y", curve(1.0 + place * place)), ("z", curve((3.0 * place).sin())), ("x", x.clone())];
+        let columns = columns.into_iter().map(|(name, values)| Column::new(name, "", values));
+        RunStates::new(&format!("run-{k}"), Table::new(columns.collect())?)?
+            .with_parameter("place", "", place)
+    };
+    let dataset = Dataset::new((0..runs).map(run).collect::<granum_learn::Result<_>>()?)?;
+    let spec = FitSpec::new(["x", "place"], ["y", "z"]).with_coordinate("x").with_threads(1);
+    let fitted = GaussianProcessOfCurves::default().fit(&dataset, &spec, &mut NoObserver)?;
+    let rows = (0..asked).flat_map(|k| {
+        let (run, state) = (k / states, k % states);
+        [state as f64 / states as f64, (0.414 * run as f64).fract()]
+    });
+    let inputs = RunInputs::new(rows.collect(), 2, vec![states; asked / states])?;
+    let each = best(context, seconds, || {
+        black_box(fitted.predict(&inputs, 0.9)?);
+        Ok(())
+    })?;
+    Ok(asked as f64 / each)
+}
+
 /// Measures all figures; `show` receives the name, the value and the unit of each.
 pub fn measure(
     context: &Context,
@@ -157,5 +190,7 @@ pub fn measure(
     let value = 1e-6 * intervals(context, isa, seconds, 12)?;
     show("predictions with intervals, 3-12-12-1, 240 training rows", value, "M rows/s")?;
     let value = 1e-6 * intervals(context, isa, seconds, 60)?;
-    show("predictions with intervals, 3-60-60-1, 240 training rows", value, "M rows/s")
+    show("predictions with intervals, 3-60-60-1, 240 training rows", value, "M rows/s")?;
+    let value = 1e-6 * curves(context, seconds)?;
+    show("states of two curves with intervals, Gaussian processes, 48 runs", value, "M states/s")
 }
