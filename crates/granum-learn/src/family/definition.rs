@@ -21,8 +21,8 @@ pub struct FamilyDefinition {
     pub case: &'static str,
     /// Keys that are set over the case before the inputs are.
     pub settings: &'static [(&'static str, &'static str)],
-    /// Keys of the test that are the stress of the sample, if the case gives them another one.
-    pub stress_keys: &'static [&'static str],
+    /// Keys of the test that are the stress of the sample times a factor.
+    pub stress_keys: &'static [(&'static str, f64)],
     /// Words of the case that all of its runs have: key and word.
     pub words: &'static [(&'static str, &'static str)],
     /// The column along which curves run; `test_progress` counts stages and the share of the strain within a stage.

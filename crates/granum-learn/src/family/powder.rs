@@ -78,6 +78,7 @@ pub const POWDER_CONSTANT_P: FamilyDefinition = FamilyDefinition {
 pub const POWDER_OEDOMETER: FamilyDefinition = FamilyDefinition {
     title: "cohesive powders in the oedometer",
     path: "oedometer",
+    stress_keys: &[("stage.1.axial_stress", 20.0)],
     settings: &[
         ("grains.count", "500"),
         ("preparation.mean_stress", "5 kPa"),
@@ -96,7 +97,7 @@ pub const POWDER_OEDOMETER: FamilyDefinition = FamilyDefinition {
     about: &[
         ABOUT,
         SAMPLES,
-        "They are compressed axially without lateral strain, to an axial stress of 100 kPa.",
+        "They are compressed axially without lateral strain, to an axial stress of 100 kPa, twenty times that of the sample.",
         "The coordinate, the progress of the test, is the root of the share of its strain, since the strain at which the stress is reached depends on \
          the sample. Strain and mean stress are outputs.",
     ],

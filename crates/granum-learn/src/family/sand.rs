@@ -58,7 +58,7 @@ pub const SAND: FamilyDefinition = FamilyDefinition {
         ("recording.observations_per_state", "4"),
     ],
     words: &words("drained-triaxial"),
-    stress_keys: &["stage.1.lateral_stress"],
+    stress_keys: &[("stage.1.lateral_stress", 1.0)],
     coordinate: "axial_strain",
     inputs: INPUTS,
     outputs: OUTPUTS,

@@ -111,7 +111,10 @@ fn case(
         .ok_or_else(|| Failure::new(format!("there is no ready case {} for the check", family.case)))?;
     let mut case = Case::parse_as(ready.text, family.case, context.reading())?;
     for (key, value) in family.settings {
-        case.set(key, value)?;
+        match *key {
+            "path" => case = case.with_path(value, &[])?,
+            key => case.set(key, value)?,
+        }
     }
     let mut set = |key: &str, value: f64| {
         let unit = match field(key) {
@@ -136,7 +139,7 @@ fn case(
             set(key, *value)?;
         }
         if key == STRESS {
-            family.stress_keys.iter().try_for_each(|key| set(key, *value))?;
+            family.stress_keys.iter().try_for_each(|(key, factor)| set(key, factor * value))?;
         }
     }
     if let Some(ratio) = known.get(VOID_RATIO) {

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::common::{run, stderr};
 use crate::{done, done_json, refused};
 
 const CHAPTER: &str = include_str!("../../../../docs/src/families.md");
@@ -212,6 +213,11 @@ fn every_family_and_path_answers() {
         assert!(q[32].as_f64().unwrap() > 0.2, "{family} {path}: {}", q[32]);
         let table = std::fs::read_to_string(here.join("curves.csv")).unwrap();
         assert!(table.starts_with(&format!("{coordinate},")), "{table}");
+        // A small sample of it is made and tested along the same path, whatever comes out.
+        let check = ["--check", "--grains", "60", "--force"];
+        let checked = run(here, &[&which[..], inputs, &check, &["-o", "checked.csv"]].concat());
+        let told = stderr(&checked);
+        assert!(checked.status.success() || told.contains("did not pass"), "{family} {path}: {told}");
         let card = done(here, &[&which[..], &["--card"]].concat());
         assert!(card.contains("## On unseen runs: ") && card.contains("| stress_ratio "), "{card}");
     }
