@@ -64,8 +64,9 @@ mod tests {
     fn a_design_that_fills_the_range_is_better() {
         let (training, unseen) = split(&family(30), 24);
         let part = training.select(|run, _| run.parameter("place").is_some_and(|place| place < 0.4));
-        let spread = training
-            .select(|run, _| run.parameter("place").is_some_and(|p| (30.0 * p).round() as u32 % 2 == 0));
+        let spread = training.select(|run, _| {
+            run.parameter("place").is_some_and(|p| ((30.0 * p).round() as u32).is_multiple_of(2))
+        });
         let designs = [("part".to_string(), part), ("spread".to_string(), spread)];
         let answers = compare_designs(&designs, &unseen, "x", &["y".into()], 1, &mut NoObserver).unwrap();
         assert_eq!(answers.iter().map(|own| own.design.as_str()).collect::<Vec<_>>(), ["part", "spread"]);

@@ -272,7 +272,7 @@ mod tests {
     fn groups_are_divided_by_distances() {
         let row = |k: u32| {
             let noise = f64::from(k * 37 % 101) / 101.0;
-            let at = if k % 2 == 0 { 0.0 } else { 10.0 };
+            let at = if k.is_multiple_of(2) { 0.0 } else { 10.0 };
             [at + noise, at - 0.5 * noise, at + f64::from(k * 61 % 97) / 97.0]
         };
         let rows: Vec<[f64; 3]> = (0..200).map(row).collect();
