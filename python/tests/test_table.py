@@ -177,3 +177,13 @@ def test_a_family_predicts_with_intervals() -> None:
         sand.predict({**given, "friction": float("nan")})
     with pytest.raises(granum.Error, match="snow"):
         granum.surrogates.load("snow")
+
+
+def test_every_family_and_path_predicts() -> None:
+    found = granum.surrogates.families()
+    assert ("sand", "undrained-triaxial") in found and ("powder", "oedometer") in found
+    for name, path in found:
+        family = granum.surrogates.load(name, path)
+        given = {key: sum(about["range"]) / 2 for key, about in family.inputs.items() if about["required"]}
+        curve = family.predict(given)["curves"]["stress_ratio"]
+        assert np.all(curve["lower"] <= curve["upper"]) and abs(curve["mean"][0]) < 0.1, (name, path)

@@ -2,7 +2,7 @@
 //!
 //! Gaussian processes of curves are fitted to the runs, with the properties in which the runs differ as inputs: what is measured on a sample is
 //! not known before it is made. Of the candidates those are chosen that would reduce most the variance of the mean curves over the ranges of
-//! the candidates, each with what the ones before it will tell ([`FittedCurves::next_runs`]).
+//! the candidates, each with what the ones before it will tell ([`next_runs`](crate::surrogate::FittedCurves::next_runs)).
 
 use granum_core::observer::Observer;
 use granum_io::Case;

@@ -5,7 +5,7 @@
 //! cargo run --release -p granum --example judge_curves -- TRAINING UNSEEN 24 48 96 all
 //! ```
 //!
-//! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets. For each number of runs the first so many are fitted.
+//! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets, several of them separated by commas. For each number of runs the first so many are fitted.
 //! `run` is the root mean square error over single unseen runs, each predicted for its own sample; `mean` that of the prediction for the
 //! mean sample of a point against the mean of its replicates, less what that mean scatters itself, with its standard error over the points.
 //! Both are divided by the standard deviation between replicates, pooled over points and states. `noise` is what the surrogate says
@@ -68,12 +68,15 @@ impl Said {
     }
 }
 
-fn read(folder: &Path) -> Result<Vec<RunStates>, Failure> {
-    let mut runs = match DataSet::meant_by(folder) {
-        Ok(Some(inside)) => of_data_set(&inside)?,
-        // A campaign under way: the runs that are finished.
-        _ => of_campaign(folder)?,
-    };
+fn read(folders: &str) -> Result<Vec<RunStates>, Failure> {
+    let mut runs = Vec::new();
+    for folder in folders.split(',').map(Path::new) {
+        runs.extend(match DataSet::meant_by(folder) {
+            Ok(Some(inside)) => of_data_set(&inside)?,
+            // A campaign under way: the runs that are finished.
+            _ => of_campaign(folder)?,
+        });
+    }
     runs.retain(|run| run.column(COORDINATE).is_ok_and(|xs| xs.iter().any(|strain| *strain > END)));
     Ok(runs)
 }
@@ -158,7 +161,7 @@ fn main() -> Result<(), Failure> {
     let [training, unseen, counts @ ..] = &arguments[..] else {
         return Err("TRAINING UNSEEN NUMBER...".into());
     };
-    let (training, unseen) = (read(Path::new(training))?, read(Path::new(unseen))?);
+    let (training, unseen) = (read(training)?, read(unseen)?);
     println!("{} training runs, {} unseen ones", training.len(), unseen.len());
     let methods = SurrogateMethods::standard();
     for count in counts {
