@@ -15,6 +15,9 @@ use crate::failure::Failure;
 /// Examine data: in which order runs teach most, which design, what noise in the inputs costs, how few numbers hold a distribution or a curve,
 /// and a map of the states that there are.
 #[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum examine map data/families/sand/drained -o map.svg\n  granum examine order study --unseen judges --runs 24,48,96"
+)]
 pub struct Examine {
     #[command(subcommand)]
     question: Question,
