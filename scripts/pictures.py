@@ -6,7 +6,7 @@
 
 `make report` needs the finished folder `FOLDER/reproduction` of `granum reproduce` and the finished folder `FOLDER/quick` of
 `granum reproduce --quick` (it makes those that are missing, which takes minutes), and headless Chromium for the photograph of
-the report. `make gallery` runs the ready cases, `make families` asks the families of the program. What the pictures state is written to docs/pictures/stated.json.
+the report. `make gallery` runs the ready cases, `make families` asks the families of the program and draws the map of their states. What the pictures state is written to docs/pictures/stated.json.
 
 `--check` verifies without a browser that no picture was changed without its statements, and that README.md and the gallery
 say what the pictures say. With `--quick`, the folder of a quick reproduction by the present version, it verifies that this
@@ -28,6 +28,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs" / "pictures"
 FIGURES = ROOT / "docs" / "src" / "figures"
 STATED = PICTURES / "stated.json"
+MAP = FIGURES / "state-map.svg"
 # The ready case that `--check --granum` runs: it takes seconds.
 CHECKED_CASE = "strain-history"
 # The figure of a ready case's report that the gallery shows.
@@ -129,6 +130,11 @@ def make_family(granum, name, picture):
     run(granum, "--force", "predict", "--family", name, *FAMILIES[name], "-o", picture, quiet=True)
 
 
+def make_map(granum, picture):
+    """The map of the states of the drained sands."""
+    run(granum, "--force", "examine", "map", ROOT / "data" / "families" / "sand" / "drained", "-o", picture, quiet=True)
+
+
 def make(arguments):
     work = arguments.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -145,8 +151,9 @@ def make(arguments):
     if "families" in arguments.what or not arguments.what:
         for name in FAMILIES:
             make_family(granum, name, FIGURES / f"family-{name}.svg")
+        make_map(granum, MAP)
     files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg"),
-             *FIGURES.glob("family-*.svg")]
+             *FIGURES.glob("family-*.svg"), MAP]
     stated["pictures"] = {str(path.relative_to(ROOT / "docs")): sha256(path) for path in sorted(files)}
     STATED.write_text(json.dumps(stated, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
 
@@ -197,6 +204,9 @@ def check(arguments):
                 make_family(granum, name, work / f"{name}.svg")
                 if (work / f"{name}.svg").read_bytes() != (FIGURES / f"family-{name}.svg").read_bytes():
                     problems.append(f"the family {name} answers otherwise than docs/src/figures/family-{name}.svg shows")
+            make_map(granum, work / MAP.name)
+            if (work / MAP.name).read_bytes() != MAP.read_bytes():
+                problems.append("the map of states differs from docs/src/figures/state-map.svg")
         problems += [f"{CHECKED_CASE}: {found}" for found in differences(stated["gallery"][CHECKED_CASE], found)]
     for problem in problems:
         print("FAILED:", problem)
