@@ -49,6 +49,7 @@ mod scores;
 mod several_runs;
 mod shear;
 mod show_queue;
+mod show_steps;
 mod show_training;
 mod single_run;
 mod sources;

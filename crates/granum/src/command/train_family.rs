@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_core::observer::{Event, Flow, Observer, Progress as Step};
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, shell::path_text};
 use granum_learn::family::{FamilyDefinition, FamilyFit, FamilyModel, FamilyScores, TrainingData, by_name};
@@ -13,11 +12,11 @@ use serde_json::json;
 use super::family_card::score_lines;
 use super::family_flags::{fitted, is_file};
 use super::records::{self, Recorded};
+use super::show_steps::ShowSteps;
 use super::train_study::dataset;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
-use crate::progress::Progress;
 
 /// The usual name of the folder of studies, which is no name for a file.
 const NO_FILE: &str = "study";
@@ -38,10 +37,10 @@ pub fn train(
     let unseen = each_read(context, definition, unseen, RunRole::Unseen)?;
     drop(reading);
     let fit = FamilyFit { threads, ..FamilyFit::default() };
-    let mut show = Show::new(context, &format!("fit {name}"));
+    let mut show = ShowSteps::new(context, &format!("fit {name}"));
     let fitted = FamilyModel::fit(definition, &training, data, &fit, &mut show);
-    let mut model = fitted.map_err(|error| show.failure(error))?;
-    show.progress.end(|| format!("{} runs", model.runs()));
+    let mut model = fitted.map_err(|error| failure(context, error))?;
+    show.end(|| format!("{} runs", model.runs()));
     for (data, about) in unseen {
         let scores = model.score(&data, about)?;
         model.add_scores(scores);
@@ -158,39 +157,12 @@ fn name_of(folder: &Path) -> String {
     whole.file_name().map_or_else(|| path_text(folder), |name| name.to_string_lossy().into_owned())
 }
 
-/// Shows how far a fit is, and stops it when the user asks for it.
-struct Show<'a> {
-    context: &'a Context,
-    progress: Progress,
-}
-
-impl<'a> Show<'a> {
-    fn new(context: &'a Context, phase: &str) -> Show<'a> {
-        let mut progress = context.progress();
-        progress.phase(phase);
-        Show { context, progress }
-    }
-
-    fn failure(&self, error: LearnError) -> Failure {
-        match error {
-            LearnError::Stopped { .. } if self.context.stopped() => {
-                Interrupted { left: "nothing was written".into() }.into()
-            }
-            error => error.into(),
+/// The failure of a fit: an interruption, if the user asked for it.
+fn failure(context: &Context, error: LearnError) -> Failure {
+    match error {
+        LearnError::Stopped { .. } if context.stopped() => {
+            Interrupted { left: "nothing was written".into() }.into()
         }
-    }
-}
-
-impl Observer for Show<'_> {
-    fn progress(&mut self, step: &Step) -> Flow {
-        self.progress.update(step.completed(), |_| Vec::new());
-        self.context.flow()
-    }
-
-    fn event(&mut self, event: &Event) {
-        if let Event::Warning { text } = event {
-            let context = self.context;
-            self.progress.aside(|| context.warn(text));
-        }
+        error => error.into(),
     }
 }

@@ -5,22 +5,20 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::json;
-use granum_core::observer::{Flow, Observer, Progress as Step};
 use granum_io::shell::ShowPath;
 use granum_io::{atomic::write_atomically, check_output_file};
 use granum_learn::LearnError;
 use granum_learn::runs::RunRole;
 use granum_learn::worth::{Worth, WorthPlan, measure};
 use granum_report::worth_report;
-use granum_run::laboratory::ProgressField;
 
 use super::records::{self, Recorded};
+use super::show_steps::ShowSteps;
 use super::train_study::{dataset, kept_unseen};
 use super::worth_text;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
-use crate::progress::Progress;
 
 /// Measure what each soft sensor is worth: how well stress ratio and volumetric strain of unseen runs are known from strain alone, with
 /// each soft sensor, with the properties of grains and packing, by the cascade from properties to sensors to stress, and with both; and how well
@@ -109,9 +107,7 @@ impl MeasureWorth {
         let training = granum_learn::Dataset::new(runs)?;
         let plan = self.plan(&training);
         drop(reading);
-        let mut progress = context.progress();
-        progress.phase("comparison");
-        let mut show = Show { context, progress };
+        let mut show = ShowSteps::new(context, "comparison");
         let worth = match measure(&training, &unseen, &plan, context.methods(), &mut show) {
             Ok(worth) => worth,
             Err(LearnError::Stopped { done, total }) => {
@@ -121,7 +117,7 @@ impl MeasureWorth {
             Err(error) => return Err(error.into()),
         };
         let count = worth.answers.len();
-        show.progress.end(|| format!("{count} answers"));
+        show.end(|| format!("{count} answers"));
         self.write(&worth)?;
         let result = serde_json::json!({
             "worth": worth,
@@ -165,19 +161,5 @@ impl MeasureWorth {
             put(file, &worth_report(worth).html)?;
         }
         Ok(())
-    }
-}
-
-/// Shows how many surrogates are fitted, and stops when the user asks for it.
-struct Show<'a> {
-    context: &'a Context,
-    progress: Progress,
-}
-
-impl Observer for Show<'_> {
-    fn progress(&mut self, step: &Step) -> Flow {
-        let part = step.part.clone().unwrap_or_default();
-        self.progress.update(step.completed(), |_| vec![ProgressField::new(0, part)]);
-        self.context.flow()
     }
 }

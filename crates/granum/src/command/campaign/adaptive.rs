@@ -5,22 +5,20 @@ use std::path::Path;
 
 use granum_campaign::Campaign;
 use granum_campaign::plan::{Choice as Value, Plan, VariableKind};
-use granum_core::observer::{Flow, Observer, Progress as Step};
 use granum_io::Case;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_learn::LearnError;
 use granum_learn::active_learning::ActiveLearning;
 use granum_learn::runs::RunRole;
-use granum_run::laboratory::ProgressField;
 
 use super::choice::Choice;
 use super::execute;
 use super::flags::PlanFlags;
 use crate::command::records;
+use crate::command::show_steps::ShowSteps;
 use crate::command::train_study::dataset;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
-use crate::progress::Progress;
 
 /// Points among which a batch is chosen, and over which the variance is averaged.
 const CANDIDATES: usize = 512;
@@ -90,8 +88,7 @@ fn next(
     let runs = dataset(&recorded.iter().collect::<Vec<_>>())?;
     let learning = ActiveLearning::new(&choice.along, &choice.learn);
     let learning = ActiveLearning { threads: flags.carry_out.workers()?.unwrap_or(0), ..learning };
-    let mut show = Show { context, progress: context.progress() };
-    show.progress.phase("choosing the next runs");
+    let mut show = ShowSteps::new(context, "choosing the next runs");
     match learning.choose_cases(&runs, &cases, count, &mut show) {
         Ok(next) => Ok(Found {
             points: next.chosen.iter().map(|place| open[*place].number).collect(),
@@ -131,19 +128,5 @@ fn stopped(context: &Context, campaign: &Campaign, points: usize, wanted: usize)
     match context.stopped() {
         true => Interrupted { left }.into(),
         false => Failure::new(format!("stopped before the end; {left}")),
-    }
-}
-
-/// Shows how far the fit is.
-struct Show<'a> {
-    context: &'a Context,
-    progress: Progress,
-}
-
-impl Observer for Show<'_> {
-    fn progress(&mut self, step: &Step) -> Flow {
-        let part = step.part.clone().unwrap_or_default();
-        self.progress.update(step.completed(), |_| vec![ProgressField::new(0, part)]);
-        self.context.flow()
     }
 }

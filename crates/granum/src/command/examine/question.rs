@@ -5,21 +5,20 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::json;
-use granum_core::observer::{Flow, Observer, Progress as Step};
+use granum_core::observer::Observer;
 use granum_io::atomic::write_atomically;
 use granum_io::check_output_file;
 use granum_io::shell::ShowPath;
 use granum_learn::runs::RunRole;
 use granum_learn::{Dataset, LearnError, PooledError};
-use granum_run::laboratory::ProgressField;
 use serde::Serialize;
 
 use crate::command::records::{self, Recorded};
+use crate::command::show_steps::ShowSteps;
 use crate::command::train_study::{dataset, kept_unseen};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
-use crate::progress::Progress;
 
 /// The runs that are learned from and those on which errors are measured.
 #[derive(Args)]
@@ -134,12 +133,10 @@ impl WorkFlags {
         context: &Context,
         work: impl FnOnce(&mut dyn Observer) -> granum_learn::Result<T>,
     ) -> Result<T, Failure> {
-        let mut progress = context.progress();
-        progress.phase("comparison");
-        let mut show = Show { context, progress };
+        let mut show = ShowSteps::new(context, "comparison");
         match work(&mut show) {
             Ok(found) => {
-                show.progress.end(|| "done".into());
+                show.end(|| "done".into());
                 Ok(found)
             }
             Err(LearnError::Stopped { done, total }) => {
@@ -172,20 +169,6 @@ impl WorkFlags {
 /// Writes a text to a file.
 pub fn put(file: &Path, text: &str) -> Result<(), Failure> {
     Ok(write_atomically(file, |out| out.write_all(text.as_bytes()))?)
-}
-
-/// Shows how many surrogates are fitted, and stops when the user asks for it.
-struct Show<'a> {
-    context: &'a Context,
-    progress: Progress,
-}
-
-impl Observer for Show<'_> {
-    fn progress(&mut self, step: &Step) -> Flow {
-        let part = step.part.clone().unwrap_or_default();
-        self.progress.update(step.completed(), |_| vec![ProgressField::new(0, part)]);
-        self.context.flow()
-    }
 }
 
 /// The heading of a table of errors.
