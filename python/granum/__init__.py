@@ -8,7 +8,12 @@
 
 import os as _os
 
-from . import calibration, campaigns, surrogates
+from ._granum import _entered
+
+# Before anything else, since an interpreter beside the first one of a process is refused.
+_entered()
+
+from . import calibration, campaigns, grainlearning, surrogates
 from ._granum import (
     Assembly,
     Case,
@@ -23,10 +28,12 @@ from ._granum import (
     pair,
     paths,
     prepare,
+    read,
     resume,
     run,
     schema,
     template,
+    write,
 )
 from ._granum import __version__, _forked
 from ._granum import open as open
@@ -66,6 +73,7 @@ __all__ = [
     "calibration",
     "campaigns",
     "compare",
+    "grainlearning",
     "laboratory",
     "linear",
     "log",
@@ -74,12 +82,14 @@ __all__ = [
     "pair",
     "paths",
     "prepare",
+    "read",
     "resume",
     "run",
     "schema",
     "surrogates",
     "template",
     "view",
+    "write",
 ]
 
 # Threads do not survive a fork: a child that was forked while granum was at work is told so instead of waiting for them for ever.

@@ -3,7 +3,7 @@
 import pathlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, NoReturn, SupportsIndex, TypeAlias, final
+from typing import Any, Literal, NoReturn, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -30,9 +30,11 @@ __all__ = [
     "Values",
     "_CampaignFolder",
     "__version__",
+    "_entered",
     "_forked",
     "_mistake",
     "_program",
+    "_write_grainlearning",
     "families",
     "fit",
     "laboratory",
@@ -42,10 +44,12 @@ __all__ = [
     "pair",
     "paths",
     "prepare",
+    "read",
     "resume",
     "run",
     "schema",
     "template",
+    "write",
 ]
 
 __version__: str
@@ -196,8 +200,25 @@ class Assembly:
     An assembly is a copy of what the engine keeps in another layout. Its arrays are views of it without a further copy, which keep all of it in
     memory: the distance from one grain to the next is that of all its data (`strides`). Only `ids`, `materials`, `contacts` and `forces` are
     arrays of their own.
+
+    An assembly can be made of arrays of anyone, with the arguments of `granum.measure`, or read from files of other programs
+    (`granum.read`). Of these only a part is known (`parts`); what is not raises `AttributeError`.
     """
 
+    def __new__(
+        cls,
+        positions: npt.ArrayLike,
+        radii: npt.ArrayLike,
+        contacts: npt.ArrayLike | None = None,
+        forces: npt.ArrayLike | None = None,
+        cell: npt.ArrayLike | None = None,
+    ) -> Assembly: ...
+    @property
+    def parts(self) -> list[str]:
+        """The names of what is known: everything of a run of granum, and of files of another program what these have."""
+    @property
+    def origin(self) -> _Reals:
+        """The corner of the cell in the file that was read, m; positions count from it."""
     @property
     def time(self) -> float:
         """Time since the start of the phase, s."""
@@ -528,6 +549,7 @@ class Dataset:
         """Parts for training and for judging: `unseen` runs; of the others every second (`stride`) state as `training` and the rest as
         `held_out`, and all their states as `training_runs`, for methods with memory. A part without states is `None`.
         """
+    def _repr_html_(self) -> str: ...
     def __getitem__(self, name: str, /) -> _Reals: ...
     def __contains__(self, name: object, /) -> bool: ...
     def __iter__(self) -> Iterator[str]: ...
@@ -580,6 +602,7 @@ class Surrogate:
 
     def score(self, dataset: Dataset) -> dict[str, float]:
         """How well it predicts a data set: `relative_rmse`, `r2`, `rmse` and the number of `states`."""
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> Any: ...
 
 @final
@@ -612,6 +635,7 @@ class Family:
         interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
         the runs.
         """
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> Any: ...
 
 def families() -> list[tuple[str, str]]:
@@ -707,6 +731,7 @@ def resume(
 def open(folder: _Path) -> Run:
     """The run in a folder, also while another process writes it."""
 
+@overload
 def measure(
     positions: npt.ArrayLike,
     radii: npt.ArrayLike,
@@ -719,6 +744,49 @@ def measure(
     `positions` are rows of three, `radii` one a grain, `contacts` rows of the indices, from 0, of two grains, `forces` the force on the
     first grain of each contact, and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
     in a consistent system of units.
+    """
+
+@overload
+def measure(
+    positions: Assembly, radii: None = None, contacts: None = None, forces: None = None, cell: None = None
+) -> dict[str, float]:
+    """The values of every sensor for which an assembly suffices, by column."""
+
+@overload
+def measure(
+    positions: Sequence[Assembly], radii: None = None, contacts: None = None, forces: None = None, cell: None = None
+) -> Table:
+    """The values of every sensor for which several instants suffice, as a table with a row for each."""
+
+def read(
+    *paths: _Path,
+    cell: npt.ArrayLike | Sequence[keys.Quantity] | None = None,
+    density: keys.Quantity | None = None,
+    time_step: keys.Quantity | None = None,
+    columns: Mapping[str, Sequence[str]] | None = None,
+    case: Case | Mapping[str, Any] | _Path | None = None,
+    allow_outside: bool = False,
+) -> list[Assembly]:
+    """Reads results of other programs, as `granum measure` does: an assembly for each instant.
+
+    These are dumps and data files of LAMMPS and LIGGGHTS, texts and VTK of YADE, `.data`, `.fstat` and restart files of MercuryDPM, extended
+    XYZ, GSD, packings, and tables (CSV, Parquet) of grains and of contacts. Files that belong together are joined. Everything is in SI units,
+    or in a consistent system of units.
+
+    What files do not say can be given: three lengths of a periodic `cell` or the matrix whose columns are its edges, the `density` of
+    the grains, the `time_step` between numbered steps, and names of the `columns` of a file whose head has none of use, by the name of
+    the file (`-` for what is to be passed over). Grains of a packing that overlap touch; with a `case` its contact law gives their
+    forces. With `allow_outside` a file may name files outside its own folder.
+    """
+
+def write(
+    path: _Path, data: Assembly | Sequence[Assembly] | Run | Table, *, format: str | None = None, force: bool = False
+) -> None:
+    """Writes grains and contacts for other programs, as `granum export` does: VTP, extended XYZ, GSD, LAMMPS data, CSV and Parquet.
+
+    The name of the file says the format, or `format` does (`"lammps-data"`). Several assemblies are instants of one file, where the format has
+    them. As CSV an assembly is written as a packing and as Parquet as the table of its grains; a run is written as its series to either, and
+    otherwise as its last state. With `force` an existing file is replaced.
     """
 
 def pair(
@@ -774,6 +842,8 @@ class _CampaignFolder:
         on_progress: Callable[[dict[str, Any]], object] | None = None,
     ) -> bool: ...
 
+def _entered() -> None: ...
 def _forked() -> None: ...
 def _mistake(simulation: Simulation | None = None) -> NoReturn: ...
 def _program(arguments: Sequence[str], starts: _Path | None = None) -> int: ...
+def _write_grainlearning(path: _Path, folder: _Path, states: SupportsIndex | None = None, force: bool = False) -> list[str]: ...

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any, cast
 
-from ._granum import Comparison, Run, Table, laboratory
+from ._granum import Comparison, Dataset, Family, Run, Surrogate, Table, laboratory
 
 if TYPE_CHECKING:
     from ._granum import Case
+    from .campaigns import Campaign
 
 _STRAINS = ("deviator_strain", "deviatoric_strain", "axial_strain", "arc_length", "time")
 _HEIGHT = 480
@@ -98,3 +99,38 @@ def of_case(case: Case) -> str:
     given = [row[:4] for row in rows if not row[4]]
     head = f"<p>a case with digest <code>{case.digest[:12]}</code>; all other keys have their defaults</p>"
     return head + _rows(given, ("key", "value", "unit", "meaning"))
+
+
+def of_campaign(campaign: Campaign) -> str:
+    """The runs of a campaign with their variables and states."""
+    table = campaign.table()
+    return f"<p>a campaign of {len(table)} runs in <code>{html.escape(str(campaign.path))}</code></p>" + of_table(table)
+
+
+def of_dataset(data: Dataset) -> str:
+    """The runs of a data set with their parameters."""
+    head = f"<p>a data set of {len(data.runs)} runs, {len(data)} states and {len(data.columns)} columns</p>"
+    # What all runs have alike says nothing of any of them.
+    table = data.runs_table()
+    columns = {name: table[name] for name in table.columns}
+    differing = {name: values for name, values in columns.items() if len(set(values.tolist())) > 1}
+    return head + of_table(Table(differing, {name: table.units[name] for name in differing}) if differing else table)
+
+
+def of_surrogate(surrogate: Surrogate) -> str:
+    """The inputs and outputs of a surrogate."""
+    units = surrogate.units
+    rows = [(name, kind, units[name]) for kind, names in (("input", surrogate.inputs), ("output", surrogate.outputs)) for name in names]
+    memory = ", which remembers the states before" if surrogate.has_memory else ""
+    return f"<p>a surrogate by the method <code>{html.escape(surrogate.method)}</code>{memory}</p>" + _rows(rows, ("column", "kind", "unit"))
+
+
+def of_family(family: Family) -> str:
+    """The inputs of a family, and what it cannot answer."""
+    head = f"<p>{html.escape(family.title)}: a surrogate of {family.runs} runs along the path <code>{html.escape(family.path)}</code></p>"
+    rows = [
+        (name, about["meaning"], " to ".join(f"{end:.6g}" for end in about["range"]), "required" if about["required"] else "")
+        for name, about in family.inputs.items()
+    ]
+    limits = "".join(f"<li>{html.escape(limit)}</li>" for limit in family.limits)
+    return head + _rows(rows, ("input", "meaning", "range of the runs", "")) + f"<ul>{limits}</ul>"

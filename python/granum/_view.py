@@ -93,13 +93,20 @@ def _content(of: Assembly, colour: str | npt.ArrayLike, opacity: float, forces: 
 
     if not 0 <= opacity <= 1:
         raise _wrong("opacity", opacity, f"{opacity} is not between 0 and 1", "0 shows no grains, 1 hides what is behind them")
-    found = of.force_chains()
+    # Of files of another program forces may be unknown: the grains are shown alone.
+    has_forces = "normal forces" in of.parts
+    found = of.force_chains() if has_forces else []
     name, values = _colours(of, colour, found)
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
     shades = (values - low) / (high - low) if high > low else np.full(len(values), 0.5)
-    cell = of.cell
+    if "cell" in of.parts:
+        start, cell = np.zeros(3), of.cell
+    else:
+        # The box around all grains.
+        start = (of.positions - of.radii[:, None]).min(axis=0)
+        cell = np.diag((of.positions + of.radii[:, None]).max(axis=0) - start)
     # The cell may be inclined to either side: everything is placed in the box around it.
-    corners = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)]) @ cell.T
+    corners = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)]) @ cell.T + start
     origin = corners.min(axis=0)
     box = np.maximum(corners.max(axis=0) - origin, 1e-300)
     places = (of.positions - origin) / box
@@ -107,11 +114,11 @@ def _content(of: Assembly, colour: str | npt.ArrayLike, opacity: float, forces: 
     largest = float(radii.max()) if len(radii) else 1.0
     grains = _bytes(np.column_stack([places, radii / largest, shades]), 65535, "<u2")
 
-    pairs, normal_forces = of.contacts, of.normal_forces
+    pairs, normal_forces = (of.contacts, of.normal_forces) if has_forces else (np.empty((0, 2), np.int64), np.empty(0))
     shown = np.argsort(-np.abs(normal_forces), kind="stable")[: max(0, strongest)]
     linked = {frozenset(pair) for chain in found for pair in zip(chain.tolist(), chain.tolist()[1:])}
     of_chain = np.array([frozenset(pair) in linked for pair in pairs[shown].tolist()], dtype=float)
-    branches = of.branches[shown]
+    branches = of.branches[shown] if has_forces else np.empty((0, 3))
     longest = float(np.abs(branches).max()) if len(shown) else 1.0
     most = float(np.abs(normal_forces).max()) if len(shown) else 1.0
     strength = normal_forces[shown] / (most or 1.0)

@@ -230,6 +230,11 @@ class Campaign:
     def __len__(self) -> int:
         return len(self.names)
 
+    def _repr_html_(self) -> str:
+        from ._plots import of_campaign
+
+        return of_campaign(self)
+
     def __repr__(self) -> str:
         return repr(self._folder)
 

@@ -57,7 +57,7 @@ impl Field {
     }
 }
 
-/// Numbers that never change, with their shape.
+/// Numbers of granum that NumPy shows without a copy.
 #[pyclass(frozen, module = "granum._granum")]
 pub struct Values {
     storage: Storage,

@@ -1,40 +1,58 @@
-//! Assemblies: all grains and contacts at one moment, as arrays; and their measurement by every sensor.
+//! Assemblies: all grains and contacts at one moment, as arrays. Of an assembly of another program only a part is known.
 
 use std::mem::offset_of;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use granum_core::assembly::{Contact, Grain, Matrix, Vector};
-use granum_core::{Part, Parts};
-use granum_io::formats::join::join;
-use granum_io::formats::{FileContact, Frame, FrameCell, JoinOptions};
+use granum_core::assembly::{Contact, Grain, Vector};
+use granum_core::{Part, Parts, Table};
+use granum_io::formats::ObservedAssembly;
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_sensors::force_chains::Chains;
 use granum_sensors::{Measurement, Observation, Sensors};
+use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{self, Array, Field, FieldKind, Records};
 use crate::detached::detached;
 use crate::errors;
+use crate::observed::{Arrays, from_arrays};
 use crate::table;
 
-/// All grains and contacts at one moment.
+/// All grains and contacts at one moment, in the order of the ids of the grains. Every array is read-only and shows no later step.
+///
+/// An assembly is a copy of what the engine keeps in another layout. Its arrays are views of it without a further copy, which keep all of it in
+/// memory: the distance from one grain to the next is that of all its data (`strides`). Only `ids`, `materials`, `contacts` and `forces` are
+/// arrays of their own.
+///
+/// An assembly can be made of arrays of anyone, with the arguments of `granum.measure`, or read from files of other programs
+/// (`granum.read`). Of these only a part is known (`parts`); what is not raises `AttributeError`.
 #[pyclass(frozen, module = "granum")]
 pub struct Assembly {
     inner: Arc<granum_core::Assembly>,
+    /// What of it is known.
+    parts: Parts,
+    /// The corner of its cell in the file that it was read from, m.
+    origin: Vector,
 }
 
 impl From<granum_core::Assembly> for Assembly {
     fn from(assembly: granum_core::Assembly) -> Assembly {
-        Assembly { inner: Arc::new(assembly) }
+        Assembly::shared(Arc::new(assembly))
+    }
+}
+
+impl From<ObservedAssembly> for Assembly {
+    fn from(observed: ObservedAssembly) -> Assembly {
+        let ObservedAssembly { assembly, parts, origin, .. } = observed;
+        Assembly { inner: Arc::new(assembly), parts, origin }
     }
 }
 
 impl Assembly {
-    /// An assembly that others hold as well.
+    /// An assembly of granum that others hold as well.
     pub fn shared(inner: Arc<granum_core::Assembly>) -> Assembly {
-        Assembly { inner }
+        Assembly { inner, parts: Parts::all(), origin: [0.0; 3] }
     }
 
     /// What it holds.
@@ -42,33 +60,102 @@ impl Assembly {
         self.inner.clone()
     }
 
+    /// What it holds, if everything is known.
+    ///
+    /// # Errors
+    /// `granum.RunError`: what records states would take what is missing for zero.
+    pub fn whole(&self, py: Python<'_>) -> PyResult<Arc<granum_core::Assembly>> {
+        match self.parts.missing(&Part::ALL)[..] {
+            [] => Ok(self.inner()),
+            [missing, ..] => {
+                let advice = "granum.measure applies the sensors for which such data suffice";
+                let message = format!("these data have no {}; {advice}", missing.name());
+                Err(errors::of_running(py, &message))
+            }
+        }
+    }
+
+    /// What of it is known.
+    pub fn known(&self) -> Parts {
+        self.parts
+    }
+
+    /// The same as what was read from a file.
+    pub fn observed(&self) -> ObservedAssembly {
+        ObservedAssembly::new((*self.inner).clone(), self.parts, self.origin)
+    }
+
+    /// Refuses to give what is not known.
+    fn knows(&self, part: Part) -> PyResult<()> {
+        if self.parts.has(part) {
+            return Ok(());
+        }
+        let message = format!("these data have no {}; they have {}", part.name(), self.parts().join(", "));
+        Err(PyAttributeError::new_err(message))
+    }
+
     fn field<'py>(
         &self,
         py: Python<'py>,
-        of: Records,
+        (of, part): (Records, Part),
         kind: FieldKind,
         offset: usize,
     ) -> PyResult<Array<'py>> {
+        self.knows(part)?;
         arrays::field(py, self.inner.clone(), Field { of, offset, kind })
     }
 
     /// A number of each grain.
-    fn of_grains<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
-        self.field(py, Records::Grains, FieldKind::Real, offset)
+    fn of_grains<'py>(&self, py: Python<'py>, part: Part, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, (Records::Grains, part), FieldKind::Real, offset)
     }
 
-    fn vectors_of_grains<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
-        self.field(py, Records::Grains, FieldKind::Vector, offset)
+    fn vectors_of_grains<'py>(&self, py: Python<'py>, part: Part, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, (Records::Grains, part), FieldKind::Vector, offset)
     }
 
     /// A number of each contact.
-    fn of_contacts<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
-        self.field(py, Records::Contacts, FieldKind::Real, offset)
+    fn of_contacts<'py>(&self, py: Python<'py>, part: Part, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, (Records::Contacts, part), FieldKind::Real, offset)
     }
 
-    fn vectors_of_contacts<'py>(&self, py: Python<'py>, offset: usize) -> PyResult<Array<'py>> {
-        self.field(py, Records::Contacts, FieldKind::Vector, offset)
+    fn vectors_of_contacts<'py>(&self, py: Python<'py>, part: Part, offset: usize) -> PyResult<Array<'py>> {
+        self.field(py, (Records::Contacts, part), FieldKind::Vector, offset)
     }
+
+    /// A table of what is known.
+    fn table_of<'py>(
+        &self,
+        py: Python<'py>,
+        make: impl FnOnce(&granum_core::Assembly) -> granum_io::Result<Table> + Send,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let known = |name: &str| part_of_column(name).is_none_or(|part| self.parts.has(part));
+        let found = detached(py, || {
+            let table = make(&self.inner)?;
+            let columns = table.columns().iter().filter(|column| known(&column.name)).cloned();
+            Ok(Table::new(columns.collect())?)
+        })?;
+        table::object(py, found.map_err(|error: granum_io::Error| errors::of_file(py, &error, false))?)
+    }
+}
+
+/// The part of an assembly that a column of its tables of grains and contacts shows.
+fn part_of_column(name: &str) -> Option<Part> {
+    let part = match name.trim_end_matches("_x").trim_end_matches("_y").trim_end_matches("_z") {
+        "velocity" => Part::Velocities,
+        "spin" => Part::Spins,
+        "mass" => Part::Masses,
+        "force" | "torque" => Part::ResultantForces,
+        "radius" => Part::Radii,
+        "approach" => Part::Overlaps,
+        "normal_force" => Part::NormalForces,
+        "tangential_force" => Part::TangentialForces,
+        "sliding" => Part::Sliding,
+        // No format but granum's own has the area of contact; it goes with the energies.
+        "contact_radius" | "normal_energy" | "tangential_energy" | "rolling_energy" => Part::ContactEnergies,
+        _ => return None,
+    };
+    Some(part)
 }
 
 /// A matrix as an array of three rows.
@@ -78,36 +165,72 @@ pub fn matrix<'py>(py: Python<'py>, matrix: &[Vector; 3]) -> PyResult<Array<'py>
 
 #[pymethods]
 impl Assembly {
-    #[getter]
-    fn time(&self) -> f64 {
-        self.inner.time
+    #[new]
+    #[pyo3(signature = (positions, radii, contacts=None, forces=None, cell=None))]
+    fn new(
+        positions: &Bound<'_, PyAny>,
+        radii: &Bound<'_, PyAny>,
+        contacts: Option<&Bound<'_, PyAny>>,
+        forces: Option<&Bound<'_, PyAny>>,
+        cell: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Assembly> {
+        from_arrays(&Arrays { positions, radii, contacts, forces, cell }).map(Assembly::from)
     }
 
+    /// The names of what is known: everything of a run of granum, and of files of another program what these have.
+    #[getter]
+    fn parts(&self) -> Vec<&'static str> {
+        Part::ALL.into_iter().filter(|part| self.parts.has(*part)).map(Part::name).collect()
+    }
+
+    /// The corner of the cell in the file that was read, m; positions count from it.
+    #[getter]
+    fn origin<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        arrays::reals(py, self.origin.to_vec(), vec![3])
+    }
+
+    /// Time since the start of the phase, s.
+    #[getter]
+    fn time(&self) -> PyResult<f64> {
+        self.knows(Part::Time)?;
+        Ok(self.inner.time)
+    }
+
+    /// Steps since the start of the phase.
     #[getter]
     fn step(&self) -> u64 {
         self.inner.step
     }
 
+    /// Volume of the cell, m3.
     #[getter]
-    fn volume(&self) -> f64 {
-        self.inner.volume()
+    fn volume(&self) -> PyResult<f64> {
+        self.knows(Part::Cell)?;
+        Ok(self.inner.volume())
     }
 
+    /// Matrix of the periodic cell, whose columns are its edges, m.
     #[getter]
     fn cell<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Cell)?;
         matrix(py, &self.inner.cell)
     }
 
+    /// Logarithmic strain since the start of the phase, compression positive.
     #[getter]
     fn strain<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Strain)?;
         matrix(py, &self.inner.strain)
     }
 
+    /// Velocity gradient of the cell, 1/s.
     #[getter]
     fn velocity_gradient<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::StrainRate)?;
         matrix(py, &self.inner.velocity_gradient)
     }
 
+    /// Ids of the grains, from 1.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let ids: Vec<i64> = self.inner.grains.iter().map(|grain| grain.id as i64).collect();
@@ -115,6 +238,7 @@ impl Assembly {
         arrays::integers(py, ids, shape)
     }
 
+    /// Material of each grain, as an index of `material_names`.
     #[getter]
     fn materials<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let materials: Vec<i64> = self.inner.grains.iter().map(|grain| i64::from(grain.material)).collect();
@@ -122,104 +246,124 @@ impl Assembly {
         arrays::integers(py, materials, shape)
     }
 
+    /// Names of the materials; empty if there is one.
     #[getter]
     fn material_names(&self) -> Vec<String> {
         self.inner.materials.clone()
     }
 
+    /// Centres of the grains inside the cell, m: a row a grain.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, offset_of!(Grain, position))
+        self.vectors_of_grains(py, Part::Positions, offset_of!(Grain, position))
     }
 
+    /// Fluctuating velocities of the grains, m/s: a row a grain.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, offset_of!(Grain, velocity))
+        self.vectors_of_grains(py, Part::Velocities, offset_of!(Grain, velocity))
     }
 
+    /// Spins of the grains, rad/s: a row a grain.
     #[getter]
     fn spins<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, offset_of!(Grain, spin))
+        self.vectors_of_grains(py, Part::Spins, offset_of!(Grain, spin))
     }
 
+    /// Sum of the contact forces on each grain, N.
     #[getter]
     fn grain_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, offset_of!(Grain, force))
+        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Grain, force))
     }
 
+    /// Sum of the contact torques on each grain, N m.
     #[getter]
     fn grain_torques<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, offset_of!(Grain, torque))
+        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Grain, torque))
     }
 
+    /// Radii of the grains, m.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, offset_of!(Grain, radius))
+        self.of_grains(py, Part::Radii, offset_of!(Grain, radius))
     }
 
+    /// Masses of the grains, kg.
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, offset_of!(Grain, mass))
+        self.of_grains(py, Part::Masses, offset_of!(Grain, mass))
     }
 
+    /// Indices, from 0, of the two grains of each contact: a row a contact.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Contacts)?;
         let contacts = &self.inner.contacts;
         let pairs: Vec<i64> =
             contacts.iter().flat_map(|contact| [contact.i as i64, contact.j as i64]).collect();
         arrays::integers(py, pairs, vec![contacts.len(), 2])
     }
 
+    /// Vector between the centres of the two grains of each contact, m.
     #[getter]
     fn branches<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, offset_of!(Contact, branch))
+        self.vectors_of_contacts(py, Part::Contacts, offset_of!(Contact, branch))
     }
 
+    /// Unit normal of each contact, from the first grain to the second.
     #[getter]
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, offset_of!(Contact, normal))
+        self.vectors_of_contacts(py, Part::Contacts, offset_of!(Contact, normal))
     }
 
+    /// Elastic force on the first grain of each contact, N.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::NormalForces)?;
+        self.knows(Part::TangentialForces)?;
         let forces: Vec<f64> = py.detach(|| self.inner.contacts.iter().flat_map(Contact::force).collect());
         arrays::reals(py, forces, vec![self.inner.contacts.len(), 3])
     }
 
+    /// Elastic normal force of each contact, compression positive, N.
     #[getter]
     fn normal_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_contacts(py, offset_of!(Contact, normal_force))
+        self.of_contacts(py, Part::NormalForces, offset_of!(Contact, normal_force))
     }
 
+    /// Elastic tangential force on the first grain of each contact, N.
     #[getter]
     fn tangential_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, offset_of!(Contact, tangential_force))
+        self.vectors_of_contacts(py, Part::TangentialForces, offset_of!(Contact, tangential_force))
     }
 
+    /// Overlap of each contact, m.
     #[getter]
     fn overlaps<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_contacts(py, offset_of!(Contact, approach))
+        self.of_contacts(py, Part::Overlaps, offset_of!(Contact, approach))
     }
 
+    /// True where the tangential force was at the friction limit in the last step.
     #[getter]
     fn sliding<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.field(py, Records::Contacts, FieldKind::Boolean, offset_of!(Contact, sliding))
+        self.field(py, (Records::Contacts, Part::Sliding), FieldKind::Boolean, offset_of!(Contact, sliding))
     }
 
+    /// All grains as a table, with units.
     fn grains_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let found = detached(py, || grains_table(&self.inner))?;
-        let found = found.map_err(|error| errors::of_file(py, &error, false))?;
-        table::object(py, found)
+        self.table_of(py, grains_table)
     }
 
+    /// All contacts as a table, with units.
     fn contacts_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let found = detached(py, || contacts_table(&self.inner))?;
-        let found = found.map_err(|error| errors::of_file(py, &error, false))?;
-        table::object(py, found)
+        self.knows(Part::Contacts)?;
+        self.table_of(py, contacts_table)
     }
 
-    /// The grains of each force chain, by their places.
+    /// The force chains (Peters et al. 2005), as the sensor of that name counts them: for each the indices of its grains along it.
     fn force_chains<'py>(&self, py: Python<'py>) -> PyResult<Vec<Array<'py>>> {
+        self.knows(Part::Contacts)?;
+        self.knows(Part::NormalForces)?;
         let found = detached(py, || Chains::from_observation(&Observation::new(&self.inner)).chains)?;
         let chain = |chain: Vec<usize>| {
             let shape = vec![chain.len()];
@@ -228,9 +372,9 @@ impl Assembly {
         found.into_iter().map(chain).collect()
     }
 
+    /// The values of every sensor that one assembly suffices for, by column, in SI units.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let assembly = self.inner.clone();
-        answer(py, &detached(py, move || Sensors::standard().measure(&assembly, Parts::all()))?)
+        answer(py, &detached(py, || Sensors::standard().measure(&self.inner, self.parts))?)
     }
 
     fn __repr__(&self) -> String {
@@ -240,102 +384,10 @@ impl Assembly {
 }
 
 /// The values of the columns that could be measured.
-fn answer<'py>(py: Python<'py>, measured: &Measurement) -> PyResult<Bound<'py, PyDict>> {
+pub fn answer<'py>(py: Python<'py>, measured: &Measurement) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (column, value) in &measured.columns {
         dict.set_item(column.name, value)?;
     }
     Ok(dict)
-}
-
-/// Vectors from an array of rows of three.
-fn vectors(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<Vector>> {
-    let (numbers, shape) = arrays::numbers(name, values)?;
-    if shape.len() != 2 || shape[1] != 3 {
-        let message = format!("rows of three numbers are needed, and the shape is {shape:?}");
-        return Err(errors::of_value(values.py(), name, format!("{shape:?}"), message));
-    }
-    arrays::check_finite(values.py(), name, &numbers, &shape)?;
-    Ok(numbers.as_chunks::<3>().0.to_vec())
-}
-
-/// Every sensor on arrays of anyone, which are joined by the rules for the files of other programs.
-#[pyfunction]
-#[pyo3(signature = (positions, radii, contacts=None, forces=None, cell=None))]
-pub fn measure<'py>(
-    py: Python<'py>,
-    positions: &Bound<'py, PyAny>,
-    radii: &Bound<'py, PyAny>,
-    contacts: Option<&Bound<'py, PyAny>>,
-    forces: Option<&Bound<'py, PyAny>>,
-    cell: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let positions = vectors("positions", positions)?;
-    let (radii, shape) = arrays::numbers("radii", radii)?;
-    arrays::check_finite(py, "radii", &radii, &shape)?;
-    if shape.len() != 1 || radii.len() != positions.len() {
-        let message =
-            format!("there are {} positions, and the radii have the shape {shape:?}", positions.len());
-        return Err(errors::of_value(py, "radii", format!("{shape:?}"), message));
-    }
-    let mut frame = Frame::default();
-    frame.knows(&[Part::Positions, Part::Radii]);
-    let grain = |(id, (position, radius)): (u64, (&Vector, &f64))| Grain {
-        id,
-        position: *position,
-        radius: *radius,
-        ..Grain::default()
-    };
-    frame.grains = (1..).zip(positions.iter().zip(&radii)).map(grain).collect();
-    frame.cell = cell.map(edges).transpose()?.map(|edges| FrameCell { origin: [0.0; 3], edges });
-    let forces = forces.map(|forces| vectors("forces", forces)).transpose()?;
-    frame.contacts = contacts.map(|contacts| pairs(contacts, positions.len())).transpose()?;
-    if let Some(forces) = forces {
-        let contacts = frame.contacts.as_deref_mut().unwrap_or_default();
-        if forces.len() != contacts.len() {
-            let message = format!("there are {} forces for {} contacts", forces.len(), contacts.len());
-            return Err(errors::of_value(py, "forces", forces.len().to_string(), message));
-        }
-        contacts.iter_mut().zip(forces).for_each(|(contact, force)| contact.force = Some(force));
-    }
-    let measured = detached(py, move || -> granum_io::Result<Measurement> {
-        let observed = join(vec![(PathBuf::from("arrays"), vec![frame])], &JoinOptions::default())?;
-        let mut observed = observed.into_iter();
-        let first = observed.next().map(|one| Sensors::standard().measure(&one.assembly, one.parts));
-        Ok(first.unwrap_or_default())
-    })?;
-    answer(py, &measured.map_err(|error| errors::of_file(py, &error, true))?)
-}
-
-/// The edge matrix of a cell: three lengths, or a matrix whose columns are the edges.
-fn edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
-    let (numbers, shape) = arrays::numbers("cell", cell)?;
-    arrays::check_finite(cell.py(), "cell", &numbers, &shape)?;
-    match (shape.as_slice(), numbers.as_slice()) {
-        ([3], [x, y, z]) => Ok([[*x, 0.0, 0.0], [0.0, *y, 0.0], [0.0, 0.0, *z]]),
-        ([3, 3], [a, b, c, d, e, f, g, h, i]) => Ok([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]]),
-        _ => {
-            let message = "three lengths or a matrix whose columns are the edges of the cell are needed";
-            Err(errors::of_value(cell.py(), "cell", format!("{shape:?}"), message))
-        }
-    }
-}
-
-/// Contacts of pairs of grains, which are given by their places in the arrays, from 0.
-fn pairs(pairs: &Bound<'_, PyAny>, grains: usize) -> PyResult<Vec<FileContact>> {
-    let (numbers, shape) = arrays::numbers("contacts", pairs)?;
-    let wrong = |value: String, message: String| errors::of_value(pairs.py(), "contacts", value, message);
-    if shape.len() != 2 || shape[1] != 2 {
-        let message = format!("rows of the indices of two grains are needed, and the shape is {shape:?}");
-        return Err(wrong(format!("{shape:?}"), message));
-    }
-    let id = |number: f64| -> PyResult<u64> {
-        if number >= 0.0 && number.fract() == 0.0 && number < grains as f64 {
-            return Ok(number as u64 + 1);
-        }
-        let message = format!("{number} is no index of a grain; there are {grains} grains, from 0");
-        Err(wrong(number.to_string(), message))
-    };
-    let each = numbers.as_chunks::<2>().0.iter();
-    each.map(|[i, j]| Ok(FileContact { first: id(*i)?, second: id(*j)?, ..FileContact::default() })).collect()
 }

@@ -29,7 +29,13 @@ const MADE: &str = "case";
 /// Keywords and the keys of the file for which they stand.
 const PLURALS: [[&str; 2]; 3] = [["stages", "stage"], ["materials", "material"], ["pairs", "pair"]];
 
-/// A case: all the input that determines a result.
+/// A case: all the input that determines a result. It never changes; `with_values` and `with_path` give another.
+///
+/// The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
+/// `materials` and `pairs` are the lists of tables `[[stage]]`, `[[material]]` and `[[pair]]`. Keys that are left out have their defaults,
+/// and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
+///
+/// Raises `granum.CaseError` with all mistakes at once.
 #[pyclass(frozen, module = "granum")]
 pub struct Case {
     pub inner: granum_io::Case,
@@ -152,17 +158,20 @@ impl Case {
         from_mapping(renamed.as_mapping())
     }
 
+    /// The case of a dict with the keys of a case file. Keys may be joined by dots: `{"grains.count": 2000}`.
     #[classmethod]
     fn from_dict(_class: &Bound<'_, PyType>, mapping: &Bound<'_, PyMapping>) -> PyResult<Case> {
         from_mapping(mapping)
     }
 
+    /// The case of the text of a case file; `name` is the name of the file for messages.
     #[classmethod]
     #[pyo3(signature = (text, name="case.toml"))]
     fn from_toml(_class: &Bound<'_, PyType>, py: Python<'_>, text: &str, name: &str) -> PyResult<Case> {
         parse(py, text, name, false)
     }
 
+    /// Reads a case file. With `allow_outside` it may name files outside its own folder (histories, sieve curves).
     #[classmethod]
     #[pyo3(signature = (path, *, allow_outside=false))]
     fn read(
@@ -176,24 +185,30 @@ impl Case {
         case.map(|inner| Case { inner }).map_err(|error| errors::of_file(py, &error, false))
     }
 
+    /// The whole case as a case file in SI units, which is read back as the same case, bit for bit.
     fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
         self.text(py)
     }
 
+    /// The same as a dict, in SI units.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.dict(py)
     }
 
+    /// SHA-256 of all that determines a result: the same as the program gives.
     #[getter]
     fn digest(&self) -> String {
         self.inner.digest()
     }
 
+    /// The case with other values of some keys, by their full names: `case.with_values({"grains.count": 500})`. A parameter of the
+    /// first stage is `stage.1.axial_strain`.
     fn with_values<'py>(&self, py: Python<'py>, values: &Bound<'py, PyMapping>) -> PyResult<Case> {
         let pairs = values.items()?.iter().map(|item| item.extract()).collect::<PyResult<Vec<_>>>()?;
         self.changed(py, pairs.into_iter())
     }
 
+    /// The case with a named path as its test; `granum.paths()` has the paths with their parameters.
     #[pyo3(signature = (path, **parameters))]
     fn with_path<'py>(
         &self,
@@ -204,10 +219,12 @@ impl Case {
         self.along(py, path, parameters)
     }
 
+    /// The case with these stages, one after the other, as its test; each is a dict with the keys of a table `[[stage]]`.
     fn with_stages(&self, py: Python<'_>, stages: &Bound<'_, PyAny>) -> PyResult<Case> {
         self.in_stages(py, stages)
     }
 
+    /// The names of all keys.
     fn keys(&self) -> Vec<String> {
         self.inner.parameters().into_iter().map(|parameter| parameter.key).collect()
     }
@@ -225,7 +242,7 @@ impl Case {
         }
     }
 
-    /// Every key with its value, its unit, its meaning and whether it has its default.
+    /// Every key with its `value`, `unit` and `meaning`, and whether it has its default (`is_default`).
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parameters = self.inner.parameters();
         let usual = granum_io::Case::default().parameters();
@@ -341,7 +358,7 @@ pub fn template() -> String {
     granum_io::Case::template()
 }
 
-/// The named paths with what they do.
+/// The named paths: what each does (`help`), and its `parameters` with their meanings.
 #[pyfunction]
 pub fn paths(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);

@@ -53,7 +53,11 @@ fn test_of(name: &str, table: &Table) -> LaboratoryTest {
     }
 }
 
-/// The tests of a laboratory's file by name, in SI units, compression positive, with engineering strains.
+/// The tests of a laboratory's file by name: `axial_strain`, `volumetric_strain`, `deviator_stress`, `mean_stress`, `void_ratio`.
+///
+/// They are in SI units, compression positive, with engineering strains. `columns` maps known quantities to the columns that hold them:
+/// `{"axial_strain": "eps1 (%)"}`. `conventions` are those that comments of the file may state: `compression="negative"`,
+/// `strain="logarithmic"`, `stress="total"`, `deviator_stress="half"`, `bedding_strain="0.3 %"`.
 #[pyfunction]
 #[pyo3(signature = (path, *, columns=None, **conventions))]
 pub fn laboratory<'py>(
@@ -82,7 +86,7 @@ pub fn laboratory<'py>(
     Ok(found)
 }
 
-/// Runs over the curves of a laboratory, or over each other.
+/// Runs over the curves of a laboratory, or over each other: `granum.compare` makes it. A notebook shows its figure.
 #[pyclass(frozen, module = "granum")]
 pub struct Comparison {
     runs: Vec<ComparedRun>,
@@ -134,7 +138,7 @@ impl Comparison {
         Ok(Comparison { runs: all, tests: tables })
     }
 
-    /// The curves of each run in the measures of the laboratory.
+    /// The curves of each run in the measures of the laboratory: engineering strains, compression positive.
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let found = PyDict::new(py);
@@ -154,7 +158,9 @@ impl Comparison {
         Ok(found)
     }
 
-    /// The errors of every run against every test; without tests those of the other runs against the first.
+    /// The errors of each `run` against each `test`, or of the other runs against the first, `up_to` the largest axial strain that both
+    /// have: root mean square of the `deviator_stress` over its largest value, of `volumetric_strain` and `void_ratio`, and the largest
+    /// deviator stress over that of the test, minus one (`peak`).
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
@@ -177,14 +183,14 @@ impl Comparison {
         Ok(list)
     }
 
-    /// The differences of the runs from the tests, reading by reading.
+    /// What the runs have more than the tests, reading by reading.
     #[getter]
     fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = residuals(&self.pairs()).map_err(|error| exceptions::general(py, error.to_string()))?;
         table::object(py, found)
     }
 
-    /// The figure as SVG, as the program draws it.
+    /// The figure, as the program draws it.
     #[getter]
     fn svg(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || figure(&self.runs, &self.tests, &self.pairs(), &[]).0.to_svg())

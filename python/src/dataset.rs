@@ -22,7 +22,10 @@ use crate::table::{self, Table};
 /// Largest stride of training states.
 const LARGEST_STRIDE: u64 = 1 << 32;
 
-/// The states of runs.
+/// The states of runs, from which surrogates learn: a column for each quantity, a row for each state of each run. Keys of the case and
+/// measures of the sample are columns as well, the same in all rows of a run.
+///
+/// `runs` are runs of granum, folders of runs or tables with a row for each state, or a mapping of names to them.
 #[pyclass(frozen, module = "granum")]
 pub struct Dataset {
     pub inner: Arc<granum_learn::Dataset>,
@@ -98,6 +101,7 @@ impl Dataset {
         dataset.map(Dataset::new).map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// The data set of a campaign, or one in a folder of its own, whose files are compared with their sums.
     #[classmethod]
     fn read(_class: &Bound<'_, PyType>, py: Python<'_>, folder: PathBuf) -> PyResult<Dataset> {
         let read = || -> granum_learn::Result<granum_learn::Dataset> {
@@ -112,11 +116,13 @@ impl Dataset {
         detached(py, read)?.map(Dataset::new).map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// The names of the runs.
     #[getter]
     fn runs(&self) -> Vec<&str> {
         self.names().collect()
     }
 
+    /// The names of the columns of numbers that all runs have.
     #[getter]
     fn columns(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let inner = self.inner.clone();
@@ -124,10 +130,12 @@ impl Dataset {
         Ok(variables.into_iter().map(|variable| variable.name).collect())
     }
 
+    /// The names of the columns.
     fn keys(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.columns(py)
     }
 
+    /// The SI unit of each of them; an empty text for a pure number.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
@@ -137,6 +145,7 @@ impl Dataset {
         Ok(units)
     }
 
+    /// What has words instead of numbers, such as `contact.normal`, with its words.
     #[getter]
     fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let found = PyDict::new(py);
@@ -148,6 +157,7 @@ impl Dataset {
         Ok(found)
     }
 
+    /// The number of the run of each row, from 0: the groups of a cross-validation that leaves out whole runs.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let groups: Vec<i64> = self.inner.run_of_rows().into_iter().map(|run| run as i64).collect();
@@ -155,12 +165,14 @@ impl Dataset {
         arrays::integers(py, groups, vec![rows])
     }
 
+    /// SHA-256 of names, units and the bits of all numbers.
     #[getter]
     fn digest(&self, py: Python<'_>) -> PyResult<String> {
         let inner = self.inner.clone();
         detached(py, move || inner.digest())
     }
 
+    /// The values of columns, a row for each state; names as for `expand`.
     fn values<'py>(&self, py: Python<'py>, names: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
         let names = words("names", names)?;
         let inner = self.inner.clone();
@@ -172,22 +184,26 @@ impl Dataset {
         arrays::reals(py, values, vec![self.inner.rows(), columns])
     }
 
+    /// The columns that names stand for: that of a histogram for its bins, that of a category for a column of each word.
     fn expand(&self, py: Python<'_>, names: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
         let names = words("names", names)?;
         self.inner.expand(&names).map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// All rows as a table, with the number of the run, from 1, in the column `run`.
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let inner = self.inner.clone();
         let found = detached(py, move || inner.table())?;
         table::object(py, found.map_err(|error| errors::of_learning(py, &error))?)
     }
 
+    /// The runs as a table with their parameters, a row for each.
     fn runs_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let found = self.inner.runs_table().map_err(|error| errors::of_learning(py, &error))?;
         table::object(py, found)
     }
 
+    /// The data set of some of the runs.
     #[pyo3(signature = (runs))]
     fn select(&self, py: Python<'_>, runs: &Bound<'_, PyAny>) -> PyResult<Dataset> {
         let runs = words("runs", runs)?;
@@ -201,6 +217,8 @@ impl Dataset {
         }
     }
 
+    /// Parts for training and for judging: `unseen` runs; of the others every second (`stride`) state as `training` and the rest as
+    /// `held_out`, and all their states as `training_runs`, for methods with memory. A part without states is `None`.
     #[pyo3(signature = (*, unseen=None, stride=None, first_state=0))]
     fn split<'py>(
         &self,
@@ -261,6 +279,11 @@ impl Dataset {
     #[classattr]
     fn __hash__(py: Python<'_>) -> Py<PyAny> {
         py.None()
+    }
+
+    /// What a notebook shows.
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("granum._plots")?.call_method1("of_dataset", (slf,))?.extract()
     }
 
     fn __repr__(&self) -> String {

@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -23,6 +24,25 @@ const OF_FORK: &str = "this process was forked while granum was at work in a thr
 pub fn forked() {
     if AT_WORK.swap(0, Ordering::Relaxed) > 0 {
         FORKED.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Where the first interpreter of this process that imported granum has its built-in functions; 0 before.
+static INTERPRETER: AtomicUsize = AtomicUsize::new(0);
+
+/// Refuses every interpreter of this process but the first one: what this module keeps would be shared between them.
+///
+/// # Errors
+/// `ImportError` in an interpreter beside the first.
+#[pyfunction]
+#[pyo3(name = "_entered")]
+pub fn entered(py: Python<'_>) -> PyResult<()> {
+    let own = py.import("builtins")?.as_ptr().addr();
+    match INTERPRETER.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed) {
+        Err(first) if first != own => Err(PyImportError::new_err(
+            "granum is used by another interpreter of this process and cannot be shared; start a process instead of an interpreter",
+        )),
+        _ => Ok(()),
     }
 }
 

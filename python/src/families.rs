@@ -13,7 +13,7 @@ use crate::detached::detached;
 use crate::errors;
 use crate::quantity;
 
-/// A family of tests with its surrogate.
+/// A family of tests with its fitted surrogate.
 #[pyclass(frozen, module = "granum.surrogates")]
 pub struct Family {
     model: Arc<FamilyModel>,
@@ -46,16 +46,19 @@ impl Family {
         Ok(Family { model: Arc::new(model) })
     }
 
+    /// Its name.
     #[getter]
     fn name(&self) -> &'static str {
         self.model.definition().name
     }
 
+    /// The path of its tests.
     #[getter]
     fn path(&self) -> &'static str {
         self.model.definition().path
     }
 
+    /// What it is of.
     #[getter]
     fn title(&self) -> &'static str {
         self.model.definition().title
@@ -67,7 +70,7 @@ impl Family {
         self.model.runs()
     }
 
-    /// Names, meanings and ranges of the inputs.
+    /// The inputs by name: `meaning`, whether it is `required`, and the `range` of the runs.
     #[getter]
     fn inputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let inputs = PyDict::new(py);
@@ -87,6 +90,11 @@ impl Family {
         self.model.definition().limits.to_vec()
     }
 
+    /// Predicts the curves of a test. Inputs that are not given have typical values, whose uncertainty widens the intervals.
+    ///
+    /// The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
+    /// interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
+    /// the runs.
     #[pyo3(signature = (inputs, *, level=0.9))]
     fn predict<'py>(
         &self,
@@ -139,6 +147,11 @@ impl Family {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyAny>, (&'static str, &'static str)) {
         (slf.get_type().into_any(), (slf.get().name(), slf.get().path()))
+    }
+
+    /// What a notebook shows.
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("granum._plots")?.call_method1("of_family", (slf,))?.extract()
     }
 
     fn __repr__(&self) -> String {

@@ -12,7 +12,10 @@ mod dataset;
 mod detached;
 mod errors;
 mod families;
+mod files;
+mod measuring;
 mod mistake;
+mod observed;
 mod pair;
 mod pair_law;
 mod place;
@@ -40,7 +43,7 @@ mod module {
     #[pymodule_export]
     use crate::arrays::Values;
     #[pymodule_export]
-    use crate::assembly::{Assembly, measure};
+    use crate::assembly::Assembly;
     #[pymodule_export]
     use crate::campaign::CampaignFolder;
     #[pymodule_export]
@@ -50,9 +53,13 @@ mod module {
     #[pymodule_export]
     use crate::dataset::Dataset;
     #[pymodule_export]
-    use crate::detached::forked;
+    use crate::detached::{entered, forked};
     #[pymodule_export]
     use crate::families::{Family, families};
+    #[pymodule_export]
+    use crate::files::{read, write, write_grainlearning};
+    #[pymodule_export]
+    use crate::measuring::measure;
     #[pymodule_export]
     use crate::mistake::mistake;
     #[pymodule_export]

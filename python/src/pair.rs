@@ -46,6 +46,19 @@ fn function(name: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Py<
     }
 }
 
+/// Moves two equal grains along a path and gives the forces between them, as `granum pair`.
+///
+/// `path` has the columns `normal_approach` (the overlap) and `tangential_displacement`, m, or is a file with them; the answer is the same
+/// table with `normal_force` (N, compression positive), `tangential_force` (N, positive where it resists an increasing displacement) and
+/// `contact_radius` (m). Between rows the grains move along a straight line, in steps whose number is doubled until no force changes by more
+/// than 1e-5 of the largest of its kind. Laws and grains are those of the `case`.
+///
+/// A law can be a function instead, for a pair alone. `normal(overlap, kept)` returns the normal force, N, or a dict with `force`, `radius` of
+/// the contact area (m; by default that of Hertz) and `kept`, at most four numbers that it is given in the next step, zero for a new
+/// contact. A pair touches where grains overlap or the force is not zero. `tangential(force, slip, normal_force, radius, kept)` is called
+/// while the pair touches, with the two components in the plane of contact of the force on the first grain, N, and of the displacement of the
+/// second grain in this step, m. It returns the two components of the new force, or a dict with `force` and `kept`, at most eight numbers.
+/// Each is called once a step, with steps before it repeated as they become finer.
 #[pyfunction]
 #[pyo3(signature = (path, case=None, *, normal=None, tangential=None))]
 pub fn pair<'py>(

@@ -16,7 +16,10 @@ use crate::sensor::Sensors;
 use crate::simulation::Simulation;
 use crate::table::{self, SERIES, no_table};
 
-/// Records states of a simulation whenever its user says so.
+/// Records states of a simulation that is advanced by hand, with every sensor that tests record.
+///
+/// `case` gives the keys of `[recording]`: further sensors by name, their parameters and bins. `sensors` adds names of sensors and sensors of
+/// one's own.
 #[pyclass(frozen, module = "granum")]
 pub struct Recorder {
     /// Nothing while a state is recorded: sensors of the user may then run, and nobody may wait for them with Python's lock.
@@ -64,12 +67,13 @@ impl Recorder {
         Ok(Recorder { inner: Mutex::new(Some(Box::new(inner))) })
     }
 
-    /// Records a simulation, or an assembly, as the next state.
+    /// Records what a simulation, or an assembly, is like now as the next state, of one observation. A sensor that raises leaves the
+    /// recorder as it was.
     fn record(&self, py: Python<'_>, of: &Bound<'_, PyAny>) -> PyResult<()> {
         let assembly = if let Ok(simulation) = of.cast::<Simulation>() {
             simulation.get().observed(py)?
         } else if let Ok(assembly) = of.cast::<Assembly>() {
-            assembly.get().inner()
+            assembly.get().whole(py)?
         } else {
             let kind = of.get_type().name()?;
             return Err(PyTypeError::new_err(format!(
@@ -83,11 +87,13 @@ impl Recorder {
         done
     }
 
+    /// The recorded states, a row a state.
     #[getter]
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         table::object(py, self.record_of(py)?.series)
     }
 
+    /// The names of its tables: the series and the histograms of the sensors.
     #[getter]
     fn tables(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let record = self.record_of(py)?;
@@ -95,6 +101,7 @@ impl Recorder {
         Ok(std::iter::once(SERIES.to_string()).chain(histograms).collect())
     }
 
+    /// The table of that name.
     fn table<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         if name == SERIES {
             return self.series(py);

@@ -21,7 +21,7 @@ use crate::table::{self, SERIES, no_table};
 use crate::values;
 use crate::watch::serialised;
 
-/// A run: a sample that was prepared, or a test.
+/// A run: a sample that `granum.prepare` made, or a test that `granum.run` carried out, in its folder or in memory.
 #[pyclass(frozen, module = "granum")]
 pub struct Run {
     pub place: Arc<Place>,
@@ -78,11 +78,13 @@ impl Run {
 
 #[pymethods]
 impl Run {
+    /// The folder; `None` if the run is in memory.
     #[getter]
     fn path(&self) -> Option<PathBuf> {
         self.folder().map(Path::to_path_buf)
     }
 
+    /// The case.
     #[getter]
     fn case(&self, py: Python<'_>) -> PyResult<Case> {
         let inner = match &*self.place {
@@ -92,21 +94,25 @@ impl Run {
         Ok(Case { inner })
     }
 
+    /// What it is.
     #[getter]
     fn kind(&self, py: Python<'_>) -> PyResult<&'static str> {
         Ok(if self.about(py)?.kind == RunKind::Sample { "sample" } else { "test" })
     }
 
+    /// Its status.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         serialised(py, &self.about(py)?.status)
     }
 
+    /// What the run says about itself, as its file `run.json`.
     #[getter]
     fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         serialised(py, &self.about(py)?)
     }
 
+    /// Quantities that the run measured once, in SI units.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -116,23 +122,27 @@ impl Run {
         Ok(dict)
     }
 
+    /// The quality checks: `name`, `value`, `limit`, `passed`, and what to do if it did not pass (`advice`).
     #[getter]
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         serialised(py, &self.about(py)?.quality)
     }
 
+    /// True if the run is finished and passed all quality checks.
     #[getter]
     fn is_good(&self, py: Python<'_>) -> PyResult<bool> {
         Ok(self.about(py)?.is_good())
     }
 
+    /// Remarks of the run.
     #[getter]
     fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         Ok(self.about(py)?.notes)
     }
 
+    /// The names of its tables.
     #[getter]
-    fn tables(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+    pub fn tables(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         match &*self.place {
             Place::Folder { .. } => self.read(py, |run| run.now().tables()),
             Place::Memory { result, .. } => {
@@ -142,7 +152,8 @@ impl Run {
         }
     }
 
-    fn table<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    /// The table of that name.
+    pub fn table<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let found = match &*self.place {
             Place::Folder { .. } => {
                 // Of a run that goes on there may be more in a moment.
@@ -162,11 +173,13 @@ impl Run {
         table::object(py, found)
     }
 
+    /// The recorded states of a test, a row a state.
     #[getter]
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, SERIES)
     }
 
+    /// The names of its snapshots.
     #[getter]
     fn snapshots(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         match &*self.place {
@@ -175,8 +188,9 @@ impl Run {
         }
     }
 
+    /// All grains and contacts at a snapshot; by default that at the end.
     #[pyo3(signature = (name=None))]
-    fn snapshot(&self, py: Python<'_>, name: Option<String>) -> PyResult<Assembly> {
+    pub fn snapshot(&self, py: Python<'_>, name: Option<String>) -> PyResult<Assembly> {
         let known = self.snapshots(py)?;
         let usual = || known.iter().find(|name| *name == END).or(known.first()).cloned();
         let name = name.or_else(usual).unwrap_or_else(|| END.into());
@@ -193,6 +207,7 @@ impl Run {
         }
     }
 
+    /// The simulation as it was at the end of the run, or at its last checkpoint, to go on by hand.
     fn simulation(&self, py: Python<'_>) -> PyResult<Simulation> {
         let place = self.place.clone();
         let found = detached(py, move || match &*place {
@@ -202,11 +217,12 @@ impl Run {
         found.map(Simulation::new).map_err(|error| errors::of_laboratory(py, &error))
     }
 
+    /// SHA-256 of all results of a run in a folder: the same as `granum digest` gives.
     fn digest(&self, py: Python<'_>) -> PyResult<String> {
         self.read(py, |run| digest::of_run(&run.now()))
     }
 
-    /// The report as a page; with `out` it is also written.
+    /// The report of the run as the text of a self-contained page. With `out`, a file `.html` or a folder, it is also written.
     #[pyo3(signature = (out=None, *, force=false))]
     fn report(&self, py: Python<'_>, out: Option<PathBuf>, force: bool) -> PyResult<String> {
         let document = report::document(py, &self.place, true)?;
@@ -216,6 +232,7 @@ impl Run {
         Ok(document.html)
     }
 
+    /// Draws columns of the states over another one, by default a strain, with matplotlib; returns the axes.
     #[pyo3(signature = (y, x=None, axes=None, **style))]
     fn plot<'py>(
         slf: &Bound<'py, Self>,

@@ -97,6 +97,11 @@ fn interrupted(folder: &RunFolder) {
     }
 }
 
+/// Prepares the sample of a case, in the folder `out` or, without one, in a temporary folder that lives as long as the run.
+///
+/// `packing` is a file of grains that take the place of the random insertion. Results do not depend on `threads`. `checkpoint_every` are
+/// seconds. `on_progress` is called about ten times a second with a dict; if it returns `False`, the preparation stops in good order. With
+/// `force` a run that is in the folder is replaced. Ctrl-C stops in good order too, and `granum.resume` goes on, if there is a folder `out`.
 #[pyfunction]
 #[pyo3(signature = (case, *, packing=None, out=None, threads=None, checkpoint_every=None, on_progress=None, force=false))]
 pub fn prepare(
@@ -143,6 +148,13 @@ fn source_of(sample: Option<&Bound<'_, PyAny>>, packing: Option<PathBuf>) -> PyR
     })
 }
 
+/// Carries out the test of a case, or a named `path` with its `parameters`, or a list of stages, in the folder `out` or in memory.
+///
+/// `sample` is what `prepare` returned or the folder that it wrote; without it the sample is prepared first. `on_state` is called with the
+/// values of the columns of each state that is recorded; if it returns `False`, the test stops in good order. `sensors` are recorded with
+/// the rest, as those that `recording.sensors` names: names, and sensors of one's own (`granum.Sensor`). The other arguments are those of
+/// `prepare`. What `on_state` and `on_progress` raise is raised after the run was stopped in good order; what a sensor raises ends the run
+/// at its last checkpoint, from which `granum.resume` goes on.
 #[pyfunction]
 #[pyo3(name = "run", signature = (case, sample=None, *, path=None, packing=None, out=None, threads=None, checkpoint_every=None, sensors=None, on_state=None, on_progress=None, force=false, **parameters))]
 pub fn run_case(
@@ -195,6 +207,10 @@ pub fn run_case(
     told(py, watch, done).map(|result| Run::in_memory(case, result))
 }
 
+/// Continues a run that was interrupted or killed, to the bits of one that was not. A finished run is returned as it is.
+///
+/// A run needs nothing outside its folder once it has begun: the sample from which it began may be gone. Sensors of one's own that the run
+/// records have to be given again as `sensors`.
 #[pyfunction]
 #[pyo3(signature = (folder, *, threads=None, checkpoint_every=None, sensors=None, on_state=None, on_progress=None))]
 pub fn resume(
@@ -227,6 +243,7 @@ pub fn resume(
     told(py, watch, done).map(|_| Run::in_folder(run.now(), kept))
 }
 
+/// The run in a folder, also while another process writes it.
 #[pyfunction]
 #[pyo3(name = "open")]
 pub fn open_run(py: Python<'_>, folder: PathBuf) -> PyResult<Run> {

@@ -20,7 +20,7 @@ const ASK_EVERY: u64 = 2_000_000;
 /// Usual bound on the rate that the servo adds, 1/s.
 const RATE_LIMIT: f64 = 1.0;
 
-/// A simulation, which is advanced step by step.
+/// A simulation that is advanced by hand: `run.simulation()` gives the state at the end of a run. A copy (`copy.copy`) goes its own way.
 #[pyclass(frozen, module = "granum")]
 pub struct Simulation {
     /// Nothing while a thread advances it, and after a mistake of granum had left it half-advanced.
@@ -88,6 +88,7 @@ fn component(py: Python<'_>, name: &str) -> PyResult<usize> {
 
 #[pymethods]
 impl Simulation {
+    /// Makes so many time steps. Other threads of Python go on meanwhile, and Ctrl-C ends it after a whole step.
     fn advance(&self, py: Python<'_>, steps: &Bound<'_, PyAny>) -> PyResult<()> {
         let steps = quantity::whole("steps", steps, 0, u64::MAX)?;
         let mut simulation = self.taken().ok_or_else(|| absent(py))?;
@@ -117,7 +118,11 @@ impl Simulation {
         result
     }
 
-    /// Lets a function steer: it is called at every control interval and gives the control, or ends the path.
+    /// Lets a function steer: it is called with the simulation at once and after every so many steps (`every`, the control interval),
+    /// and returns the arguments of `control` as a dict, or `None` at the end of the path. Returns the number of steps.
+    ///
+    /// `recorder` records the first state and that after every `states_every` intervals. At most `most_steps` steps are made. What the
+    /// function raises ends the path; the simulation is then at the end of an interval.
     #[pyo3(signature = (path, *, every, recorder=None, states_every=1, most_steps=None))]
     fn follow<'py>(
         slf: &Bound<'py, Self>,
@@ -159,6 +164,12 @@ impl Simulation {
         Ok(done)
     }
 
+    /// Controls the cell from here on. Components are `xx`, `yy`, `zz`, `yz`, `zx`, `xy`; what is not given is fixed.
+    ///
+    /// `strain_rate` are rates of strain in 1/s, compression positive, shear strains as angles. `stress` are stresses in Pa that a servo
+    /// holds; `mean_stress`, Pa, is held by the axes that have neither. `rate_limit` bounds the rate, by default 1 1/s, that the servo
+    /// adds. Each may have a unit, as in a case. A stress that was held by the same strain rates before is held on without a jump, also if
+    /// its value changes: the servo does not begin anew.
     #[pyo3(signature = (*, strain_rate=None, stress=None, mean_stress=None, rate_limit=None))]
     fn control(
         &self,
@@ -217,11 +228,16 @@ impl Simulation {
         is_set.ok_or_else(|| absent(py))
     }
 
+    /// All grains and contacts as they are now: a copy, which shows no later step.
     fn assembly(&self, py: Python<'_>) -> PyResult<Assembly> {
         self.observed(py).map(Assembly::shared)
     }
 
-    /// What the laws keep of the contacts, by law and kind.
+    /// What the contact laws keep of each contact, in the order of the contacts of `assembly()`, as copies.
+    ///
+    /// `tangential_vectors` (contacts, vectors, 3) are vectors in the plane of contact on the first grain, the first of which is the
+    /// tangential force, N; `tangential_scalars` (contacts, scalars) what else that law keeps. `normal_scalars`, `rolling_vectors`,
+    /// `rolling_scalars` and `adhesion_scalars` are those of the other laws. What no law keeps is left out. Units are those of the law.
     fn history<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let history = self.see_detached(py, Engine::contact_history)?;
         let contacts = history.contacts;
@@ -257,58 +273,69 @@ impl Simulation {
         Err(pyo3::exceptions::PyTypeError::new_err(message))
     }
 
+    /// Time since the start of the phase, s.
     #[getter]
     fn time(&self, py: Python<'_>) -> PyResult<f64> {
         self.see(py, |simulation| simulation.state().time())
     }
 
+    /// Steps since the start of the phase.
     #[getter]
     fn step(&self, py: Python<'_>) -> PyResult<u64> {
         self.see(py, |simulation| simulation.state().step())
     }
 
+    /// Time step, s.
     #[getter]
     fn time_step(&self, py: Python<'_>) -> PyResult<f64> {
         self.see(py, |simulation| simulation.state().time_step())
     }
 
+    /// Number of grains.
     #[getter]
     fn grains(&self, py: Python<'_>) -> PyResult<usize> {
         self.see(py, |simulation| simulation.state().grains())
     }
 
+    /// Number of contacts.
     #[getter]
     fn contacts(&self, py: Python<'_>) -> PyResult<usize> {
         self.see(py, |simulation| simulation.state().contacts())
     }
 
+    /// Mean stress, Pa.
     #[getter]
     fn mean_stress(&self, py: Python<'_>) -> PyResult<f64> {
         self.see(py, |simulation| simulation.state().mean_stress())
     }
 
+    /// Volume of the grains over that of the cell.
     #[getter]
     fn solid_fraction(&self, py: Python<'_>) -> PyResult<f64> {
         self.see(py, |simulation| simulation.state().solid_fraction())
     }
 
+    /// Mean resultant force on a grain over the mean contact force.
     #[getter]
     fn unbalanced_force(&self, py: Python<'_>) -> PyResult<f64> {
         self.see(py, |simulation| simulation.state().unbalanced_force())
     }
 
+    /// Stress, Pa, compression positive.
     #[getter]
     fn stress<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let stress = self.see(py, |simulation| simulation.state().stress())?;
         matrix(py, &stress)
     }
 
+    /// Logarithmic strain since the start of the phase, compression positive.
     #[getter]
     fn strain<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let strain = self.see(py, |simulation| simulation.state().strain())?;
         matrix(py, &strain)
     }
 
+    /// Matrix of the periodic cell, whose columns are its edges, m.
     #[getter]
     fn cell<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let edges = self.see(py, |simulation| simulation.state().cell().edges)?;

@@ -24,7 +24,7 @@ const MOST_THREADS: u64 = 4096;
 const MOST_NEURONS: u64 = 1000;
 const LARGEST_SEED: u64 = 1 << 53;
 
-/// A surrogate.
+/// A surrogate: `granum.surrogates.fit` fits it, `granum.surrogates.read` reads it.
 #[pyclass(frozen, module = "granum.surrogates")]
 pub struct Surrogate {
     inner: Arc<dyn granum_learn::Surrogate>,
@@ -40,7 +40,11 @@ pub fn methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(found)
 }
 
-/// Fits a surrogate to all states of a data set.
+/// Fits a surrogate to all states of a data set; `methods()` lists the methods.
+///
+/// `inputs` and `outputs` are columns, with the rules of `Dataset.expand`. `coordinate` is the input along which a test runs. `hidden` are
+/// the numbers of neurons of the hidden layers of networks. The result depends on the data set and `seed` (1), not on `threads`.
+/// `on_progress` is called as in `granum.run`.
 #[pyfunction]
 #[pyo3(signature = (dataset, inputs, outputs, *, method="feed-forward", coordinate=None, seed=None, hidden=None, threads=None, on_progress=None))]
 pub fn fit(
@@ -210,6 +214,7 @@ impl Estimates {
 
 #[pymethods]
 impl Surrogate {
+    /// The surrogate of a file.
     #[classmethod]
     fn read(_class: &Bound<'_, PyType>, py: Python<'_>, path: PathBuf) -> PyResult<Surrogate> {
         let read = detached(py, || Registry::standard().methods.load(&path))?;
@@ -217,6 +222,7 @@ impl Surrogate {
         Ok(Surrogate { inner: Arc::from(inner) })
     }
 
+    /// The surrogate of the text of such a file.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, py: Python<'_>, text: &str) -> PyResult<Surrogate> {
         let read = detached(py, || Registry::standard().methods.from_json(text, "surrogate"))?;
@@ -224,10 +230,12 @@ impl Surrogate {
         Ok(Surrogate { inner: Arc::from(inner) })
     }
 
+    /// The text of its file.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || to_json(self.inner.as_ref()))?.map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// Writes its file, from which the program predicts as well.
     #[pyo3(signature = (path, *, force=false))]
     fn write(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let written = detached(py, || -> granum_learn::Result<()> {
@@ -237,21 +245,25 @@ impl Surrogate {
         written.map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// The method by which it was fitted.
     #[getter]
     fn method(&self) -> &str {
         self.inner.method()
     }
 
+    /// The names of the inputs in order.
     #[getter]
     fn inputs(&self) -> Vec<String> {
         self.inner.columns().input_names()
     }
 
+    /// The names of the outputs in order.
     #[getter]
     fn outputs(&self) -> Vec<String> {
         self.inner.columns().output_names()
     }
 
+    /// The SI units of inputs and outputs.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
@@ -262,11 +274,18 @@ impl Surrogate {
         Ok(units)
     }
 
+    /// True if a prediction depends on the states of a run before it.
     #[getter]
     fn has_memory(&self) -> bool {
         self.inner.has_memory()
     }
 
+    /// Predicts states from a data set, from a table, dict or frame with the inputs as columns, or from an array of rows.
+    ///
+    /// The answer has `outputs`, with the `mean` of each, the ends `lower` and `upper` of the interval that should contain the share `level`
+    /// of the observations of new runs, and the `standard_deviation` (NaN for a method without intervals); and `outside`, which is true
+    /// for states beyond the range of the training. `runs` tells which run each row belongs to, for a surrogate with memory: rows with
+    /// the same number that follow each other; without it each row is a run of its own.
     #[pyo3(signature = (inputs, *, level=0.9, runs=None))]
     fn predict<'py>(
         &self,
@@ -296,6 +315,7 @@ impl Surrogate {
         Ok(answer)
     }
 
+    /// The means alone, which networks give in less time: a row for each state, a column for each output.
     #[pyo3(signature = (inputs, *, runs=None))]
     fn means<'py>(
         &self,
@@ -314,6 +334,7 @@ impl Surrogate {
         )
     }
 
+    /// How well it predicts a data set: `relative_rmse`, `r2`, `rmse` and the number of `states`.
     fn score<'py>(&self, py: Python<'py>, dataset: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let Ok(dataset) = dataset.cast::<Dataset>() else {
             return Err(PyTypeError::new_err("a surrogate is scored on a granum.Dataset"));
@@ -328,6 +349,11 @@ impl Surrogate {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((slf.get_type().getattr("from_json")?, (slf.get().to_json(slf.py())?,)))
+    }
+
+    /// What a notebook shows.
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("granum._plots")?.call_method1("of_surrogate", (slf,))?.extract()
     }
 
     fn __repr__(&self) -> String {

@@ -30,7 +30,11 @@ pub fn no_table(what: &str, name: &str, known: &[String]) -> PyErr {
     errors::of_key(what, name, known.iter().map(String::as_str))
 }
 
-/// A table of named columns of numbers or of words.
+/// A table of named columns, each with its unit. A column is a read-only array of NumPy, of real numbers without a copy.
+///
+/// `columns` maps names to values of one length: numbers, truth values or words; it can also be a frame of pandas or polars. `units` gives
+/// SI units of some of them. Whatever reads Arrow takes a table as it is, without a copy of its real numbers: `polars.DataFrame(table)`,
+/// `pyarrow.table(table)`, DuckDB.
 #[pyclass(frozen, module = "granum")]
 pub struct Table {
     inner: Arc<granum_core::Table>,
@@ -155,6 +159,7 @@ impl Table {
         Ok(table.map_err(|error| errors::general(py, error.to_string()))?.into())
     }
 
+    /// Reads a table from CSV or Parquet.
     #[classmethod]
     fn read(
         _class: &Bound<'_, pyo3::types::PyType>,
@@ -165,6 +170,7 @@ impl Table {
         table.map(Table::from).map_err(|error| errors::of_file(py, &error, false))
     }
 
+    /// Writes the table in the format of the name of the file (CSV, Parquet). With `force` an existing file is replaced.
     #[pyo3(signature = (path, *, force=false))]
     fn write(&self, py: Python<'_>, path: std::path::PathBuf, force: bool) -> PyResult<()> {
         let written = detached(py, || {
@@ -174,11 +180,13 @@ impl Table {
         written.map_err(|error| errors::of_file(py, &error, false))
     }
 
+    /// The names of the columns.
     #[getter]
     fn columns(&self) -> Vec<&str> {
         self.inner.names().collect()
     }
 
+    /// The SI unit of each column; an empty text for a pure number.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
@@ -188,6 +196,7 @@ impl Table {
         Ok(units)
     }
 
+    /// The names of the columns.
     fn keys(&self) -> Vec<&str> {
         self.columns()
     }
@@ -214,6 +223,7 @@ impl Table {
         }
     }
 
+    /// The columns as arrays.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for (place, name) in self.inner.names().enumerate() {
@@ -222,6 +232,7 @@ impl Table {
         Ok(dict)
     }
 
+    /// The meaning of each column that granum knows.
     #[getter]
     fn descriptions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let found = PyDict::new(py);
@@ -235,14 +246,18 @@ impl Table {
         Ok(found)
     }
 
+    /// A DataFrame of pandas, with the units in `attrs["units"]` and the meanings in `attrs["descriptions"]`.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("granum._frames")?.call_method1("to_pandas", (slf,))
     }
 
+    /// A DataFrame of polars.
     fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("granum._frames")?.call_method1("to_polars", (slf,))
     }
 
+    /// A Dataset of xarray, with units and meanings as attributes of its variables. The table of a histogram gets the dimensions `row`,
+    /// of the states, and that of its bins.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("granum._frames")?.call_method1("to_xarray", (slf,))
     }

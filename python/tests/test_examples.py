@@ -1,5 +1,6 @@
 """The examples of `python/examples` run, with the packages that they show."""
 
+import importlib.util
 import pathlib
 import subprocess
 import sys
@@ -19,6 +20,38 @@ def output(name: str, folder: pathlib.Path) -> str:
 def test_many_processes_find_the_same_bits(tmp_path: pathlib.Path) -> None:
     found = output("many_processes.py", tmp_path)
     assert found.count("q/p at most") == 3 and "the same bits here: True" in found
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_runs_survive_the_loss_of_a_worker_of_dask(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("distributed", reason="Dask is not installed: its example is left out")
+    found = output("dask_cluster.py", tmp_path)
+    assert "a worker was killed; 4 runs are finished" in found and " 0 of them went on" not in found
+    assert "the bits of the campaign: True" in found
+
+
+def test_ray_finds_the_numbers_of_the_campaign(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("ray", reason="Ray is not installed: its example is left out")
+    assert "3 runs; the numbers of the campaign: True" in output("ray_cluster.py", tmp_path)
+
+
+@pytest.mark.parametrize(
+    "package, told",
+    [
+        ("freud", "freud: 3.5000 contacts of a grain, granum counts 3.5000"),
+        ("ovito", "OVITO: 200 grains, the same radii True, the same volume True"),
+        ("pyvista", "PyVista: 200 grains and 451 lines of contacts; 19200 triangles"),
+    ],
+)
+def test_grains_are_handed_over(package: str, told: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} is not installed: its part of the example is left out")
+    if not handed_over:
+        handed_over.append(output("hand_over.py", tmp_path_factory.mktemp("hand-over")))
+    assert told in handed_over[0]
+
+
+handed_over: list[str] = []
 
 
 def test_optuna_finds_a_friction(tmp_path: pathlib.Path) -> None:

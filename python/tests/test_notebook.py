@@ -65,6 +65,22 @@ def test_a_notebook_shows_runs_samples_cases_and_tables(case: granum.Case, teste
     assert set(everything["key"]) == set(case.keys()) and not everything["is_default"][list(everything["key"]).index("grains.count")]
 
 
+def test_a_notebook_shows_campaigns_data_sets_and_surrogates(case: granum.Case, tested: granum.Run, tmp_path: pathlib.Path) -> None:
+    campaign = granum.Campaign(case, tmp_path / "a & b", friction=[0.2, 0.3])
+    text = Open(campaign._repr_html_()).text
+    assert "2 runs" in text and "a & b" in text and campaign.names[0] in text and "friction" in text
+    rough = granum.run(case.with_values({"grains.material.friction": 0.7}))
+    data = granum.Dataset({"usual": tested, "rough": rough})
+    text = Open(data._repr_html_()).text
+    assert "2 runs" in text and "rough" in text and "grains.material.friction" in text and "grains.count" not in text
+    surrogate = granum.surrogates.fit(data, "deviator_strain", "mean_stress", method="ridge")
+    text = Open(surrogate._repr_html_()).text
+    assert "ridge" in text and "deviator_strain" in text and "Pa" in text
+    sand = granum.surrogates.load("sand")
+    text = Open(sand._repr_html_()).text
+    assert "rolling_friction" in text and "required" in text and sand.limits[0] in text
+
+
 def test_columns_are_drawn(tested: granum.Run) -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")

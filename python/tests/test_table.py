@@ -3,6 +3,8 @@
 import pathlib
 import pickle
 
+from typing import Any
+
 import granum
 import numpy as np
 import pytest
@@ -151,10 +153,10 @@ def test_sensors_on_arrays_of_anyone_give_what_they_give_on_an_assembly(tested: 
         ({"cell": [1.0]}, "three lengths"),
     ],
 )
-def test_impossible_arrays_are_refused(arguments: dict[str, object], word: str) -> None:
-    usual: dict[str, object] = {"positions": [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]], "radii": [1.0, 1.0]}
+def test_impossible_arrays_are_refused(arguments: dict[str, Any], word: str) -> None:
+    usual: dict[str, Any] = {"positions": [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]], "radii": [1.0, 1.0]}
     with pytest.raises(granum.Error, match=word):
-        granum.measure(**{**usual, **arguments})  # type: ignore[arg-type]
+        granum.measure(**{**usual, **arguments})
 
 
 def test_a_family_predicts_with_intervals() -> None:

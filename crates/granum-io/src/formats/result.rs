@@ -210,6 +210,15 @@ impl ObservedAssembly {
         ObservedAssembly::new(assembly, Parts::all(), [0.0; 3])
     }
 
+    /// The same with ids from 1, where a program numbers its grains from 0.
+    pub fn numbered_from_one(mut self) -> ObservedAssembly {
+        let grains = &mut self.assembly.grains;
+        if grains.first().is_some_and(|grain| grain.id == 0) {
+            grains.iter_mut().for_each(|grain| grain.id += 1);
+        }
+        self
+    }
+
     /// The packing of its grains, numbered from 1; `path` is the file for messages.
     ///
     /// # Errors

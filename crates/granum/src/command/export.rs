@@ -114,7 +114,8 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let observations: Vec<ObservedAssembly> = observations.into_iter().map(numbered_from_one).collect();
+        let observations: Vec<ObservedAssembly> =
+            observations.into_iter().map(ObservedAssembly::numbered_from_one).collect();
         let grains = observations.last().map_or(0, |observation| observation.assembly.grains.len());
         let of = match observations.len() {
             0 | 1 => String::new(),
@@ -270,13 +271,4 @@ fn table_of(observation: &ObservedAssembly, name: &str) -> Result<Table, Failure
 
 fn last(observations: &[ObservedAssembly]) -> Result<&ObservedAssembly, Failure> {
     observations.last().ok_or_else(|| Failure::new("there is nothing to write"))
-}
-
-/// The same with ids from 1, where a program numbers its grains from 0.
-fn numbered_from_one(mut observation: ObservedAssembly) -> ObservedAssembly {
-    let grains = &mut observation.assembly.grains;
-    if grains.first().is_some_and(|grain| grain.id == 0) {
-        grains.iter_mut().for_each(|grain| grain.id += 1);
-    }
-    observation
 }

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_core::{Assembly, Column, Part, Parts, Table};
-use granum_dem::config::{ContactModel, Material, NormalKind, Recording, TangentialKind};
-use granum_dem::simulation::Properties;
+use granum_core::{Assembly, Column, Parts, Table};
+use granum_dem::config::Recording;
 use granum_io::Case;
 use granum_io::shell::ShowPath;
-use granum_run::laboratory::simulation;
+use granum_run::laboratory::observed_packing;
 use granum_sensors::{MeasuredSeries, Measurement, ParameterDefault, SensorColumn, SensorParameter, Sensors};
 use serde_json::{Map, Value, json};
 
@@ -156,29 +155,17 @@ impl Measure {
 
     /// A packing: what follows from places and radii, and with a case from its contact law.
     fn packing(&self, context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
-        let Some(case) = &self.case else { return packing_alone(context, path) };
         let packing = context.formats().read_packing(path)?;
-        let mut parts = Parts::new(&OF_PACKING);
-        let case = Case::read_as(case, context.reading())?;
-        parts = parts.with(Part::Masses).with(Part::NormalForces);
-        if case.grains.material.friction == 0.0 && case.grains.mixture.is_empty() {
-            // Only then is it known, without the history of the contacts, what acts along them: nothing.
-            let known = [Part::TangentialForces, Part::ResultantForces, Part::Sliding, Part::ContactEnergies];
-            parts = known.into_iter().fold(parts, Parts::with);
-        }
-        Ok((simulation(&packing, case.properties())?.assembly(), parts))
+        let case = self.case.as_ref().map(|case| Case::read_as(case, context.reading())).transpose()?;
+        let found = observed_packing(&packing, case.as_ref())?;
+        Ok((found.assembly, found.parts))
     }
 }
 
-/// What is known of a packing without a contact law.
-const OF_PACKING: [Part; 5] = [Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps];
-
 /// A packing without a contact law: grains that overlap touch.
 pub fn packing_alone(context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
-    let packing = context.formats().read_packing(path)?;
-    let material = Material::default().with(|material| material.interface_energy = 0.0);
-    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), Parts::new(&OF_PACKING)))
+    let found = observed_packing(&context.formats().read_packing(path)?, None)?;
+    Ok((found.assembly, found.parts))
 }
 
 fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {
