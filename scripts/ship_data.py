@@ -6,7 +6,8 @@
 
 Needs Python with pyarrow (python3 -m venv env; env/bin/pip install pyarrow). States are kept where curves change most: of each stage every
 one of the first 24, every second of the next 24, every fifth of the others, and the last. Columns are
-those of COLUMNS and the distribution of contact forces. Numbers are rounded to 16 significant bits,
+those of COLUMNS and the distribution of contact forces. With --path all states are kept, since increments between them are learned from, with the columns of
+PATH: strains, stresses and fabric with all components. Numbers are rounded to 16 significant bits,
 by less than 8e-6 of their value. Parquet is compressed by gzip over
 byte streams (BYTE_STREAM_SPLIT), which every reader knows; zstd would need a C compiler where granum is built.
 """
@@ -28,6 +29,9 @@ fabric_22 fabric_33 deviator_fabric strong_deviator_fabric weak_deviator_fabric 
 coordination_number mechanical_coordination_number rattler_fraction contacts solid_fraction sliding_fraction inertial_number
 largest_overlap arc_length
 forces_below forces_above forces_counted probability_density""".split()
+PATH = """run stage state axial_strain lateral_strain_2 lateral_strain_3 shear_strain_yz shear_strain_zx shear_strain_xy volumetric_strain stress_11
+stress_22 stress_33 stress_12 stress_13 stress_23 mean_stress fabric_11 fabric_22 fabric_33 fabric_12 fabric_13 fabric_23
+mechanical_coordination_number solid_fraction sliding_fraction arc_length""".split()
 ALL_OF, HALF_OF, EVERY = 24, 24, 5
 BITS = 16
 LICENCE = "https://creativecommons.org/licenses/by/4.0/"
@@ -84,10 +88,11 @@ def rounded_column(column, field):
     return column.combine_chunks()
 
 
-def states(source):
+def states(source, is_path):
     table = pq.read_table(source / "states.parquet")
-    table = table.select([name for name in table.column_names if name in COLUMNS])
-    table = table.take(kept_states(table["run"].to_pylist(), table["stage"].to_pylist()))
+    table = table.select([name for name in table.column_names if name in (PATH if is_path else COLUMNS)])
+    if not is_path:
+        table = table.take(kept_states(table["run"].to_pylist(), table["stage"].to_pylist()))
     columns = [rounded_column(table[field.name], field) for field in table.schema]
     return pa.Table.from_arrays(columns, schema=table.schema)
 
@@ -112,13 +117,13 @@ def write(table, path):
     )
 
 
-def card(text, count, dropped, content, before):
+def card(text, count, dropped, content, before, is_path):
     """The card of the campaign's data set with what was left out of it."""
     lines = [line for line in text.splitlines() if not any(line.startswith(f"| `{name}` |") for name in dropped)]
     about = [
         "", "## What is left out", "",
-        f"This is a smaller form of the data set that the plan gives ({before} states): {count} states are kept, every one where curves "
-        f"change most and every {EVERY}th elsewhere, numbers have {BITS} significant bits (they differ by less than 8e-6 of their value), and of the columns of states these are left out: "
+        f"This is a smaller form of the data set that the plan gives ({before} states): {count} states are kept, "
+        f"{'all of them' if is_path else f'every one where curves change most and every {EVERY}th elsewhere'}, numbers have {BITS} significant bits (they differ by less than 8e-6 of their value), and of the columns of states these are left out: "
         f"{', '.join(dropped)}. `granum campaign plan.toml` gives everything again, and `scripts/ship_data.py` of granum this form of it.",
         "", f"Licence: CC-BY-4.0 ({LICENCE}).", "",
     ]
@@ -129,7 +134,7 @@ def card(text, count, dropped, content, before):
     return text.replace(old[0], content) if old else text
 
 
-def metadata(text, sums, dropped, content):
+def metadata(text, sums, dropped, content, is_path):
     described = json.loads(text)
     described["license"] = LICENCE
     for file in described["distribution"]:
@@ -139,7 +144,7 @@ def metadata(text, sums, dropped, content):
             records["field"] = [field for field in records["field"] if field["source"]["extract"]["column"] not in dropped]
     described["name"] = f"granum-{content[:12]}"
     described["description"] = (
-        described["description"].split(" SHA-256")[0] + f" States are thinned and rounded. SHA-256 over the content: {content}"
+        described["description"].split(" SHA-256")[0] + f" {'Numbers are rounded' if is_path else 'States are thinned and rounded'}. SHA-256 over the content: {content}"
     )
     return json.dumps(described, indent=2) + "\n"
 
@@ -149,10 +154,11 @@ def main():
     arguments.add_argument("source", type=pathlib.Path, help="the data set of a campaign")
     arguments.add_argument("target", type=pathlib.Path, help="the folder to write")
     arguments.add_argument("--plan", type=pathlib.Path, required=True, help="the plan of the campaign, which is copied beside the data")
+    arguments.add_argument("--path", action="store_true", help="keep all states, with the columns of paths of strain")
     given = arguments.parse_args()
     source, target = given.source, given.target
     target.mkdir(parents=True, exist_ok=True)
-    kept = states(source)
+    kept = states(source, given.path)
     runs = with_counts(pq.read_table(source / "runs.parquet"), kept)
     whole = pq.read_schema(source / "states.parquet")
     dropped = [name for name in whole.names if name not in kept.column_names]
@@ -167,8 +173,8 @@ def main():
     sums = {name: sha256(target / name) for name in ["runs.parquet", "states.parquet"]}
     content = digest([FIRST_LINE, *sums.values()])
     before = pq.read_metadata(source / "states.parquet").num_rows
-    (target / "README.md").write_text(card((source / "README.md").read_text(), kept.num_rows, dropped, content, before))
-    (target / "metadata.json").write_text(metadata((source / "metadata.json").read_text(), sums, dropped, content))
+    (target / "README.md").write_text(card((source / "README.md").read_text(), kept.num_rows, dropped, content, before, given.path))
+    (target / "metadata.json").write_text(metadata((source / "metadata.json").read_text(), sums, dropped, content, given.path))
     names = ["README.md", "case.toml", "left_out.csv", "metadata.json", "plan.toml", "runs.parquet", "states.parquet"]
     lines = [FIRST_LINE, f"# content {content}"]
     lines += [f"{sha256(target / name)}  {name}" for name in names if (target / name).is_file()]

@@ -64,6 +64,10 @@ mod sequences;
 mod state_space;
 mod student_t;
 mod symmetric;
+mod symmetric_tensor;
+mod tensor_cell;
+mod tensor_sizes;
+mod tensor_state_space;
 pub mod trainer;
 mod uncertainty;
 
@@ -89,3 +93,5 @@ pub use sequence_model::{SequenceDefinition, SequenceModel};
 pub use sequences::Sequences;
 pub use state_space::StateSpace;
 pub use student_t::two_sided_quantile;
+pub use tensor_sizes::TensorSizes;
+pub use tensor_state_space::TensorStateSpace;

@@ -130,6 +130,11 @@ pub const PLANS: &[ReadyPlan] = &[
         case: "rolling-resistance",
         text: include_str!("../gallery/plans/random-paths-unseen.toml"),
     },
+    ReadyPlan {
+        name: "random-paths-cycles",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/random-paths-cycles.toml"),
+    },
 ];
 
 impl ReadyPlan {

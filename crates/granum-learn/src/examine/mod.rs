@@ -1,5 +1,5 @@
 //! Questions to a data set that teach how to learn from it: which runs to make, what noise in the inputs costs, how few numbers hold a curve or
-//! a distribution, and what kinds of states there are. Each question is a file, and all errors are those on unseen runs.
+//! a distribution, what kinds of states there are, and how well surrogates with a state follow any path. Each question is a file, and all errors are those on unseen runs.
 
 mod components;
 mod designs;
@@ -8,6 +8,7 @@ mod map;
 mod noise;
 mod noise_numbers;
 mod order;
+mod paths;
 mod turn;
 
 pub use components::{ComponentsAnswer, ComponentsOfCurves, ComponentsOfInputs};
@@ -16,3 +17,4 @@ pub use errors::errors_on;
 pub use map::{MapOptions, StateMap};
 pub use noise::{NoiseAnswer, NoiseInInputs, Noisy};
 pub use order::{Order, OrderAnswer, OrderOfRuns};
+pub use paths::{AnyPath, Drift, PathAnswer, PathAnswers, WorkInCycles};

@@ -89,11 +89,13 @@ pub(crate) mod mean_curve;
 #[cfg(test)]
 mod memory_tests;
 mod nearest_run;
+mod path;
 mod prediction;
 mod recurrent;
 mod registry;
 mod ridge;
 mod run_inputs;
+mod scatter_of_networks;
 mod spec;
 mod surrogate_trait;
 #[cfg(test)]
@@ -110,6 +112,8 @@ pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;
 pub use nearest_run::NearestRun;
+pub(crate) use path::deviator;
+pub use path::{PathCell, PathNetworks};
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
 pub use recurrent::Recurrent;
 pub use registry::SurrogateMethods;

@@ -6,16 +6,8 @@
 //! the training runs.
 //!
 //! The training runs are divided into parts, and for each part a network is trained on the others, until its error on the
-//! part no longer falls. The prediction is the mean of these networks. Its uncertainty has two parts:
-//!
-//! ```text
-//! variance between the networks                                    parameters
-//! mean of e^2 less the first, at least 0                           runs, e the errors of each run in the network
-//!                                                                  that was not trained on it
-//! ```
-//!
-//! and the half width of intervals is given by the quantile of Student's t distribution with the number of runs minus one
-//! as degrees of freedom. With a single run there is one network without intervals.
+//! part no longer falls. The prediction is the mean of these networks; `scatter_of_networks.rs` has its intervals. With a single run there is one
+//! network without intervals.
 
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
@@ -24,8 +16,9 @@ use granum_nets::{Data, ModelColumn, SequenceDefinition, SequenceModel, Sequence
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
-use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::prediction::{Prediction, outside_of};
 use super::run_inputs::RunInputs;
+use super::scatter_of_networks::{RunVariances, estimate};
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
@@ -158,7 +151,8 @@ impl SurrogateMethod for Recurrent {
         let ranges = ranges(&inputs);
         let mut fitted = FittedRecurrent { columns, networks, ranges, run_variances: None };
         if count > 1 {
-            fitted.run_variances = Some(fitted.run_variances(&inputs, &targets)?);
+            let (means, outputs) = (fitted.outputs_of_networks(&inputs)?, fitted.columns.outputs.len());
+            fitted.run_variances = Some(RunVariances::new(&means, &targets, outputs, inputs.lengths()));
         }
         Ok(Box::new(fitted))
     }
@@ -173,12 +167,8 @@ impl SurrogateMethod for Recurrent {
         let fits = |model: &SequenceModel| {
             alike(model.inputs(), &columns.inputs) && alike(model.outputs(), &columns.outputs)
         };
-        let positive = |variance: &f64| *variance >= 0.0 && variance.is_finite();
-        let whole = kept.run_variances.as_ref().is_none_or(|known| {
-            known.outputs.len() == columns.outputs.len()
-                && known.outputs.iter().all(positive)
-                && known.degrees_of_freedom >= 1.0
-        });
+        let outputs = columns.outputs.len();
+        let whole = kept.run_variances.as_ref().is_none_or(|known| known.is_whole(outputs));
         if networks.is_empty()
             || !networks.iter().all(fits)
             || kept.ranges.len() != columns.inputs.len()
@@ -196,7 +186,7 @@ fn network_column(variable: &Variable) -> ModelColumn {
 }
 
 /// Range of each input over the rows.
-fn ranges(inputs: &RunInputs) -> Vec<[f64; 2]> {
+pub(super) fn ranges(inputs: &RunInputs) -> Vec<[f64; 2]> {
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; inputs.columns()];
     for row in inputs.rows() {
         for ([low, high], value) in ranges.iter_mut().zip(row) {
@@ -204,15 +194,6 @@ fn ranges(inputs: &RunInputs) -> Vec<[f64; 2]> {
         }
     }
     ranges
-}
-
-/// How much runs deviate that a network was not trained on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RunVariances {
-    /// For each output the variance beyond that between the networks.
-    outputs: Vec<f64>,
-    degrees_of_freedom: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -237,32 +218,6 @@ impl FittedRecurrent {
         let outputs = |network: &SequenceModel| network.predict(inputs.values(), inputs.lengths());
         self.networks.iter().map(|network| outputs(network).map_err(failed)).collect()
     }
-
-    /// The variances of the errors that the networks make for runs that they were not trained on.
-    fn run_variances(&self, inputs: &RunInputs, targets: &[f64]) -> Result<RunVariances> {
-        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
-        let mut excess = vec![0.0; outputs];
-        let mut row = 0;
-        for (run, length) in inputs.lengths().iter().enumerate() {
-            let own = &means[run % means.len()];
-            for place in row * outputs..(row + length) * outputs {
-                let error = own[place] - targets[place];
-                excess[place % outputs] += error * error - mean_and_variance(&means, place).1;
-            }
-            row += length;
-        }
-        let runs = inputs.lengths().len() as f64;
-        let variances = excess.iter().map(|sum| (sum / inputs.len() as f64).max(0.0)).collect();
-        Ok(RunVariances { outputs: variances, degrees_of_freedom: runs - 1.0 })
-    }
-}
-
-/// Mean of the networks' values at a place, and the variance between them.
-fn mean_and_variance(predictions: &[Vec<f64>], place: usize) -> (f64, f64) {
-    let count = predictions.len() as f64;
-    let mean = predictions.iter().map(|values| values[place]).sum::<f64>() / count;
-    let squares: f64 = predictions.iter().map(|values| (values[place] - mean) * (values[place] - mean)).sum();
-    (mean, squares / (count - 1.0).max(1.0))
 }
 
 impl Surrogate for FittedRecurrent {
@@ -283,18 +238,10 @@ impl Surrogate for FittedRecurrent {
             return Ok(Vec::new());
         }
         let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
-        let quantile =
-            |known: &RunVariances| granum_nets::two_sided_quantile(level, known.degrees_of_freedom);
-        let known = self.run_variances.as_ref().map(|known| (known, quantile(known)));
-        let estimate = |row: usize, output: usize| {
-            let (mean, between) = mean_and_variance(&means, row * outputs + output);
-            let Some((known, quantile)) = known else { return Estimate::new(mean) };
-            let causes =
-                vec![(Cause::Parameters, between.sqrt()), (Cause::Runs, known.outputs[output].sqrt())];
-            Estimate::new(mean).by(causes, quantile)
-        };
+        let known = self.run_variances.as_ref().map(|known| (known, known.quantile(level)));
         let predict = |(row, values): (usize, &[f64])| {
-            let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
+            let estimates =
+                (0..outputs).map(|output| estimate(&means, known, row, output, outputs)).collect();
             Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, values))
         };
         Ok(inputs.rows().enumerate().map(predict).collect())

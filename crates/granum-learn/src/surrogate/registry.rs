@@ -10,6 +10,7 @@ use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::mean_curve::MeanCurve;
 use super::nearest_run::NearestRun;
+use super::path::{PathCell, PathNetworks};
 use super::recurrent::Recurrent;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
@@ -25,7 +26,8 @@ use granum_io::shell::ShowPath;
 ///
 /// let methods = SurrogateMethods::standard();
 /// assert_eq!(methods.names(), [
-///     "feed-forward", "ridge", "mean-curve", "nearest-run", "boosted-trees", "gaussian-process", "cascade", "recurrent", "sub-models",
+///     "feed-forward", "ridge", "mean-curve", "nearest-run", "boosted-trees", "gaussian-process", "cascade", "recurrent", "path-gru",
+///     "path-lstm", "path-state-space", "path-window", "path-tensor", "sub-models",
 /// ]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert_eq!(error, "there is no surrogate method `rigde`; did you mean ridge?");
@@ -60,6 +62,11 @@ impl SurrogateMethods {
                 Arc::new(GaussianProcessOfCurves::default()),
                 Arc::new(Cascade::default()),
                 Arc::new(Recurrent::default()),
+                Arc::new(PathNetworks::new(PathCell::Gru)),
+                Arc::new(PathNetworks::new(PathCell::Lstm)),
+                Arc::new(PathNetworks::new(PathCell::StateSpace)),
+                Arc::new(PathNetworks::new(PathCell::Window)),
+                Arc::new(PathNetworks::new(PathCell::TensorStateSpace)),
                 Arc::new(NetworksBySubModel::default()),
             ],
         }
@@ -110,7 +117,19 @@ impl SurrogateMethods {
     /// # Errors
     /// [`LearnError::Unknown`] with the existing names.
     pub fn by_name(&self, name: &str) -> Result<&dyn SurrogateMethod> {
-        self.all().find(|method| method.name() == name).ok_or_else(|| LearnError::Unknown {
+        self.found(name).map(AsRef::as_ref)
+    }
+
+    /// As [`SurrogateMethods::by_name`], to be kept.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethods::by_name`].
+    pub fn shared(&self, name: &str) -> Result<Arc<dyn SurrogateMethod>> {
+        self.found(name).cloned()
+    }
+
+    fn found(&self, name: &str) -> Result<&Arc<dyn SurrogateMethod>> {
+        self.methods.iter().find(|method| method.name() == name).ok_or_else(|| LearnError::Unknown {
             kind: "surrogate method",
             name: name.to_owned(),
             known: self.names().join(", "),

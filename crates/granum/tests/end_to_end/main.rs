@@ -2,6 +2,7 @@
 //! are refused.
 
 mod adaptive;
+mod any_path;
 mod bounds_of_use;
 mod calibrations;
 mod campaign_chapter;

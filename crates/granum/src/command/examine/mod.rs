@@ -5,6 +5,7 @@ mod designs;
 mod map;
 mod noise;
 mod order;
+mod paths;
 mod question;
 
 use clap::{Args, Subcommand};
@@ -13,7 +14,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 
 /// Examine data: in which order runs teach most, which design, what noise in the inputs costs, how few numbers hold a distribution or a curve,
-/// and a map of the states that there are.
+/// a map of the states that there are, and how well surrogates follow any path.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum examine map data/families/sand/drained -o map.svg\n  granum examine order study --unseen judges --runs 24,48,96"
@@ -49,4 +50,5 @@ questions! {
     Noise(noise::NoiseFlags),
     Components(components::ComponentFlags),
     Map(map::MapFlags),
+    Paths(paths::PathFlags),
 }

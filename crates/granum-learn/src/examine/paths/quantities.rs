@@ -1,0 +1,124 @@
+//! What is judged of a state on a path.
+
+use super::{AnyPath, SCALARS, STRAINS, SUFFIXES, TENSORS};
+use crate::dataset::Dataset;
+use crate::error::Result;
+use crate::surrogate::deviator;
+
+/// Components of a deviator.
+pub(super) const COMPONENTS: usize = 5;
+
+/// A state: deviators of stress over mean stress and of fabric, volumetric strain, coordination number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Row {
+    pub stress: [f64; COMPONENTS],
+    pub fabric: [f64; COMPONENTS],
+    pub volume: f64,
+    pub coordination: f64,
+}
+
+impl Row {
+    /// From the outputs of the specification, in their order.
+    pub fn of_outputs(row: &[f64]) -> Row {
+        let six = |first: usize| std::array::from_fn(|k| row[first + k]);
+        let (stress, pressure) = deviator(six(0));
+        Row {
+            stress: stress.map(|c| c / pressure),
+            fabric: deviator(six(6)).0,
+            volume: row[12],
+            coordination: row[13],
+        }
+    }
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Stress,
+    Volume,
+    Fabric,
+    Coordination,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 4] =
+        [Quantity::Stress, Quantity::Volume, Quantity::Fabric, Quantity::Coordination];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Stress => "stress deviator",
+            Quantity::Volume => "volumetric strain",
+            Quantity::Fabric => "fabric deviator",
+            Quantity::Coordination => "coordination number",
+        }
+    }
+
+    /// The difference of two states, squared.
+    pub fn square(self, a: &Row, b: &Row) -> f64 {
+        let tensors = |a: &[f64; COMPONENTS], b: &[f64; COMPONENTS]| -> f64 {
+            a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+        };
+        match self {
+            Quantity::Stress => tensors(&a.stress, &b.stress),
+            Quantity::Fabric => tensors(&a.fabric, &b.fabric),
+            Quantity::Volume => (a.volume - b.volume) * (a.volume - b.volume),
+            Quantity::Coordination => (a.coordination - b.coordination) * (a.coordination - b.coordination),
+        }
+    }
+
+    /// The reference of its errors: zero for tensors, the mean of the training states for scalars.
+    fn reference(self, means: &Row) -> Row {
+        Row { volume: means.volume, coordination: means.coordination, ..Row::default() }
+    }
+
+    /// Sums over states: of the squared error, and of the squared difference from the reference.
+    pub fn squares(self, exact: &[Row], rows: &[Row], means: &Row) -> [f64; 2] {
+        let reference = self.reference(means);
+        let errors = exact.iter().zip(rows).map(|(exact, row)| self.square(exact, row)).sum();
+        [errors, exact.iter().map(|exact| self.square(exact, &reference)).sum()]
+    }
+}
+
+/// The states of all runs.
+pub(super) fn rows_of(runs: &Dataset) -> Result<Vec<Row>> {
+    let outputs = AnyPath::spec().outputs;
+    Ok(runs.values(&outputs)?.chunks_exact(outputs.len()).map(Row::of_outputs).collect())
+}
+
+/// The states of the samples, for each run.
+pub(super) fn samples(runs: &Dataset) -> Result<Vec<Row>> {
+    let tensors = TENSORS.iter().flat_map(|name| SUFFIXES.map(|suffix| format!("sample.{name}_{suffix}")));
+    let names: Vec<String> = tensors.chain([format!("sample.{}", SCALARS[1])]).collect();
+    let of_run = |run: &crate::dataset::RunStates| -> Result<Row> {
+        let mut row = Vec::new();
+        for name in &names {
+            row.push(run.values(name)?.first().copied().unwrap_or_default());
+        }
+        row.insert(12, 0.0);
+        Ok(Row::of_outputs(&row))
+    };
+    runs.runs().iter().map(of_run).collect()
+}
+
+/// The deviators of strain of all runs.
+pub(super) fn strains(runs: &Dataset) -> Result<Vec<[f64; COMPONENTS]>> {
+    let values = runs.values(&STRAINS)?;
+    let of_row = |row: &[f64]| deviator([row[0], row[1], row[2], 0.5 * row[3], 0.5 * row[4], 0.5 * row[5]]).0;
+    Ok(values.chunks_exact(6).map(of_row).collect())
+}
+
+/// The mean of all states.
+pub(super) fn means(runs: &Dataset) -> Result<Row> {
+    let rows = rows_of(runs)?;
+    let count = rows.len().max(1) as f64;
+    let mut mean = Row::default();
+    for row in &rows {
+        (0..COMPONENTS).for_each(|c| {
+            mean.stress[c] += row.stress[c] / count;
+            mean.fabric[c] += row.fabric[c] / count;
+        });
+        mean.volume += row.volume / count;
+        mean.coordination += row.coordination / count;
+    }
+    Ok(mean)
+}

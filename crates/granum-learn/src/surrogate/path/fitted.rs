@@ -1,0 +1,129 @@
+//! Fitted networks with a state.
+
+use granum_nets::{Differentiable, Isa};
+use serde::{Deserialize, Serialize};
+
+use super::cell::CellSizes;
+use super::channels::Channels;
+use super::method::PathRuns;
+use super::rotation::Rotation;
+use crate::error::{LearnError, Result};
+use crate::surrogate::content::Content;
+use crate::surrogate::prediction::{Prediction, outside_of};
+use crate::surrogate::run_inputs::RunInputs;
+use crate::surrogate::scatter_of_networks::{RunVariances, estimate};
+use crate::surrogate::spec::Columns;
+use crate::surrogate::surrogate_trait::Surrogate;
+
+/// What a file keeps.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Kept {
+    pub sizes: CellSizes,
+    pub channels: Channels,
+    pub is_mean: bool,
+    pub ranges: Vec<[f64; 2]>,
+    pub run_variances: Option<RunVariances>,
+    pub networks: Vec<Vec<f64>>,
+}
+
+/// Networks with a state, and what is known of their errors.
+pub(super) struct FittedPath {
+    pub columns: Columns,
+    pub channels: Channels,
+    pub sizes: CellSizes,
+    /// True if predictions are means over the rotations of the axes.
+    pub is_mean: bool,
+    pub networks: Vec<Box<dyn Differentiable>>,
+    pub ranges: Vec<[f64; 2]>,
+    pub run_variances: Option<RunVariances>,
+}
+
+impl FittedPath {
+    /// The outputs of every network, in row-major order.
+    pub fn outputs_of_networks(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let widths = self.channels.widths();
+        let runs = PathRuns {
+            widths,
+            increments: self.channels.increments(inputs),
+            starts: self.channels.starts(inputs),
+            targets: Vec::new(),
+            lengths: inputs.lengths().to_vec(),
+        };
+        // `None` leaves the axes as they are.
+        let rotations: Vec<Option<Rotation>> = match self.is_mean {
+            true => Rotation::of_axes().into_iter().map(Some).collect(),
+            false => vec![None],
+        };
+        let mut sums = vec![vec![0.0; inputs.len() * widths.outputs()]; self.networks.len()];
+        for rotation in &rotations {
+            let turned = rotation.as_ref().map(|rotation| runs.turned(|_| rotation.clone()));
+            let back = rotation.as_ref().map(Rotation::inverse);
+            for (sum, values) in sums.iter_mut().zip(self.advanced(turned.as_ref().unwrap_or(&runs))?) {
+                let mut values = values;
+                if let Some(back) = &back {
+                    let rows = values.chunks_exact_mut(widths.outputs());
+                    rows.for_each(|row| back.turn(row, 0, widths.tensors));
+                }
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        let count = rotations.len() as f64;
+        sums.iter_mut().flatten().for_each(|sum| *sum /= count);
+        let outputs = self.columns.outputs.len();
+        Ok(sums.iter().map(|values| self.channels.outputs(values, outputs)).collect())
+    }
+
+    /// What each network predicts, in its units.
+    fn advanced(&self, runs: &PathRuns) -> Result<Vec<Vec<f64>>> {
+        let sequences = runs.sequences().map_err(|error| self.failed(error))?;
+        let rows = self.sizes.inputs(&runs.widths, &runs.increments, &runs.lengths);
+        let advance = |network: &dyn Differentiable| {
+            network.evaluate(Isa::detect(), &rows, Some(&sequences)).map_err(|error| self.failed(error))
+        };
+        self.networks.iter().map(|network| advance(network.as_ref())).collect()
+    }
+
+    fn failed(&self, error: impl std::fmt::Display) -> LearnError {
+        LearnError::Surrogate { method: self.sizes.cell.name().into(), reason: error.to_string() }
+    }
+}
+
+impl Surrogate for FittedPath {
+    fn method(&self) -> &str {
+        self.sizes.cell.name()
+    }
+
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn has_memory(&self) -> bool {
+        true
+    }
+
+    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+        if inputs.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
+        let known = self.run_variances.as_ref().map(|known| (known, known.quantile(level)));
+        let predict = |(row, values): (usize, &[f64])| {
+            let estimates =
+                (0..outputs).map(|output| estimate(&means, known, row, output, outputs)).collect();
+            Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, values))
+        };
+        Ok(inputs.rows().enumerate().map(predict).collect())
+    }
+
+    fn content(&self) -> Result<Content> {
+        Content::new(&Kept {
+            sizes: self.sizes,
+            channels: self.channels.clone(),
+            is_mean: self.is_mean,
+            ranges: self.ranges.clone(),
+            run_variances: self.run_variances.clone(),
+            networks: self.networks.iter().map(|network| network.weights().to_vec()).collect(),
+        })
+    }
+}

@@ -1,0 +1,77 @@
+//! The section "Any path" of the chapter on surrogates, with smaller samples and shorter paths.
+
+use std::path::Path;
+
+use crate::{done, done_json, refused};
+
+/// Makes a plan small: fewer and smaller runs on shorter paths, which are faster than its checks allow.
+fn shrink(here: &Path, plan: &str, points: &str, length: [&str; 2]) {
+    let file = here.join(format!("{plan}.toml"));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let lines = text.lines().map(|line| match line {
+        line if line.starts_with("points = ") => format!("points = {points}"),
+        "grains.count = 300" => "grains.count = 80\nstage.1.inertial_number = 1e-2".into(),
+        "from = 0.1" | "from = 2" => format!("from = {}", length[0]),
+        "to = 0.2" | "to = 2.001" => format!("to = {}", length[1]),
+        line => line.to_string(),
+    });
+    let accepted = "accept = ['inertial_number < 1', 'servo_error_rms < 1', 'servo_error_largest < 10', 'unbalanced_force < 10', \
+                    'energy_gap < 1', 'sample_unbalanced_force < 1', 'largest_overlap < 1']\n";
+    let text = lines.collect::<Vec<_>>().join("\n").replacen("[set]", &format!("{accepted}\n[set]"), 1);
+    std::fs::write(file, text).unwrap();
+}
+
+#[test]
+fn surrogates_of_any_path_are_learned_and_judged() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    for (plan, folder, points, length) in [
+        ("random-paths", "paths", "8", ["0.03", "0.04"]),
+        ("random-paths-unseen", "unseen", "4", ["0.03", "0.04"]),
+        ("random-paths-cycles", "cycles", "1", ["0.05", "0.051"]),
+    ] {
+        done(here, &["init", "--plan", plan, "--force"]);
+        shrink(here, plan, points, length);
+        done(here, &["campaign", &format!("{plan}.toml"), "--out", folder]);
+    }
+    let asked = ["examine", "paths", "paths", "--unseen", "unseen", "--long", "cycles", "--method"];
+    let methods = [
+        "path-gru:networks=2,epochs=2,rotations=1",
+        "path-tensor:networks=2,epochs=6",
+        "path-tensor:networks=1,epochs=6,internal=0",
+    ];
+    let answers = &done_json(here, &[&asked[..], &methods].concat())["answers"];
+    let errors = answers["errors"].as_array().unwrap();
+    let of = |method: &str, kind: &str, quantity: &str| {
+        let is = |own: &&serde_json::Value| {
+            own["method"] == method && own["kind"] == kind && own["quantity"] == quantity
+        };
+        let found = errors.iter().find(is);
+        found.unwrap_or_else(|| panic!("{method} {kind} {quantity}"))["error"]["relative"].as_f64().unwrap()
+    };
+    for kind in ["all", "random", "cyclic", "mixed", "monotonic"] {
+        for method in methods.into_iter().chain(["first state", "another sample"]) {
+            assert!((0.01..5.0).contains(&of(method, kind, "stress deviator")), "{method} {kind}");
+        }
+    }
+    // The mean of the training states knows nothing of the path.
+    let mean = of("mean of the training states", "all", "volumetric strain");
+    assert!((mean - 1.0).abs() < 1e-9, "{mean}");
+    let work = answers["work"].as_array().unwrap();
+    assert_eq!(work.len(), 2 + methods.len());
+    assert_eq!(
+        (&work[0]["method"], &work[0]["negative"], &work[0]["error"]),
+        (&"simulation".into(), &0.into(), &0.0.into())
+    );
+    assert_eq!(answers["drift"].as_array().unwrap().len(), 4 * methods.len());
+    // The tables in words, from the same program again, are the same for any number of threads.
+    let words = |threads: &str| {
+        let more = ["path-tensor:networks=2,epochs=2", "--threads", threads];
+        done(here, &[&asked[..5], &["--method"], &more].concat())
+    };
+    assert!(words("1").contains("coordination number"));
+    assert_eq!(words("1"), words("2"));
+    let refusal =
+        refused(here, 1, &["examine", "paths", "paths", "--unseen", "unseen", "--method", "path-gru:size=3"]);
+    assert!(refusal.contains("`size=3` is no setting"), "{refusal}");
+}
