@@ -88,6 +88,7 @@ mod left_out_errors;
 pub(crate) mod mean_curve;
 #[cfg(test)]
 mod memory_tests;
+mod method_words;
 mod nearest_run;
 mod path;
 mod prediction;
@@ -111,6 +112,7 @@ pub use curve_process::{
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;
+pub use method_words::method_of_words;
 pub use nearest_run::NearestRun;
 pub(crate) use path::deviator;
 pub use path::{PathCell, PathNetworks};

@@ -1,6 +1,6 @@
 //! What is judged of a state on a path.
 
-use super::{AnyPath, SCALARS, STRAINS, SUFFIXES, TENSORS};
+use super::columns::{SCALARS, STRAINS, SUFFIXES, TENSORS, spec};
 use crate::dataset::Dataset;
 use crate::error::Result;
 use crate::surrogate::deviator;
@@ -81,7 +81,7 @@ impl Quantity {
 
 /// The states of all runs.
 pub(super) fn rows_of(runs: &Dataset) -> Result<Vec<Row>> {
-    let outputs = AnyPath::spec().outputs;
+    let outputs = spec().outputs;
     Ok(runs.values(&outputs)?.chunks_exact(outputs.len()).map(Row::of_outputs).collect())
 }
 

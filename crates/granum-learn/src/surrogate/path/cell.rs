@@ -23,11 +23,11 @@ pub enum PathCell {
 }
 
 impl PathCell {
-    pub(super) const ALL: [PathCell; 5] =
+    pub(crate) const ALL: [PathCell; 5] =
         [PathCell::Gru, PathCell::Lstm, PathCell::StateSpace, PathCell::Window, PathCell::TensorStateSpace];
 
     /// The name of the method.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             PathCell::Gru => "path-gru",
             PathCell::Lstm => "path-lstm",

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::CellSizes;
 use super::channels::Channels;
-use super::method::PathRuns;
 use super::rotation::Rotation;
+use super::runs::PathRuns;
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
 use crate::surrogate::prediction::{Prediction, outside_of};

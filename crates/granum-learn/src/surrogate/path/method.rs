@@ -1,22 +1,20 @@
 //! The methods that fit networks with a state to paths.
 
-use std::sync::Arc;
-
 use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
+use granum_nets::DataError;
 use granum_nets::trainer::{Adam, Options, SharedTrainer, TerminationReason};
-use granum_nets::{Data, DataError, Sequences};
 
 use super::cell::{CellSizes, PathCell};
-use super::channels::{Channels, Widths};
+use super::channels::Channels;
 use super::fitted::{FittedPath, Kept};
 use super::rotation::Rotation;
+use super::runs::PathRuns;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::input_use::SplitMix;
 use crate::surrogate::content::Content;
 use crate::surrogate::recurrent::ranges;
-use crate::surrogate::registry::SurrogateMethods;
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::scatter_of_networks::RunVariances;
 use crate::surrogate::spec::{Columns, FitSpec};
@@ -86,151 +84,18 @@ impl PathNetworks {
     }
 
     /// With rotations an epoch has that many more sequences.
-    fn adam(cell: PathCell) -> Adam {
+    pub(crate) fn adam(cell: PathCell) -> Adam {
         let epochs = if cell == PathCell::TensorStateSpace { 80 } else { 25 };
         Adam { epochs, learning_rate: 0.01, maximum_failures: epochs, ..Adam::default() }
     }
 
-    /// A method of a registry by its name, or networks with a state and settings: `path-tensor:hidden=12,internal=0`. The settings are `hidden`, `internal`,
-    /// `window`, `networks`, `rotations`, `epochs` and `rate` (of learning).
-    ///
-    /// ```
-    /// use granum_learn::surrogate::{PathNetworks, SurrogateMethods};
-    ///
-    /// let methods = SurrogateMethods::standard();
-    /// assert_eq!(PathNetworks::from_words("path-window:window=5,epochs=20", &methods)?.name(), "path-window");
-    /// assert!(PathNetworks::from_words("path-window:size=5", &methods).is_err());
-    /// # Ok::<(), granum_learn::LearnError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// If there is no such method or setting, or its value is no number.
-    pub fn from_words(words: &str, methods: &SurrogateMethods) -> Result<Arc<dyn SurrogateMethod>> {
-        let Some((name, settings)) = words.split_once(':') else { return methods.shared(words) };
-        methods.by_name(name)?;
-        let known = PathCell::ALL.into_iter().find(|cell| cell.name() == name);
-        let cell = known.ok_or_else(|| LearnError::Surrogate {
-            method: name.into(),
-            reason: "it has no settings; networks of paths have them".into(),
-        })?;
-        let mut method = PathNetworks::new(cell);
-        let mut adam = PathNetworks::adam(cell);
-        for setting in settings.split(',') {
-            let bad = || {
-                let known = "hidden, internal, window, networks, rotations, epochs, rate";
-                method_error(
-                    name,
-                    format!(
-                        "`{setting}` is no setting: each is a word and a number, as hidden=12; there are {known}"
-                    ),
-                )
-            };
-            let (key, value) = setting.split_once('=').ok_or_else(bad)?;
-            let whole = || value.parse::<usize>().map_err(|_| bad());
-            match key {
-                "hidden" => method.hidden = whole()?,
-                "internal" => method.internal = whole()?,
-                "window" => method.window = whole()?,
-                "networks" => method.networks = whole()?,
-                "rotations" => method.rotations = whole()?,
-                "epochs" => (adam.epochs, adam.maximum_failures) = (whole()? as u64, whole()? as u64),
-                "rate" => adam.learning_rate = value.parse().map_err(|_| bad())?,
-                _ => return Err(bad()),
-            }
-        }
-        method.trainer = adam.into();
-        Ok(Arc::new(method))
-    }
-
     fn failed(&self, error: impl std::fmt::Display) -> LearnError {
-        method_error(self.name(), error.to_string())
+        LearnError::Surrogate { method: self.name().into(), reason: error.to_string() }
     }
 
     fn sizes(&self) -> CellSizes {
         let PathNetworks { cell, hidden, internal, window, .. } = *self;
         CellSizes { cell, hidden, internal, window }
-    }
-}
-
-fn method_error(method: &str, reason: String) -> LearnError {
-    LearnError::Surrogate { method: method.into(), reason }
-}
-
-/// Whole runs in the units of networks.
-pub(super) struct PathRuns {
-    pub widths: Widths,
-    pub increments: Vec<f64>,
-    pub starts: Vec<f64>,
-    pub targets: Vec<f64>,
-    pub lengths: Vec<usize>,
-}
-
-impl PathRuns {
-    /// Some of the runs.
-    fn chosen(&self, keep: impl Fn(usize) -> bool) -> PathRuns {
-        let (width, starts, outputs) = (self.widths.increment(), self.widths.starts(), self.widths.outputs());
-        let (mut increments, mut targets) = (Vec::new(), Vec::new());
-        let (mut of_starts, mut lengths) = (Vec::new(), Vec::new());
-        let mut row = 0;
-        for (run, length) in self.lengths.iter().enumerate() {
-            if keep(run) {
-                increments.extend(&self.increments[row * width..(row + length) * width]);
-                targets.extend(&self.targets[row * outputs..(row + length) * outputs]);
-                of_starts.extend(&self.starts[run * starts..(run + 1) * starts]);
-                lengths.push(*length);
-            }
-            row += length;
-        }
-        PathRuns { widths: self.widths, increments, starts: of_starts, targets, lengths }
-    }
-
-    /// The same runs in other axes: one rotation for each.
-    pub fn turned(&self, rotation: impl Fn(usize) -> Rotation) -> PathRuns {
-        let Widths { tensors, direction, .. } = self.widths;
-        let (width, starts, outputs) = (self.widths.increment(), self.widths.starts(), self.widths.outputs());
-        let (mut increments, mut targets) = (self.increments.clone(), self.targets.clone());
-        let mut of_starts = self.starts.clone();
-        let mut row = 0;
-        for (run, length) in self.lengths.iter().enumerate() {
-            let rotation = rotation(run);
-            for own in increments[row * width..(row + length) * width].chunks_exact_mut(width) {
-                rotation.turn(own, 1, usize::from(direction > 0));
-            }
-            if !targets.is_empty() {
-                for own in targets[row * outputs..(row + length) * outputs].chunks_exact_mut(outputs) {
-                    rotation.turn(own, 0, tensors);
-                }
-            }
-            rotation.turn(&mut of_starts[run * starts..(run + 1) * starts], 0, tensors);
-            row += length;
-        }
-        PathRuns {
-            widths: self.widths,
-            increments,
-            starts: of_starts,
-            targets,
-            lengths: self.lengths.clone(),
-        }
-    }
-
-    fn append(&mut self, others: PathRuns) {
-        self.increments.extend(others.increments);
-        self.starts.extend(others.starts);
-        self.targets.extend(others.targets);
-        self.lengths.extend(others.lengths);
-    }
-
-    /// The sequences with their start values.
-    pub fn sequences(&self) -> std::result::Result<Sequences, DataError> {
-        Sequences::new(self.lengths.clone())?.with_starts(self.starts.clone(), self.widths.starts())
-    }
-
-    fn data(&self, sizes: &CellSizes) -> std::result::Result<Data, DataError> {
-        let inputs = sizes.inputs(&self.widths, &self.increments, &self.lengths);
-        let rows: usize = self.lengths.iter().sum();
-        let columns = inputs.len() / rows.max(1);
-        Data::with_target_columns(inputs, columns, self.targets.clone(), self.widths.outputs())?
-            .with_sequences(self.sequences()?)
     }
 }
 

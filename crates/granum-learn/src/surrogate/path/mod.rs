@@ -17,6 +17,7 @@ mod channels;
 mod fitted;
 mod method;
 mod rotation;
+mod runs;
 #[cfg(test)]
 mod tests;
 

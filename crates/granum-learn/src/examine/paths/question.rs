@@ -1,0 +1,148 @@
+//! The question how well surrogates with a state follow any path.
+
+use std::sync::Arc;
+
+use granum_core::observer::{NoObserver, Observer};
+
+use super::answers::{Drift, PathAnswer, PathAnswers};
+use super::columns::{self, ALL, kind, kinds};
+use super::quantities::{self, Quantity, Row};
+use super::work::{self, WorkInCycles};
+use super::{baselines, scatter};
+use crate::dataset::Dataset;
+use crate::error::Result;
+use crate::examine::turn::Turn;
+use crate::pooled_error::PooledError;
+use crate::surrogate::{FitSpec, RunInputs, SurrogateMethod, SurrogateMethods, method_of_words};
+
+/// Share of a long path at its beginning and at its end.
+const PART: f64 = 0.1;
+
+/// Surrogates of any path, and on what they are judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnyPath {
+    /// Methods, with settings where they have some: `path-gru`, `path-tensor:internal=0,hidden=12` (see [`method_of_words`]).
+    pub methods: Vec<String>,
+    /// Seed of the methods.
+    pub seed: u64,
+    /// Number of threads; 0 for the number of processors. Answers do not depend on it.
+    pub threads: usize,
+}
+
+impl AnyPath {
+    /// What is learned: stress, fabric, volumetric strain and mechanical coordination number, from the strains and the state of the sample.
+    pub fn spec() -> FitSpec {
+        columns::spec()
+    }
+
+    /// Fits each method to the training runs, and judges it on the unseen and the long ones.
+    ///
+    /// # Errors
+    /// If a column or method does not exist, a surrogate cannot be fitted, or the observer stops the measurement.
+    pub fn measure(
+        &self,
+        training: &Dataset,
+        unseen: &Dataset,
+        long: Option<&Dataset>,
+        methods: &SurrogateMethods,
+        observer: &mut dyn Observer,
+    ) -> Result<PathAnswers> {
+        let spec = columns::spec().with_seed(self.seed).with_threads(self.threads);
+        let method = |word: &String| -> Result<(String, Arc<dyn SurrogateMethod>)> {
+            Ok((word.clone(), method_of_words(word, methods)?))
+        };
+        let methods = self.methods.iter().map(method).collect::<Result<Vec<_>>>()?;
+        let means = quantities::means(training)?;
+        let exact = quantities::rows_of(unseen)?;
+        let mut answers = PathAnswers::default();
+        let mut add = |name: &str, rows: &[Row]| {
+            answers.errors.extend(errors(name, unseen, &exact, rows, &means, &Quantity::ALL));
+        };
+        add("mean of the training states", &vec![means; exact.len()]);
+        add("first state", &baselines::first_states(unseen)?);
+        let elastic = baselines::ElasticPerfectlyPlastic::fit(training)?;
+        let stresses = elastic.rows(unseen)?;
+        answers.errors.extend(errors(
+            "elastic, perfectly plastic",
+            unseen,
+            &exact,
+            &stresses,
+            &means,
+            &[Quantity::Stress],
+        ));
+        answers.errors.extend(scatter::scatter(unseen, &exact, &means));
+        let cycles = work::cycles(unseen)?;
+        answers.work.push(WorkInCycles::new("simulation", &cycles, &exact, &exact));
+        answers.work.push(WorkInCycles::new("elastic, perfectly plastic", &cycles, &exact, &stresses));
+        let long_exact = long.map(quantities::rows_of).transpose()?;
+        let mut turn = Turn::new(methods.len(), observer);
+        for (name, method) in methods {
+            turn.next(name.clone())?;
+            let fitted = method.fit(training, &spec, &mut NoObserver)?;
+            let predicted = |runs: &Dataset| -> Result<Vec<Row>> {
+                let rows = fitted.means(&RunInputs::from_dataset(runs, fitted.columns())?)?;
+                Ok(rows.iter().map(|row| Row::of_outputs(row)).collect())
+            };
+            let rows = predicted(unseen)?;
+            answers.errors.extend(errors(&name, unseen, &exact, &rows, &means, &Quantity::ALL));
+            answers.work.push(WorkInCycles::new(&name, &cycles, &exact, &rows));
+            if let (Some(long), Some(exact)) = (long, &long_exact) {
+                answers.drift.extend(drift(&name, long, exact, &predicted(long)?, &means));
+            }
+        }
+        Ok(answers)
+    }
+}
+
+/// Errors by kind of path and quantity.
+fn errors(
+    method: &str,
+    runs: &Dataset,
+    exact: &[Row],
+    rows: &[Row],
+    means: &Row,
+    quantities: &[Quantity],
+) -> Vec<PathAnswer> {
+    let mut found = Vec::new();
+    for of_kind in kinds(runs) {
+        for quantity in quantities {
+            let mut first = 0;
+            let mut sums = Vec::new();
+            for run in runs.runs() {
+                let own = first..first + run.rows();
+                first += run.rows();
+                if of_kind == ALL || kind(run) == of_kind {
+                    sums.push(quantity.squares(&exact[own.clone()], &rows[own], means));
+                }
+            }
+            found.push(PathAnswer {
+                method: method.into(),
+                kind: of_kind.clone(),
+                quantity: quantity.name().into(),
+                error: PooledError::new(&sums),
+            });
+        }
+    }
+    found
+}
+
+/// Errors over the first and the last part of each run.
+fn drift(method: &str, runs: &Dataset, exact: &[Row], rows: &[Row], means: &Row) -> Vec<Drift> {
+    let of = |quantity: &Quantity| {
+        let mut sums = [Vec::new(), Vec::new()];
+        let mut first = 0;
+        for run in runs.runs() {
+            let (end, part) = (first + run.rows(), ((PART * run.rows() as f64) as usize).max(1));
+            for (sums, own) in sums
+                .iter_mut()
+                .zip([first..(first + part).min(end), end.saturating_sub(part).max(first)..end])
+            {
+                sums.push(quantity.squares(&exact[own.clone()], &rows[own], means));
+            }
+            first = end;
+        }
+        let error = sums.map(|sums| PooledError::new(&sums));
+        Drift { method: method.into(), quantity: quantity.name().into(), error }
+    };
+    Quantity::ALL.iter().map(of).collect()
+}
