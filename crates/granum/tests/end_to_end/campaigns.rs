@@ -301,7 +301,9 @@ fn ready_plans_are_written_with_their_cases() {
         let command = told.lines().next_back().unwrap().rsplit_once("granum ").unwrap().1;
         let words: Vec<&str> = command.split(' ').chain(["--pilots", "0"]).collect();
         let runs = done_json(here, &words);
-        assert!(runs["runs"].as_array().unwrap().len() >= 40, "{runs}");
+        // Long runs are few.
+        let least = if name == "random-paths-cycles" { 4 } else { 40 };
+        assert!(runs["runs"].as_array().unwrap().len() >= least, "{runs}");
     }
     let told = refused(here, 1, &["init", "--plan", "friction-pressure-density"]);
     assert!(told.contains("exists already"), "{told}");
