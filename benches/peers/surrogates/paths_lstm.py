@@ -9,7 +9,7 @@ As there (`grainlearning.rnn.models.rnn_model`): a window of the last strains go
 constants of a run, then through a dense layer (ReLU) and a linear one; the windows of the first states are padded at their beginning; inputs and labels are standardised; Adam with
 batches of 256 minimises the mean squared error until that on held-out runs has not fallen for `--patience` epochs. The constants are what granum's surrogates
 know of a sample: void ratio, coordination number, and the components of its stress and fabric. Its strains are the deviator alone, since the volume is predicted. `--rotations`
-adds randomly rotated copies of each run, which the tutorial does not have. Needs torch, numpy and pyarrow.
+adds randomly rotated copies of each run, which the tutorial does not have. Needs torch, numpy, pandas and pyarrow.
 """
 
 import argparse

@@ -43,11 +43,21 @@ fn put<L: Lanes>(
     }
 }
 
-/// The tensors and products before a step.
+/// Square of the norm that bounded tensors do not reach.
+const BOUND: f64 = 16.0;
+
+/// The factor by which a tensor is bounded: `1 / sqrt(1 + T : T / 16)`.
+#[inline(always)]
+fn bound<L: Lanes>(tensor: [L; COMPONENTS]) -> L {
+    let one = L::splat(1.0);
+    one / inner(tensor, tensor).mul_add(L::splat(1.0 / BOUND), one).sqrt()
+}
+
+/// The direction, the bounded tensors and the products before a step.
 struct Before<'a> {
     below: &'a [Row8],
+    bounded: &'a [Row8],
     products: &'a [Row8],
-    first: usize,
     count: usize,
     stride: usize,
     at: usize,
@@ -61,7 +71,7 @@ impl Before<'_> {
 
     #[inline(always)]
     fn tensor<L: Lanes>(&self, i: usize) -> [L; COMPONENTS] {
-        tensor(self.below, self.first, self.count, i, self.stride, self.at)
+        tensor(self.bounded, 0, self.count, i, self.stride, self.at)
     }
 
     /// The product of the direction with itself (0), or with tensor `i - 1`.
@@ -95,11 +105,14 @@ impl CellKernel for TensorSizes {
     }
 
     /// Inputs of the hidden neurons with a row of ones; a row of ones with the hidden neurons; coefficients; products of tensors;
-    /// derivatives with respect to the states after each step, the coefficients, the weighted sums and the inputs of the hidden neurons.
+    /// derivatives with respect to the states after each step, the coefficients, the weighted sums and the inputs of the hidden neurons, and
+    /// the rates of decay; bounded tensors.
     fn own(&self) -> Vec<usize> {
         let (features, coefficients) = (self.features(), self.coefficients());
         let products = COMPONENTS * (1 + self.all_tensors());
-        let deltas = [self.state(), coefficients, self.hidden, features];
+        let decays = self.all_tensors() + self.all_scalars();
+        let bounded = COMPONENTS * self.all_tensors();
+        let deltas = [self.state(), coefficients, self.hidden, features, decays, bounded];
         [&[features + 1, 1 + self.hidden, coefficients, products][..], &deltas].concat()
     }
 
@@ -107,7 +120,7 @@ impl CellKernel for TensorSizes {
     fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
         let Group { layout, below, starts: start_rows, .. } = group;
         let Work { outputs: results, own, .. } = work;
-        let [features, neurons, coefficients, products, ..] = &mut own[..] else { return };
+        let [features, neurons, coefficients, products, .., bounded] = &mut own[..] else { return };
         let (stride, start_stride, (_, all)) = (layout.stride, layout.start_stride, layout.step(0));
         let (m, measured) = (self.all_tensors(), self.tensors);
         let (place, width_of_f) = (self.inputs() + 1, self.features());
@@ -153,7 +166,7 @@ impl CellKernel for TensorSizes {
         for step in 0..layout.steps() {
             let (first, width) = layout.step(step);
             for at in first..first + width {
-                self.invariants::<L>(below, features, products, stride, at);
+                self.invariants::<L>(below, features, products, bounded, stride, at);
             }
             product::<L>(
                 Scalars { values: weights, by_k: 1, by_j: width_of_f + 1 },
@@ -182,13 +195,14 @@ impl CellKernel for TensorSizes {
                 let at = first + b;
                 let length = L::load(&below[at].0);
                 for i in 0..m {
-                    let before = Before { below, products, first: place, count: m, stride, at };
+                    let before = Before { below, bounded, products, count: m, stride, at };
                     let mut change = [L::zero(); COMPONENTS];
                     for e in 0..self.basis() {
                         let factor = L::load(&coefficients[(i * self.basis() + e) * stride + at].0);
                         plus(&mut change, factor, before.basis(e));
                     }
-                    let mut after = before.tensor(i);
+                    let mut after: [L; COMPONENTS] = tensor(below, place, m, i, stride, at);
+                    plus(&mut change, L::splat(-self.decay(weights, i)), after);
                     plus(&mut after, length, change);
                     if i < measured {
                         put(results, measured, i, stride, at, after);
@@ -198,8 +212,10 @@ impl CellKernel for TensorSizes {
                     }
                 }
                 for j in 0..self.all_scalars() {
-                    let rate = L::load(&coefficients[(m * self.basis() + j) * stride + at].0);
-                    let after = length.mul_add(rate, L::load(&below[(scalars_at + j) * stride + at].0));
+                    let rate: L = value(coefficients, m * self.basis() + j, stride, at);
+                    let before: L = value(below, scalars_at + j, stride, at);
+                    let rate = L::splat(-self.decay(weights, m + j)).mul_add(before, rate);
+                    let after = length.mul_add(rate, before);
                     if j < self.scalars {
                         after.store(&mut results[(COMPONENTS * measured + j) * stride + at].0);
                     }
@@ -215,8 +231,18 @@ impl CellKernel for TensorSizes {
     fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]) {
         let Group { layout, below, starts: start_rows, .. } = group;
         let Work { output_deltas, own, carried, .. } = work;
-        let [features, neurons, coefficients, products, state_deltas, factor_deltas, deltas, feature_deltas] =
-            &mut own[..]
+        let [
+            features,
+            neurons,
+            coefficients,
+            products,
+            state_deltas,
+            factor_deltas,
+            deltas,
+            feature_deltas,
+            decay_deltas,
+            bounded,
+        ] = &mut own[..]
         else {
             return;
         };
@@ -236,7 +262,7 @@ impl CellKernel for TensorSizes {
         for step in (0..layout.steps()).rev() {
             let (first, width) = layout.step(step);
             for at in first..first + width {
-                let before = Before { below, products, first: place, count: m, stride, at };
+                let before = Before { below, bounded, products, count: m, stride, at };
                 let length = L::load(&below[at].0);
                 for i in 0..m {
                     let delta: [L; COMPONENTS] = tensor(state_deltas, 0, m, i, stride, at);
@@ -244,10 +270,16 @@ impl CellKernel for TensorSizes {
                         let value = length * inner(delta, before.basis(e));
                         value.store(&mut factor_deltas[(i * basis + e) * stride + at].0);
                     }
+                    let own: [L; COMPONENTS] = tensor(below, place, m, i, stride, at);
+                    let of_root = L::splat(-2.0 * weights[self.decays() + i]);
+                    (of_root * length * inner(delta, own)).store(&mut decay_deltas[i * stride + at].0);
                 }
                 for j in 0..self.all_scalars() {
-                    let delta = L::load(&state_deltas[(scalars + j) * stride + at].0);
-                    (length * delta).store(&mut factor_deltas[(m * basis + j) * stride + at].0);
+                    let delta = length * value::<L>(state_deltas, scalars + j, stride, at);
+                    delta.store(&mut factor_deltas[(m * basis + j) * stride + at].0);
+                    let of_root = L::splat(-2.0 * weights[self.decays() + m + j]);
+                    let own: L = value(below, place + scalars + j, stride, at);
+                    (of_root * delta * own).store(&mut decay_deltas[(m + j) * stride + at].0);
                 }
             }
             product::<L>(
@@ -278,9 +310,17 @@ impl CellKernel for TensorSizes {
             for b in 0..width {
                 let at = first + b;
                 for i in 0..m {
-                    let before = Before { below, products, first: place, count: m, stride, at };
-                    let sum: [L; COMPONENTS] =
+                    let before = Before { below, bounded, products, count: m, stride, at };
+                    let of_bounded: [L; COMPONENTS] =
                         self.tensor_delta(&before, state_deltas, coefficients, feature_deltas, i);
+                    let own: [L; COMPONENTS] = tensor(below, place, m, i, stride, at);
+                    let after: [L; COMPONENTS] = tensor(state_deltas, 0, m, i, stride, at);
+                    let (length, factor) = (L::load(&below[at].0), bound(own));
+                    let mut sum = [L::zero(); COMPONENTS];
+                    plus(&mut sum, factor, of_bounded);
+                    let along = inner(own, of_bounded) * factor * factor * factor * L::splat(-1.0 / BOUND);
+                    plus(&mut sum, along, own);
+                    plus(&mut sum, length.mul_add(L::splat(-self.decay(weights, i)), one), after);
                     for (c, value) in sum.into_iter().enumerate() {
                         let row = c * m + i;
                         if step == 0 {
@@ -293,7 +333,8 @@ impl CellKernel for TensorSizes {
                 }
                 for j in 0..self.all_scalars() {
                     let delta: L = value(state_deltas, scalars + j, stride, at);
-                    let sum = delta + value(feature_deltas, self.further + j, stride, at);
+                    let kept = L::load(&below[at].0).mul_add(L::splat(-self.decay(weights, m + j)), one);
+                    let sum = kept.mul_add(delta, value(feature_deltas, self.further + j, stride, at));
                     let row = scalars + j;
                     if step == 0 {
                         sum.store(&mut carried[row * start_stride + b].0);
@@ -308,6 +349,8 @@ impl CellKernel for TensorSizes {
         add::<L>(deltas, self.hidden, features, width_of_f + 1, 0, stride, total, gradient);
         let factors = self.coefficients();
         add::<L>(factor_deltas, factors, neurons, 1 + self.hidden, self.changes(), stride, total, gradient);
+        let decays = m + self.all_scalars();
+        add::<L>(decay_deltas, decays, neurons, 1, self.decays(), stride, total, gradient);
         for c in 0..COMPONENTS {
             let inner = &carried[(c * m + measured) * start_stride..];
             let start = &start_rows[c * measured * start_stride..];
@@ -329,6 +372,7 @@ impl TensorSizes {
         below: &[Row8],
         features: &mut [Row8],
         products: &mut [Row8],
+        bounded: &mut [Row8],
         stride: usize,
         at: usize,
     ) {
@@ -346,12 +390,18 @@ impl TensorSizes {
         let pairs = linear + m;
         let cubic = pairs + m * (m + 1) / 2;
         inner(direction, squared).store(&mut features[cubic * stride + at].0);
-        let mut pair = pairs;
         for i in 0..m {
             let own: [L; COMPONENTS] = tensor(below, place, m, i, stride, at);
+            let mut limited = [L::zero(); COMPONENTS];
+            plus(&mut limited, bound(own), own);
+            put(bounded, m, i, stride, at, limited);
+        }
+        let mut pair = pairs;
+        for i in 0..m {
+            let own: [L; COMPONENTS] = tensor(bounded, 0, m, i, stride, at);
             inner(direction, own).store(&mut features[(linear + i) * stride + at].0);
             for j in i..m {
-                inner(own, tensor(below, place, m, j, stride, at)).store(&mut features[pair * stride + at].0);
+                inner(own, tensor(bounded, 0, m, j, stride, at)).store(&mut features[pair * stride + at].0);
                 pair += 1;
             }
             inner(own, squared).store(&mut features[(cubic + 1 + i) * stride + at].0);
@@ -361,7 +411,7 @@ impl TensorSizes {
         }
     }
 
-    /// The derivative with respect to tensor `i` before a step, from those with respect to the state after it and to the inputs of the hidden
+    /// The derivative with respect to bounded tensor `i` before a step, from those with respect to the state after it and to the inputs of the hidden
     /// neurons.
     #[inline(always)]
     fn tensor_delta<L: Lanes>(
@@ -374,7 +424,7 @@ impl TensorSizes {
     ) -> [L; COMPONENTS] {
         let (m, basis, stride, at) = (self.all_tensors(), self.basis(), before.stride, before.at);
         let length = L::load(&before.below[at].0);
-        let mut sum: [L; COMPONENTS] = tensor(state_deltas, 0, m, i, stride, at);
+        let mut sum = [L::zero(); COMPONENTS];
         let mut of_product = [L::zero(); COMPONENTS];
         for j in 0..m {
             let after: [L; COMPONENTS] = tensor(state_deltas, 0, m, j, stride, at);

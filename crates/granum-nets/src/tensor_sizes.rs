@@ -4,6 +4,9 @@ use crate::cell_batch::check_sizes;
 use crate::network::NetworkError;
 use crate::symmetric_tensor::COMPONENTS;
 
+/// Least rate of decay.
+const LEAST_DECAY: f64 = 0.05;
+
 /// Numbers of values of a [`crate::TensorStateSpace`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TensorSizes {
@@ -75,8 +78,19 @@ impl TensorSizes {
         self.first_tensors() + self.internal_tensors * self.tensors
     }
 
-    pub(crate) fn weights(&self) -> usize {
+    /// The square roots of what the rates of decay exceed [`LEAST_DECAY`] by: of tensors, then of scalars.
+    pub(crate) fn decays(&self) -> usize {
         self.first_scalars() + self.internal_scalars * (self.start_scalars + 1)
+    }
+
+    pub(crate) fn weights(&self) -> usize {
+        self.decays() + self.all_tensors() + self.all_scalars()
+    }
+
+    /// The rate of decay of tensor `k`, or of scalar `k` less the number of tensors.
+    pub(crate) fn decay(&self, weights: &[f64], k: usize) -> f64 {
+        let root = weights[self.decays() + k];
+        LEAST_DECAY + root * root
     }
 
     pub(crate) fn check(&self) -> Result<(), NetworkError> {

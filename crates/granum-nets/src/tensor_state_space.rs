@@ -18,15 +18,17 @@ use crate::trainer::trainer_trait::check_columns;
 /// coordination number), of each the measured ones first and then internal ones, for an increment of the length `l` along the deviator `N` of norm one:
 ///
 /// ```text
-/// B = (N, T_1 ... T_m, dev N N, dev sym T_1 N ... dev sym T_m N)
-/// f = (u, z, N : T_i, T_i : T_j, N : N N, T_i : N N, T_i : T_i N)
+/// S_i = T_i / sqrt(1 + T_i : T_i / 16)
+/// B = (N, S_1 ... S_m, dev N N, dev sym S_1 N ... dev sym S_m N)
+/// f = (u, z, N : S_i, S_i : S_j, N : N N, S_i : N N, S_i : S_i N)
 /// a = tanh(W f + b)
-/// T_i <- T_i + l sum_b (V a + d)_ib B_b,   z <- z + l (V' a + d')
+/// T_i <- T_i + l (sum_b (V a + d)_ib B_b - k_i T_i),   z <- z + l (V' a + d' - k z)
 /// ```
 ///
 /// with further inputs `u` of a row. This is the form of an incremental constitutive law, such as a hypoplastic one, whose coefficients are any
 /// functions of invariants: if path and sample are turned or mirrored, the answer is turned or mirrored with them, whatever the weights are. Nothing
-/// changes in an increment of length zero, and twice the increment has nearly twice the effect. Internal tensors start as weighted sums of the
+/// changes in an increment of length zero, and twice the increment has nearly twice the effect. The rates of decay `k` are at least 0.05 and
+/// all else is bounded, so that the state stays bounded on any path. Internal tensors start as weighted sums of the
 /// measured ones, internal scalars as linear functions of the start scalars, of which there may be more than are measured. All is predicted
 /// freely, and gradients are computed by back-propagation through the whole sequence. Results have the same bits with every instruction set.
 ///
@@ -64,6 +66,8 @@ pub struct TensorStateSpace {
 }
 
 const NAME: &str = "tensor state-space network";
+/// Square root of what the first rates of decay exceed the least one by.
+const FIRST_DECAY: f64 = 0.5;
 
 impl TensorStateSpace {
     /// A network with random weights from the seed: uniform with the magnitude `1 / sqrt(n)` for neurons with n weights.
@@ -82,7 +86,9 @@ impl TensorStateSpace {
             };
             1.0 / (row as f64).sqrt()
         };
-        let weights = (0..sizes.weights()).map(|place| magnitude(place) * uniform(&mut random)).collect();
+        let mut weights: Vec<f64> =
+            (0..sizes.weights()).map(|place| magnitude(place) * uniform(&mut random)).collect();
+        weights[sizes.decays()..].fill(FIRST_DECAY);
         Ok(TensorStateSpace { sizes, weights })
     }
 
@@ -173,7 +179,7 @@ mod tests {
             TensorSizes { hidden: 2, scalars: 1, start_scalars: 1, further: 2, ..TensorSizes::default() };
         cell_tests::check(&small(scalars, 3), 1);
         let error = TensorStateSpace::from_weights(plain, vec![0.0; 3]).unwrap_err().to_string();
-        assert!(error.contains("needs 24 weights, not 3"), "{error}");
+        assert!(error.contains("needs 25 weights, not 3"), "{error}");
         let few = TensorSizes { start_scalars: 0, ..scalars };
         assert!(TensorStateSpace::new(few, 1).unwrap_err().to_string().contains("too few"));
         assert!(TensorStateSpace::new(TensorSizes { hidden: 0, ..plain }, 1).is_err());

@@ -7,6 +7,8 @@ mod columns;
 mod quantities;
 mod question;
 mod scatter;
+#[cfg(test)]
+mod tests;
 mod work;
 
 pub use answers::{Drift, PathAnswer, PathAnswers};

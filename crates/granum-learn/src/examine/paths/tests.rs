@@ -1,0 +1,97 @@
+//! Answers on a material whose law is known: elastic, perfectly plastic, in triaxial cycles.
+
+use granum_core::{Column, Table};
+
+use super::baselines::{ElasticPerfectlyPlastic, first_states};
+use super::columns::{STRAINS, SUFFIXES, spec};
+use super::quantities::{Quantity, means, rows_of};
+use super::scatter::scatter;
+use super::work::{WorkInCycles, cycles};
+use crate::dataset::{Dataset, RunStates};
+
+const PRESSURE: f64 = 1e5;
+const STIFFNESS: f64 = 50.0;
+const LIMIT: f64 = 0.4;
+
+/// Two closed cycles between the strains of an amplitude, from one and from the next turning point; `more` is added to the norm of the stress deviator over mean stress.
+fn run(name: &str, path: f64, seed: f64, amplitude: f64, more: f64) -> RunStates {
+    let ends = [0.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 22];
+    let (mut stress, mut last) = (0.0, 0.0);
+    for (line, pair) in ends.windows(2).enumerate() {
+        for step in 0..10 {
+            // The norm of the deviator diag(2, -1, -1) / sqrt(6) times it.
+            let strain = amplitude * (pair[0] + (pair[1] - pair[0]) * f64::from(step) / 10.0);
+            stress = f64::clamp(stress + STIFFNESS * (strain - last), -LIMIT, LIMIT);
+            last = strain;
+            let axial = 2.0 / 6f64.sqrt();
+            let own = PRESSURE * (stress + more);
+            let tensor = |size: f64, mean: f64| {
+                [mean + axial * size, mean - 0.5 * axial * size, mean - 0.5 * axial * size, 0.0, 0.0, 0.0]
+            };
+            let row =
+                [&[line as f64 + 1.0, f64::from(step)][..], &tensor(strain, 0.0), &tensor(own, PRESSURE)];
+            let fabric = tensor(0.1 * stress, 1.0 / 3.0);
+            let all = row.concat().into_iter().chain(fabric).chain([0.01 * stress, 4.0 + stress]);
+            columns.iter_mut().zip(all).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let tensors =
+        ["stress", "fabric"].iter().flat_map(|name| SUFFIXES.map(|suffix| format!("{name}_{suffix}")));
+    let names = ["stage", "state"].into_iter().chain(STRAINS).map(String::from).chain(tensors);
+    let names = names.chain(["volumetric_strain".into(), "mechanical_coordination_number".into()]);
+    let table = names.zip(columns).map(|(name, values)| Column::new(name, "", values)).collect();
+    let mut run = RunStates::new(name, Table::new(table).unwrap()).unwrap();
+    let spec = spec();
+    let first = |name: &str| run.column(name).map_or(0.7, |values| values[0]);
+    let of_sample = |name: &String| Some((name.clone(), first(name.strip_prefix("sample.")?)));
+    let samples: Vec<(String, f64)> = spec.inputs.iter().filter_map(of_sample).collect();
+    for (name, value) in samples {
+        run = run.with_parameter(&name, "", value).unwrap();
+    }
+    run.with_parameter("stage.1.seed", "", path)
+        .and_then(|run| run.with_parameter("preparation.seed", "", seed))
+        .unwrap()
+}
+
+#[test]
+fn a_known_law_is_found_and_its_work_is_that_of_hysteresis() {
+    let runs = Dataset::new(vec![run("plastic", 1.0, 1.0, 0.02, 0.0), run("elastic", 2.0, 2.0, 0.004, 0.0)])
+        .unwrap();
+    let (exact, means) = (rows_of(&runs).unwrap(), means(&runs).unwrap());
+    let found = ElasticPerfectlyPlastic::fit(&runs).unwrap().rows(&runs).unwrap();
+    let error = |rows| {
+        let [error, value] = Quantity::Stress.squares(&exact, rows, &means);
+        (error / value).sqrt()
+    };
+    // The grid has the limit, and stiffnesses within a fifth.
+    assert!(error(&found) < 0.1, "{}", error(&found));
+    assert!((error(&first_states(&runs).unwrap()) - 1.0).abs() < 1e-9);
+    // Two closed cycles lie between the four turning points of each run; those of the elastic one cost nothing.
+    let cycles = cycles(&runs).unwrap();
+    let work = WorkInCycles::new("exact", &cycles, &exact, &exact);
+    assert_eq!((work.cycles, work.negative, work.error), (4, 0, 0.0));
+    assert!(work.least.abs() < 1e-9, "{}", work.least);
+    // Stresses of the opposite sign give work away.
+    let opposite: Vec<_> =
+        exact.iter().map(|row| super::quantities::Row { stress: row.stress.map(|c| -c), ..*row }).collect();
+    let given = WorkInCycles::new("opposite", &cycles, &exact, &opposite);
+    assert_eq!(given.negative, 2);
+    assert!((given.error - 2.0).abs() < 1e-9 && given.least < -1.0, "{given:?}");
+}
+
+#[test]
+fn the_scatter_is_that_of_samples_on_the_same_path() {
+    // Two samples whose stress deviators differ by 0.1: each deviates from their mean by 0.05, and the standard deviation is 0.1 / sqrt(2).
+    let all =
+        vec![run("a", 1.0, 1.0, 0.02, 0.0), run("b", 1.0, 2.0, 0.02, 0.1), run("alone", 2.0, 3.0, 0.02, 0.3)];
+    let runs = Dataset::new(all).unwrap();
+    let (exact, means) = (rows_of(&runs).unwrap(), means(&runs).unwrap());
+    let found = scatter(&runs, &exact, &means);
+    let stress = found.iter().find(|own| own.quantity == "stress deviator").unwrap();
+    let size =
+        exact[..50].iter().map(|row| row.stress.iter().map(|c| c * c).sum::<f64>()).sum::<f64>() / 50.0;
+    let expected = 0.1 / 2f64.sqrt() / size.sqrt();
+    assert!((stress.error.relative - expected).abs() < 1e-9, "{stress:?} {expected}");
+    assert_eq!(stress.error.runs, 1);
+}
