@@ -222,7 +222,8 @@ impl Channels {
                 let (mut sum, mut count) = (0.0, 0);
                 for run in inputs.runs() {
                     for pair in run.chunks_exact(columns).collect::<Vec<_>>().windows(2) {
-                        sum += (pair[1][place] - pair[0][place]).powi(2);
+                        let change = pair[1][place] - pair[0][place];
+                        sum += change * change;
                         count += 1;
                     }
                 }

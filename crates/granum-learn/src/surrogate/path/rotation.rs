@@ -55,7 +55,8 @@ impl Rotation {
     /// A rotation of uniform density, from a unit quaternion.
     pub fn random(random: &mut SplitMix) -> Rotation {
         let [w, x, y, z] = loop {
-            let q: [f64; 4] = std::array::from_fn(|_| (random.next() >> 11) as f64 * 2f64.powi(-52) - 1.0);
+            let q: [f64; 4] =
+                std::array::from_fn(|_| (random.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0);
             let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
             if norm > 0.01 && norm <= 1.0 {
                 break q.map(|c| c / norm);
