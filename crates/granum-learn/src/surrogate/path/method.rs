@@ -23,7 +23,12 @@ use crate::surrogate::surrogate_trait::{Surrogate, SurrogateMethod};
 /// Rotations of each run beside the run itself.
 const ROTATIONS: usize = 7;
 
-/// Networks with a state for any path; the documentation of [this module](super) says how columns are read.
+/// Networks with a state for any path, which learn the change for an increment and are rolled out freely along whole paths.
+///
+/// The path are the six columns of strain (`axial_strain`, `lateral_strain_2`, `lateral_strain_3`, `shear_strain_yz`, `shear_strain_zx`,
+/// `shear_strain_xy`), of which the increments between the rows of a run count, or any other inputs that vary along a run. If `volumetric_strain` is an
+/// output, only the deviator of the increment is an input. Inputs that are constant in a run describe the sample: `sample.X` is the value of the output
+/// `X` before the first row. With strains, six outputs `X_11`, `X_22`, `X_33`, `X_23`, `X_13`, `X_12` are one tensor.
 ///
 /// ```
 /// use granum_core::observer::NoObserver;
