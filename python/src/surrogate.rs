@@ -23,6 +23,9 @@ use crate::watch::{self, Watch, serialised};
 const MOST_THREADS: u64 = 4096;
 const MOST_NEURONS: u64 = 1000;
 const LARGEST_SEED: u64 = 1 << 53;
+/// Rows that a method without memory predicts at once. What it has of each row is released before the next ones, which takes less time than
+/// to keep all of a million rows.
+const ROWS_AT_ONCE: usize = 1 << 14;
 
 /// A surrogate: `granum.surrogates.fit` fits it, `granum.surrogates.read` reads it.
 #[pyclass(frozen, module = "granum.surrogates")]
@@ -184,17 +187,15 @@ struct Estimates {
 }
 
 impl Estimates {
-    /// Those of the output of this number; the ends and the deviation are NaN for an estimate without an interval.
-    fn from_predictions(predictions: &[Prediction], output: usize) -> Estimates {
-        let mut found = Estimates::default();
+    /// Adds those of the output of this number; the ends and the deviation are NaN for an estimate without an interval.
+    fn extend(&mut self, predictions: &[Prediction], output: usize) {
         for estimate in predictions.iter().filter_map(|prediction| prediction.values.get(output)) {
             let interval = estimate.interval.as_ref();
-            found.mean.push(estimate.mean);
-            found.lower.push(interval.map_or(f64::NAN, |interval| interval.lower));
-            found.upper.push(interval.map_or(f64::NAN, |interval| interval.upper));
-            found.deviation.push(interval.map_or(f64::NAN, |interval| interval.standard_deviation()));
+            self.mean.push(estimate.mean);
+            self.lower.push(interval.map_or(f64::NAN, |interval| interval.lower));
+            self.upper.push(interval.map_or(f64::NAN, |interval| interval.upper));
+            self.deviation.push(interval.map_or(f64::NAN, |interval| interval.standard_deviation()));
         }
-        found
     }
 
     fn object<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -209,6 +210,30 @@ impl Estimates {
             found.set_item(name, arrays::reals(py, values, vec![rows])?)?;
         }
         Ok(found)
+    }
+}
+
+impl Surrogate {
+    /// The estimates of each output, and whether each row is outside of the range of the training.
+    fn estimates(&self, inputs: RunInputs, level: f64) -> granum_learn::Result<(Vec<Estimates>, Vec<bool>)> {
+        let outputs = self.inner.columns().outputs.len();
+        let mut found: Vec<Estimates> = (0..outputs).map(|_| Estimates::default()).collect();
+        let mut outside = Vec::with_capacity(inputs.len());
+        let mut predict = |inputs: &RunInputs| -> granum_learn::Result<()> {
+            let predictions = self.inner.predict(inputs, level)?;
+            found.iter_mut().enumerate().for_each(|(output, of)| of.extend(&predictions, output));
+            outside.extend(predictions.iter().map(|prediction| !prediction.outside.is_empty()));
+            Ok(())
+        };
+        if self.inner.has_memory() || inputs.len() <= ROWS_AT_ONCE {
+            predict(&inputs)?;
+        } else {
+            let columns = inputs.columns();
+            for rows in inputs.values().chunks(ROWS_AT_ONCE * columns) {
+                predict(&RunInputs::separate(rows.to_vec(), columns)?)?;
+            }
+        }
+        Ok((found, outside))
     }
 }
 
@@ -296,13 +321,7 @@ impl Surrogate {
     ) -> PyResult<Bound<'py, PyDict>> {
         let columns = self.inner.columns();
         let inputs = inputs_of(inputs, columns, runs)?;
-        let found = detached(py, || {
-            let predictions = self.inner.predict(&inputs, level)?;
-            let estimates =
-                (0..columns.outputs.len()).map(|output| Estimates::from_predictions(&predictions, output));
-            let outside = predictions.iter().map(|prediction| !prediction.outside.is_empty()).collect();
-            Ok((estimates.collect::<Vec<_>>(), outside))
-        })?;
+        let found = detached(py, || self.estimates(inputs, level))?;
         let (estimates, outside) = found.map_err(|error| errors::of_learning(py, &error))?;
         let outputs = PyDict::new(py);
         for (variable, estimates) in columns.outputs.iter().zip(estimates) {

@@ -208,3 +208,18 @@ def test_a_campaign_stops_in_good_order_and_goes_on(case: granum.Case, tmp_path:
     campaign.run(on_progress=lambda progress: False)
     assert not campaign.is_done
     assert campaign.run().is_done
+
+
+def test_many_rows_are_predicted_as_each_of_them_alone() -> None:
+    data = granum.Dataset({f"run {k}": curve(0.2 + 0.1 * k) for k in range(6)})
+    surrogate = granum.surrogates.fit(data, ["arc_length", "friction"], "stress_ratio", method="ridge")
+    chance = np.random.default_rng(1)
+    # More than are predicted at once.
+    rows = np.column_stack([chance.uniform(0, 0.1, 40_000), chance.uniform(0.1, 0.9, 40_000)])
+    many = surrogate.predict(rows)
+    assert np.array_equal(many["outputs"]["stress_ratio"]["mean"], surrogate.means(rows)[:, 0])
+    for k in [0, 16_383, 16_384, 39_999]:
+        alone = surrogate.predict(rows[k : k + 1])
+        assert alone["outside"][0] == many["outside"][k]
+        for name, values in alone["outputs"]["stress_ratio"].items():
+            assert values[0] == many["outputs"]["stress_ratio"][name][k], name
