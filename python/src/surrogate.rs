@@ -6,7 +6,7 @@ use std::sync::Arc;
 use granum::Registry;
 use granum_learn::networks::NetworkSettings;
 use granum_learn::surrogate::{Columns, RunInputs, save, to_json};
-use granum_learn::{FitSpec, Prediction, score_surrogate};
+use granum_learn::{FitSpec, LearnError, Prediction, score_surrogate};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -214,25 +214,33 @@ impl Estimates {
 }
 
 impl Surrogate {
+    /// Predicts rows piece after piece, or all at once by a method with memory.
+    fn in_pieces(
+        &self,
+        inputs: RunInputs,
+        mut predict: impl FnMut(&RunInputs) -> granum_learn::Result<()>,
+    ) -> granum_learn::Result<()> {
+        if self.inner.has_memory() || inputs.len() <= ROWS_AT_ONCE {
+            return predict(&inputs);
+        }
+        let columns = inputs.columns();
+        for rows in inputs.values().chunks(ROWS_AT_ONCE * columns) {
+            predict(&RunInputs::separate(rows.to_vec(), columns)?)?;
+        }
+        Ok(())
+    }
+
     /// The estimates of each output, and whether each row is outside of the range of the training.
     fn estimates(&self, inputs: RunInputs, level: f64) -> granum_learn::Result<(Vec<Estimates>, Vec<bool>)> {
         let outputs = self.inner.columns().outputs.len();
         let mut found: Vec<Estimates> = (0..outputs).map(|_| Estimates::default()).collect();
         let mut outside = Vec::with_capacity(inputs.len());
-        let mut predict = |inputs: &RunInputs| -> granum_learn::Result<()> {
+        self.in_pieces(inputs, |inputs| {
             let predictions = self.inner.predict(inputs, level)?;
             found.iter_mut().enumerate().for_each(|(output, of)| of.extend(&predictions, output));
             outside.extend(predictions.iter().map(|prediction| !prediction.outside.is_empty()));
             Ok(())
-        };
-        if self.inner.has_memory() || inputs.len() <= ROWS_AT_ONCE {
-            predict(&inputs)?;
-        } else {
-            let columns = inputs.columns();
-            for rows in inputs.values().chunks(ROWS_AT_ONCE * columns) {
-                predict(&RunInputs::separate(rows.to_vec(), columns)?)?;
-            }
-        }
+        })?;
         Ok((found, outside))
     }
 }
@@ -345,10 +353,17 @@ impl Surrogate {
         let columns = self.inner.columns();
         let inputs = inputs_of(inputs, columns, runs)?;
         let rows = inputs.len();
-        let means = detached(py, || self.inner.means(&inputs).map(|means| means.concat()))?;
+        let means = detached(py, || {
+            let mut means = Vec::with_capacity(rows * columns.outputs.len());
+            self.in_pieces(inputs, |inputs| {
+                means.extend(self.inner.means(inputs)?.into_iter().flatten());
+                Ok(())
+            })?;
+            Ok(means)
+        })?;
         arrays::reals(
             py,
-            means.map_err(|error| errors::of_learning(py, &error))?,
+            means.map_err(|error: LearnError| errors::of_learning(py, &error))?,
             vec![rows, columns.outputs.len()],
         )
     }
