@@ -127,6 +127,8 @@ impl Family {
         answer.set_item("typical_inputs", typical)?;
         let outside = found.outside.iter().map(|outside| outside.name.clone()).collect::<Vec<String>>();
         answer.set_item("outside", PyList::new(py, outside)?)?;
+        let combination = found.combination.map(|found| found.inputs.map(|(name, _)| name).to_vec());
+        answer.set_item("unseen_combination", combination)?;
         answer.set_item("level", found.level)?;
         let rows = found.points.len();
         answer.set_item("coordinate", definition.coordinate)?;

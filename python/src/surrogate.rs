@@ -238,7 +238,7 @@ impl Surrogate {
         self.in_pieces(inputs, |inputs| {
             let predictions = self.inner.predict(inputs, level)?;
             found.iter_mut().enumerate().for_each(|(output, of)| of.extend(&predictions, output));
-            outside.extend(predictions.iter().map(|prediction| !prediction.outside.is_empty()));
+            outside.extend(predictions.iter().map(Prediction::is_extrapolated));
             Ok(())
         })?;
         Ok((found, outside))

@@ -155,7 +155,7 @@ pub(crate) fn judged(
             }
         }
     }
-    let is_outside = |prediction: &&Prediction| !prediction.outside.is_empty();
+    let is_outside = |prediction: &&Prediction| prediction.is_extrapolated();
     Ok(Judged {
         score: scorer.score(),
         outputs: each.iter().map(Scorer::score).collect(),

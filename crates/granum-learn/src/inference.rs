@@ -63,7 +63,7 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
             add("upper", &|estimate| of(estimate, &|interval| interval.upper));
         }
     }
-    let outside = |prediction: &Prediction| f64::from(u8::from(!prediction.outside.is_empty()));
+    let outside = |prediction: &Prediction| f64::from(u8::from(prediction.is_extrapolated()));
     all.push(Column::new("outside", "", predictions.iter().map(outside).collect()));
     Ok(Table::new(all)?)
 }

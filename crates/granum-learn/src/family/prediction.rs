@@ -3,7 +3,7 @@
 use super::model::{FamilyModel, unfit};
 use super::typical::{TypicalValue, typical_value};
 use crate::error::{LearnError, Result};
-use crate::surrogate::{Outside, RunInputs};
+use crate::surrogate::{Outside, RunInputs, UnseenCombination};
 
 /// Where the value of an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +47,8 @@ pub struct FamilyPrediction {
     pub inputs: Vec<UsedInput>,
     /// Inputs outside the range of the runs, where the answer is an extrapolation.
     pub outside: Vec<Outside>,
+    /// Two inputs, each within its range, that the runs do not have together, so that the answer is an extrapolation too.
+    pub combination: Option<UnseenCombination>,
     /// The points of the coordinate.
     pub points: Vec<f64>,
     /// The share of new samples of which a state should be within its interval.
@@ -56,7 +58,10 @@ pub struct FamilyPrediction {
 }
 
 /// Mean, lower and upper end of each output at each point.
-struct Plain(Vec<[Vec<f64>; 3]>);
+struct Plain {
+    curves: Vec<[Vec<f64>; 3]>,
+    combination: Option<UnseenCombination>,
+}
 
 impl FamilyModel {
     /// Predicts the curves of a test. `given` has a value for each input of the family, or `None` where it is not known and a typical
@@ -85,7 +90,8 @@ impl FamilyModel {
         let (values, typical) = self.completed(given, None);
         let plain = self.plain(&values, level)?;
         // What each missing input could change, with those after it following as they usually do.
-        let mut variances: Vec<Vec<f64>> = plain.0.iter().map(|[mean, ..]| vec![0.0; mean.len()]).collect();
+        let mut variances: Vec<Vec<f64>> =
+            plain.curves.iter().map(|[mean, ..]| vec![0.0; mean.len()]).collect();
         for (input, value) in typical.iter().enumerate() {
             let Some(typical) = value.filter(|typical| typical.deviation > 0.0) else { continue };
             let means = |sign: f64| -> Result<Plain> {
@@ -93,7 +99,8 @@ impl FamilyModel {
                 self.plain(&self.completed(given, Some((input, shifted))).0, level)
             };
             let (low, high) = (means(-1.0)?, means(1.0)?);
-            for ((variance, [low, ..]), [high, ..]) in variances.iter_mut().zip(&low.0).zip(&high.0) {
+            for ((variance, [low, ..]), [high, ..]) in variances.iter_mut().zip(&low.curves).zip(&high.curves)
+            {
                 for ((variance, low), high) in variance.iter_mut().zip(low).zip(high) {
                     *variance += (0.5 * (high - low)).powi(2);
                 }
@@ -101,7 +108,7 @@ impl FamilyModel {
         }
         let points = self.points()?.to_vec();
         let columns = &self.surrogate.columns().outputs;
-        let curves = columns.iter().zip(plain.0).zip(variances).map(|((column, plain), variance)| {
+        let curves = columns.iter().zip(plain.curves).zip(variances).map(|((column, plain), variance)| {
             let [mean, lower, upper] = plain;
             let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
             let is_density = column.name.contains("probability_density");
@@ -130,6 +137,7 @@ impl FamilyModel {
         });
         Ok(FamilyPrediction {
             outside: outside.collect(),
+            combination: plain.combination,
             inputs: inputs.collect(),
             points,
             level,
@@ -188,6 +196,7 @@ impl FamilyModel {
             }
             curve
         };
-        Ok(Plain((0..outputs).map(curve).collect()))
+        let curves = (0..outputs).map(curve).collect();
+        Ok(Plain { curves, combination: predicted.into_iter().find_map(|prediction| prediction.combination) })
     }
 }

@@ -22,7 +22,7 @@ pub struct FamilyScores {
     pub data: TrainingData,
     /// Number of points with two or more runs that are alike but for their seeds.
     pub points: usize,
-    /// Number of runs with an input outside the range of the training runs.
+    /// Number of runs with an input outside the range of the training runs, or with two inputs that these do not have together.
     pub outside: usize,
     /// Names of the runs that were not scored since their curves end early.
     pub left_out: Vec<String>,

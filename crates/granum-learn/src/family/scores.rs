@@ -52,11 +52,7 @@ impl FamilyModel {
             return Err(unfit("no run goes as far as the curves do"));
         }
         let groups = replicates(&of_runs.iter().map(|run| &**run).collect::<Vec<&RunStates>>());
-        let ranges = self.ranges();
-        let is_outside = |run: &&ScoredRun| {
-            let each = run.inputs.iter().zip(&ranges);
-            each.clone().any(|(value, [low, high])| !(value >= low && value <= high))
-        };
+        let is_outside = |run: &&ScoredRun| run.predicted.iter().any(Prediction::is_extrapolated);
         let outputs = definition.outputs.iter().map(|output| {
             let columns = self.columns_of(output);
             self.output_score(output, &columns, &shares, (&scored, &groups))

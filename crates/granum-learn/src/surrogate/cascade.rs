@@ -410,7 +410,7 @@ impl Surrogate for FittedCascade {
             if self.runs < FEWEST_RUNS {
                 values.iter_mut().for_each(|estimate| estimate.interval = None);
             }
-            Prediction::new(values).with_outside(known.outside)
+            Prediction::new(values).with_outside(known.outside).with_combination(known.combination)
         };
         Ok(answered.into_iter().zip(known).map(prediction).collect())
     }

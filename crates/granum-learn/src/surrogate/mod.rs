@@ -116,7 +116,7 @@ pub use method_words::method_of_words;
 pub use nearest_run::NearestRun;
 pub(crate) use path::deviator;
 pub use path::{PathCell, PathNetworks};
-pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
+pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, UnseenCombination, causes, outside_of};
 pub use recurrent::Recurrent;
 pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;

@@ -23,17 +23,36 @@ pub struct Prediction {
     pub values: Vec<Estimate>,
     /// The inputs outside the trained range; the estimates should not be trusted if there are any.
     pub outside: Vec<Outside>,
+    /// Two inputs, each within its trained range, that the training runs do not have together.
+    pub combination: Option<UnseenCombination>,
+}
+
+/// Values of two inputs that the training runs do not have together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnseenCombination {
+    /// Their names and values.
+    pub inputs: [(String, f64); 2],
 }
 
 impl Prediction {
     /// A prediction from the estimates of all outputs, with all inputs inside the trained range.
     pub fn new(values: Vec<Estimate>) -> Prediction {
-        Prediction { values, outside: Vec::new() }
+        Prediction { values, outside: Vec::new(), combination: None }
     }
 
     /// Sets the inputs outside the trained range.
     pub fn with_outside(self, outside: Vec<Outside>) -> Prediction {
         Prediction { outside, ..self }
+    }
+
+    /// Sets the two inputs that the training runs do not have together.
+    pub fn with_combination(self, combination: Option<UnseenCombination>) -> Prediction {
+        Prediction { combination, ..self }
+    }
+
+    /// True if the training runs say little of these inputs: one is outside its trained range, or two do not occur together.
+    pub fn is_extrapolated(&self) -> bool {
+        !self.outside.is_empty() || self.combination.is_some()
     }
 }
 

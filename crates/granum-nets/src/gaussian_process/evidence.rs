@@ -59,8 +59,20 @@ impl Factorised {
 
     /// The diagonal of `A^-1`.
     pub fn diagonal_of_inverse(&mut self) -> Vec<f64> {
-        let inverse = self.factor.inverse();
-        (0..self.size).map(|k| inverse.values[k * inverse.stride + k / LANES].0[k % LANES]).collect()
+        let size = self.size;
+        Factorised::diagonal(&self.factor.inverse(), size)
+    }
+
+    /// `A^-1`, row-major.
+    pub fn inverse(&mut self) -> Vec<f64> {
+        let (size, inverse) = (self.size, self.factor.inverse());
+        let upper = |k: usize, s: usize| inverse.values[k * inverse.stride + s / LANES].0[s % LANES];
+        (0..size * size).map(|at| (at / size, at % size)).map(|(k, s)| upper(k.min(s), k.max(s))).collect()
+    }
+
+    /// The first elements of the diagonal of a matrix.
+    pub fn diagonal(matrix: &Symmetric, size: usize) -> Vec<f64> {
+        (0..size).map(|k| matrix.values[k * matrix.stride + k / LANES].0[k % LANES]).collect()
     }
 
     pub fn packed(&self, values: &[f64]) -> Vec<Row8> {

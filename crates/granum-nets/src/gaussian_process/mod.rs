@@ -19,6 +19,7 @@
 mod covariance;
 mod error;
 mod evidence;
+mod left_out_blocks;
 mod observations;
 mod process;
 mod rows;
@@ -26,6 +27,7 @@ mod rows;
 mod tests;
 
 pub use error::GaussianProcessError;
+pub use left_out_blocks::LeftOutBlocks;
 pub use observations::{Observations, PosteriorCovariance};
 pub use process::{FitOptions, FurtherRow, GaussianProcess, LeftOut, ProcessPrediction};
 pub use rows::Rows;

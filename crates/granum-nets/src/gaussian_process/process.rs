@@ -157,8 +157,18 @@ impl GaussianProcess {
     ) -> Result<GaussianProcess, GaussianProcessError> {
         check_targets(&rows, targets)?;
         check_parameters(&rows, &logarithms)?;
-        let inputs = rows.columns();
         let scale = mean_and_deviation(targets);
+        GaussianProcess::with_scale(rows, targets, logarithms, scale)
+    }
+
+    /// The same, with the mean and the standard deviation by which targets are scaled.
+    pub(super) fn with_scale(
+        rows: Arc<Rows>,
+        targets: &[f64],
+        logarithms: Vec<f64>,
+        scale: [f64; 2],
+    ) -> Result<GaussianProcess, GaussianProcessError> {
+        let inputs = rows.columns();
         let covariance = Covariance::new(inputs, &logarithms);
         let lanes = RowLanes::new(&rows);
         let factorised = Factorised::new(&covariance, &lanes).ok_or(GaussianProcessError::NotPositive)?;
@@ -227,6 +237,27 @@ impl GaussianProcess {
     fn remaining_scaled(&self, row: &[f64], with: &[Row8], further: &FurtherRow) -> f64 {
         let known: f64 = Row8::numbers(with).iter().zip(&further.solved).map(|(k, a)| k * a).sum();
         self.covariance.between(row, &further.row) - known
+    }
+
+    /// `A^-1`, row-major.
+    pub(super) fn inverse(&self) -> Vec<f64> {
+        self.factorised.clone().inverse()
+    }
+
+    /// `A^-1 y` with scaled targets, and the standard deviation by which they were scaled.
+    pub(super) fn solved(&self) -> (&[f64], f64) {
+        (&self.solved, self.scale[1])
+    }
+
+    /// Mean and standard deviation by which targets are scaled.
+    #[cfg(test)]
+    pub(super) fn scale(&self) -> [f64; 2] {
+        self.scale
+    }
+
+    /// Number of targets.
+    pub(super) fn targets(&self) -> usize {
+        self.rows.count()
     }
 
     /// Variance of the noise of a single observation.

@@ -91,7 +91,7 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
         100.0 * level
     ));
     if *outside > 0 {
-        lines.push(format!("{outside} of the runs have an input outside the ranges."));
+        lines.push(format!("{outside} of the runs have an input outside the ranges, or two that the runs of the fit do not have together."));
     }
     if !left_out.is_empty() {
         lines.push(format!("Not scored since they end early: {}.", left_out.join(", ")));

@@ -13,7 +13,7 @@ use super::family_chart::{ChartPoint, chart, short};
 use super::family_check;
 use super::family_figure;
 use super::family_flags::{self, FamilyFlags};
-use super::prediction_input::{LEVEL, outside_text};
+use super::prediction_input::{LEVEL, combination_json, combination_text, outside_text};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -45,9 +45,7 @@ pub fn run(
     let known = flags.known(context, family, case)?;
     let inputs = family_flags::inputs_of(family, &known)?;
     let prediction = model.predict(&inputs, LEVEL)?;
-    if let Some(text) = outside_text(&prediction.outside) {
-        context.warn_in_json(&text);
-    }
+    flags_of(&prediction).iter().for_each(|text| context.warn_in_json(text));
     let checked = match flags.check {
         true => Some(family_check::run(context, &model, &known, &inputs, flags.grains)?),
         false => None,
@@ -70,12 +68,18 @@ pub fn run(
     })
 }
 
+/// What is said of an answer for which there are no runs.
+fn flags_of(prediction: &FamilyPrediction) -> Vec<String> {
+    let combination = combination_text(prediction.combination.as_ref());
+    outside_text(&prediction.outside).into_iter().chain(combination).collect()
+}
+
 /// What the answer is made of, and its curves.
 fn text(model: &FamilyModel, prediction: &FamilyPrediction) -> Vec<String> {
     let family = model.definition();
     let mut lines = vec![format!("{}: {} (fitted to {} runs)", family.name, family.title, model.runs())];
     lines.extend(prediction.inputs.iter().map(input_line));
-    lines.extend(outside_text(&prediction.outside));
+    lines.extend(flags_of(prediction));
     for output in family.outputs {
         let columns = model.columns_of(output);
         let symbol = if output.symbol.is_empty() { String::new() } else { format!("{} = ", output.symbol) };
@@ -171,6 +175,7 @@ fn as_json(model: &FamilyModel, prediction: &FamilyPrediction) -> Value {
         "level": prediction.level,
         "inputs": prediction.inputs.iter().map(input).collect::<Vec<_>>(),
         "outside": outside.map(|o| json!({ "input": o.name, "value": o.value, "range": o.range })).collect::<Vec<_>>(),
+        "unseen_combination": combination_json(prediction.combination.as_ref()),
         model.definition().coordinate: prediction.points,
         "curves": curves,
     })

@@ -10,7 +10,7 @@ use granum_learn::inference::{RUN, predict_table};
 use granum_learn::surrogate::{Cause, Estimate};
 use serde_json::{Value, json};
 
-use super::prediction_input::{LEVEL, outside_text, row};
+use super::prediction_input::{LEVEL, combination_json, combination_text, outside_text, row};
 use super::prediction_words::InputWords;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -36,11 +36,14 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
         "level": LEVEL,
         "outputs": named.clone().map(|(output, estimate)| as_json(&output.name, estimate)).collect::<Vec<_>>(),
         "outside": outside.map(|o| json!({ "input": o.name, "value": o.value, "range": o.range })).collect::<Vec<_>>(),
+        "unseen_combination": combination_json(prediction.combination.as_ref()),
     });
-    outside_text(&prediction.outside).iter().for_each(|text| context.warn_in_json(text));
+    let combination = combination_text(prediction.combination.as_ref());
+    let flags: Vec<String> = outside_text(&prediction.outside).into_iter().chain(combination).collect();
+    flags.iter().for_each(|text| context.warn_in_json(text));
     output::say(context, &result, || {
         let mut lines: Vec<String> = named.map(|(output, estimate)| line(&output.name, estimate)).collect();
-        lines.extend(outside_text(&prediction.outside));
+        lines.extend(flags);
         lines.join("\n")
     })
 }

@@ -3,8 +3,10 @@
 use granum_core::names::nearest;
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_io::case::{Fields, Vocabulary};
-use granum_learn::surrogate::Outside;
+use granum_learn::surrogate::{Outside, UnseenCombination};
+use serde_json::{Value, json};
 
+use super::family_chart::short;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::apart_from_range;
@@ -94,4 +96,22 @@ pub(super) fn outside_text(outside: &[Outside]) -> Option<String> {
     });
     let all = each.collect::<Vec<_>>().join(", ");
     (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this prediction."))
+}
+
+/// What is said of a prediction for two inputs that the training runs do not have together.
+pub(super) fn combination_text(combination: Option<&UnseenCombination>) -> Option<String> {
+    let [(first, x), (second, y)] = &combination?.inputs;
+    let (x, y) = (short(*x), short(*y));
+    Some(format!(
+        "OUTSIDE what was trained: no run has {first} = {x} and {second} = {y} together, or nearly; the intervals are wider, and a simulation \
+         (--check, or a campaign) would tell whether they hold."
+    ))
+}
+
+/// The same for a document.
+pub(super) fn combination_json(combination: Option<&UnseenCombination>) -> Value {
+    combination.map_or(Value::Null, |found| {
+        let each = found.inputs.iter().map(|(input, value)| json!({ "input": input, "value": value }));
+        Value::Array(each.collect())
+    })
 }

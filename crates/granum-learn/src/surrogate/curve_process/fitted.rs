@@ -9,6 +9,8 @@ use super::calibration::Calibration;
 use super::densities::Densities;
 use super::failure::{NAME, failed};
 use super::groups::Group;
+use super::local_calibration::LocalFactor;
+use super::orthogonal_hull::{HullDistance, OrthogonalHull};
 use super::predicted_curve::{Curve, curves_needed, curves_of_outputs};
 use super::reach::EndedEarly;
 use super::run_curves::{RunCurve, shares};
@@ -16,7 +18,7 @@ use crate::curve::{increases, interpolated};
 use crate::dataset::RunStates;
 use crate::error::Result;
 use crate::surrogate::content::Content;
-use crate::surrogate::prediction::{Cause, Estimate, Prediction, outside_of};
+use crate::surrogate::prediction::{Cause, Estimate, Prediction, UnseenCombination, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
 use crate::surrogate::surrogate_trait::Surrogate;
@@ -26,7 +28,7 @@ const FEWEST_RUNS: usize = 3;
 /// A run reaches the last point if it lacks no more than this part of the range.
 const ALMOST: f64 = 0.005;
 /// Share of a normal distribution within one standard deviation.
-const ONE_DEVIATION: f64 = 0.682_689_492_137_085_9;
+pub(super) const ONE_DEVIATION: f64 = 0.682_689_492_137_085_9;
 
 /// What is kept in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,6 +53,12 @@ pub(super) struct Kept {
     pub curves: Vec<KeptCurve>,
     /// For each output.
     pub calibrations: Vec<Calibration>,
+    /// For each output by what its intervals are wider at one place than at another; none in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub local: Vec<LocalFactor>,
+    /// The distance from the hull of the training runs beyond which inputs are a combination that they do not have.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
     /// Runs that were not used.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<EndedEarly>,
@@ -88,6 +96,15 @@ pub struct FittedCurves {
     pub(super) kept: Kept,
     /// For each curve the process of each component.
     pub(super) processes: Vec<Vec<GaussianProcess>>,
+    /// Which combinations of inputs the training runs have, if intervals depend on it.
+    hull: Option<OrthogonalHull>,
+}
+
+/// Where the inputs of a run are among those of the training runs.
+struct Place {
+    /// For each output the factor of its intervals there.
+    factors: Vec<f64>,
+    combination: Option<UnseenCombination>,
 }
 
 impl FittedCurves {
@@ -106,7 +123,9 @@ impl FittedCurves {
                 }
             }
         }
-        Ok(FittedCurves { columns, kept, processes })
+        let hull = (!kept.groups.is_empty() && !kept.local.is_empty())
+            .then(|| OrthogonalHull::new(&kept.rows, kept.groups.len()));
+        Ok(FittedCurves { columns, kept, processes, hull })
     }
 
     /// Bands that should contain the share `level` of the whole curves of new runs, and not only of their states: for each state the
@@ -165,8 +184,8 @@ impl FittedCurves {
 
     /// An output of a run at increasing values of the coordinate, from the inputs beside the coordinate in their order: the mean, and the
     /// covariance of a run about it, `f^2 (sum_j s_j^2 v_j(a) v_j(b) + r(a) [a = b])` with the variance `s_j^2` of the weight of each
-    /// component `v_j`, the variance r that the components do not contain, and the factor f by which intervals of one standard deviation were
-    /// calibrated on training runs left out.
+    /// component `v_j`, the variance r that the components do not contain, and the factor f by which intervals of one standard deviation that are
+    /// equal everywhere were calibrated on training runs left out.
     ///
     /// # Errors
     /// If there is no such output, it is a bin of a histogram, whose values are not normal, or there are other inputs.
@@ -184,9 +203,12 @@ impl FittedCurves {
 
     /// An output whose error is normal, and the factor by which its standard deviations were calibrated.
     pub(super) fn normal_output(&self, output: usize) -> Result<(&KeptCurve, f64)> {
-        let Kept { calibrations, histograms, curves, .. } = &self.kept;
+        let Kept { calibrations, histograms, curves, local, .. } = &self.kept;
         match (curves.get(output), calibrations.get(output), histograms.is_empty()) {
-            (Some(kept), Some(calibration), true) => Ok((kept, calibration.interval(ONE_DEVIATION))),
+            (Some(kept), Some(calibration), true) => {
+                let plain = local.get(output).map(LocalFactor::deviation);
+                Ok((kept, plain.unwrap_or_else(|| calibration.interval(ONE_DEVIATION))))
+            }
             _ => Err(failed("there is no such output whose error has a covariance")),
         }
     }
@@ -202,18 +224,18 @@ impl FittedCurves {
         let factors: Vec<f64> = calibrations.iter().map(factor).collect();
         let is_density = self.densities();
         let all_ranges = self.ranges();
-        let mut known: Option<(Vec<f64>, Vec<Curve>)> = None;
+        let mut known: Option<(Vec<f64>, Vec<Curve>, Place)> = None;
         let mut predictions = Vec::with_capacity(inputs.len());
         for row in inputs.rows() {
             let x = row[*coordinate];
             let mut own = row.to_vec();
             own.remove(*coordinate);
             // The rows of a run differ in the coordinate alone.
-            let (_, curves) = match known.take() {
+            let (_, curves, place) = match known.take() {
                 Some(same) if same.0 == own => known.insert(same),
                 _ => {
-                    let curves = self.curves(&own);
-                    known.insert((own, curves))
+                    let (curves, place) = (self.curves(&own), self.place(&own));
+                    known.insert((own, curves, place))
                 }
             };
             let at = |values: &[f64]| interpolated(x, points, values);
@@ -234,14 +256,34 @@ impl FittedCurves {
                 }
                 estimate
             };
-            let estimates = curves.iter().zip(&factors).zip(&is_density).map(estimate).collect();
-            predictions.push(Prediction::new(estimates).with_outside(outside_of(
-                &self.columns,
-                &all_ranges,
-                row,
-            )));
+            let own: Vec<f64> = factors.iter().zip(&place.factors).map(|(all, here)| all * here).collect();
+            let estimates = curves.iter().zip(&own).zip(&is_density).map(estimate).collect();
+            let outside = outside_of(&self.columns, &all_ranges, row);
+            // An input that is outside of its own range is named already.
+            let combination = place.combination.clone().filter(|_| outside.is_empty());
+            predictions.push(Prediction::new(estimates).with_outside(outside).with_combination(combination));
         }
         predictions
+    }
+
+    fn place(&self, inputs: &[f64]) -> Place {
+        let Some(hull) = &self.hull else {
+            return Place { factors: vec![1.0; self.columns.outputs.len()], combination: None };
+        };
+        let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
+        let places = hull.places(&row);
+        let HullDistance { distance, pair } = hull.distance(&places);
+        let names = self.columns.input_names();
+        let input = |group: usize| {
+            let input = self.kept.groups[group].input();
+            // The coordinate is one of the columns.
+            (names[input + usize::from(input >= self.kept.coordinate)].clone(), inputs[input])
+        };
+        let is_unseen = self.kept.limit.is_some_and(|limit| distance > limit) && pair[0] != pair[1];
+        Place {
+            factors: self.kept.local.iter().map(|local| local.at(&places, distance)).collect(),
+            combination: is_unseen.then(|| UnseenCombination { inputs: pair.map(input) }),
+        }
     }
 
     /// For each output whether it is a bin of a histogram.
@@ -304,6 +346,8 @@ fn is_sound(columns: &Columns, kept: &Kept) -> bool {
         && kept.curves.iter().all(curve)
         && kept.calibrations.len() == outputs
         && kept.calibrations.iter().all(Calibration::is_sound)
+        && (kept.local.is_empty() || kept.local.len() == outputs)
+        && kept.local.iter().all(|local| local.is_sound(groups))
 }
 
 impl Surrogate for FittedCurves {

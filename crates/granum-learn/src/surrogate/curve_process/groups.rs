@@ -90,6 +90,11 @@ impl Group {
         }
     }
 
+    /// The number of its input.
+    pub fn input(&self) -> usize {
+        self.input
+    }
+
     /// The value for the inputs of a run.
     pub fn value(&self, inputs: &[f64]) -> f64 {
         (self.raw(inputs) - self.mean) / self.deviation

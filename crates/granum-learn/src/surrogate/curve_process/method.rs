@@ -7,7 +7,6 @@ use granum_core::observer::{Event, Flow, Observer, Progress, SharedObserver};
 use granum_core::parallel;
 use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
 
-use super::calibration::Calibration;
 use super::components::Components;
 use super::densities::{Densities, histograms_among};
 use super::failure::{NAME, failed};
@@ -15,6 +14,7 @@ use super::fitted::{FittedCurves, Kept, KeptCurve};
 use super::groups::groups_of;
 use super::left_out::{Curves, PARTS};
 use super::left_out_curves::LeftOutCurves;
+use super::local_calibration::{Calibrated, LeftOutRuns};
 use super::predicted_curve::{Curve, curves_of_outputs};
 use super::reach::{Reach, within_reach};
 use super::run_curves::{RunCurve, common_points, shares};
@@ -184,12 +184,16 @@ impl GaussianProcessOfCurves {
             .collect();
         let predicted = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
         let predicted = of_outputs(predicted, &histograms, starts.len());
-        let calibrations = calibrations(&shared, &starts, &predicted);
         let curves = prepared.into_iter().zip(parameters).map(|(prepared, parameters)| {
             let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
             KeptCurve { start, mean, components, rest, parameters, weights }
         });
-        let curves = curves.collect();
+        let curves: Vec<KeptCurve> = curves.collect();
+        let measured = measured(&shared, &starts);
+        let left_out_runs =
+            LeftOutRuns { measured: &measured, predicted: &predicted, shares: &shared.shares };
+        let Calibrated { calibrations, local, limit } =
+            left_out_runs.calibrated(shared.rows.as_deref(), &curves, &histograms, spec.threads);
         let is_used = |name: &&&str| left_out.iter().all(|ended| ended.run != **name);
         let used = of_runs.iter().filter(is_used).map(|name| (*name).to_owned());
         let from = |run: &RunCurve| -> Vec<f64> {
@@ -208,6 +212,8 @@ impl GaussianProcessOfCurves {
             histograms,
             curves,
             calibrations,
+            local,
+            limit,
             left_out,
         };
         Ok((FittedCurves::new(columns, kept)?, left_out_curves))
@@ -350,26 +356,12 @@ fn of_outputs(left_out: Vec<Vec<Curve>>, histograms: &[Densities], outputs: usiz
     of_runs.into_iter().map(|run| curves_of_outputs(run, histograms, outputs)).collect()
 }
 
-/// The calibration of each output.
-fn calibrations(shared: &Shared, starts: &[Option<usize>], predicted: &[Vec<Curve>]) -> Vec<Calibration> {
-    let calibration = |(output, start): (usize, &Option<usize>)| {
-        let measured = |run: &RunCurve| run.at(&shared.points, output, *start);
-        let measured: Vec<Vec<f64>> = shared.runs.iter().map(measured).collect();
-        // Where all curves start at the value on their sample, nothing is predicted.
-        let from = usize::from(measured.iter().all(|curve| curve[0] == 0.0));
-        let errors = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> Vec<f64> {
-            (from..measured.len()).map(|k| run[output].error(k, measured[k])).collect()
-        };
-        let errors: Vec<Vec<f64>> = predicted.iter().zip(&measured).map(errors).collect();
-        let square = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> f64 {
-            let apart = measured.iter().zip(&run[output].mean).zip(&shared.shares);
-            apart.map(|((measured, mean), share)| share * (measured - mean) * (measured - mean)).sum()
-        };
-        let squares: f64 = predicted.iter().zip(&measured).map(square).sum();
-        Calibration::new(&errors, &shared.shares[from..])
-            .with_root_mean_square((squares / predicted.len() as f64).sqrt())
+/// For each output the curves of the runs, from their starts.
+fn measured(shared: &Shared, starts: &[Option<usize>]) -> Vec<Vec<Vec<f64>>> {
+    let of_output = |(output, start): (usize, &Option<usize>)| {
+        shared.runs.iter().map(|run| run.at(&shared.points, output, *start)).collect()
     };
-    starts.iter().enumerate().map(calibration).collect()
+    starts.iter().enumerate().map(of_output).collect()
 }
 
 /// The input that is the value of an output on the sample.

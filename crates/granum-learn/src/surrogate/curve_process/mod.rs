@@ -15,11 +15,14 @@
 //! The variance of a new run about the mean has two parts: that of the processes, which more runs would reduce (`parameters`), and
 //! that of a single run, which they would not (`noise`): the noise of the processes, and the part of the training curves that the
 //! components do not contain. Intervals are these standard deviations times a factor, which is chosen on whole training runs, each
-//! predicted by what was fitted to others (conformal calibration): for intervals of single states, and for bands that contain a whole curve.
+//! predicted by what was fitted to others (conformal calibration): for intervals of single states, and for bands that contain a whole curve. It is
+//! larger where training runs were missed by more, and outside of the combinations of inputs that they have (`local_calibration`).
 
 mod calibration;
 mod components;
+mod corners;
 mod densities;
+mod error_size;
 mod failure;
 mod fitted;
 mod further_run;
@@ -27,8 +30,10 @@ mod groups;
 mod joint;
 mod left_out;
 mod left_out_curves;
+mod local_calibration;
 mod method;
 mod next_runs;
+mod orthogonal_hull;
 mod predicted_curve;
 mod reach;
 mod run_curves;

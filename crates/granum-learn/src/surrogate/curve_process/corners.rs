@@ -1,0 +1,190 @@
+//! How much larger errors are outside of what the runs cover, seen by leaving corners of the inputs out.
+//!
+//! From each process all runs are left out that have both of two inputs beyond their median, in one of the four corners, and those at an end of a
+//! single input (`granum_nets::gaussian_process::LeftOutBlocks`; parameters and components stay those of all runs). A run of the corner at the
+//! distance D from the hull of the others ([`super::orthogonal_hull`]) then has the errors `e` over the half widths of its intervals. The growth is
+//! the number c with which intervals hold their share of these states, if they are
+//!
+//! ```text
+//! 1 + c D
+//! ```
+//!
+//! times as wide: the quantile of `(e - 1) / D` over the states of runs outside the hull, and at least 0.
+
+use std::sync::Arc;
+
+use granum_core::parallel;
+use granum_nets::gaussian_process::{GaussianProcess, ProcessPrediction, Rows};
+
+use super::densities::Densities;
+use super::failure::failed;
+use super::fitted::KeptCurve;
+use super::orthogonal_hull::OrthogonalHull;
+use super::predicted_curve::{Curve, curves_of_outputs};
+use crate::error::Result;
+
+/// Most runs, evenly spread, from which corners are left out.
+const MOST_RUNS: usize = 400;
+/// Places of the inputs beyond which a run is in a corner or at an end.
+const CORNER: f64 = 0.5;
+const END: f64 = 0.25;
+/// Fewest runs outside the hull that tell anything.
+const FEWEST: usize = 20;
+
+/// A block of runs that are left out.
+struct Corner {
+    runs: Vec<usize>,
+    /// The distance of each from the hull of the others.
+    distances: Vec<f64>,
+}
+
+/// The runs left out of the processes in corners.
+pub(super) struct Corners<'a> {
+    /// The runs that are used, of all.
+    used: Vec<usize>,
+    corners: Vec<Corner>,
+    curves: &'a [KeptCurve],
+    histograms: &'a [Densities],
+    outputs: usize,
+    /// For each process, in the order of curves and components, and each corner its runs as predicted from others.
+    left_out: Vec<Vec<Vec<ProcessPrediction>>>,
+}
+
+/// A run that was left out, with its predicted outputs.
+pub(super) struct CornerRun {
+    /// Its number among all runs.
+    pub run: usize,
+    pub distance: f64,
+    pub curves: Vec<Curve>,
+}
+
+impl<'a> Corners<'a> {
+    /// Leaves corners out of the processes of curves; `rows` are the inputs of all runs as the processes see them.
+    pub fn new(
+        rows: &Rows,
+        curves: &'a [KeptCurve],
+        histograms: &'a [Densities],
+        outputs: usize,
+        threads: usize,
+    ) -> Result<Corners<'a>> {
+        let (count, kept) = (rows.count(), rows.count().min(MOST_RUNS));
+        let used: Vec<usize> = (0..kept).map(|k| k * count / kept).collect();
+        let inputs = rows.columns();
+        let values: Vec<f64> = used.iter().flat_map(|run| rows.row(*run).iter().copied()).collect();
+        let corners = corners(&values, inputs);
+        let rows = Arc::new(Rows::new(values, inputs).map_err(failed)?);
+        let processes: Vec<(&Vec<f64>, &Vec<f64>)> =
+            curves.iter().flat_map(|curve| curve.weights.iter().zip(&curve.parameters)).collect();
+        let left_out = parallel::map(processes.len(), threads, |k| {
+            let (weights, parameters) = processes[k];
+            let targets: Vec<f64> = used.iter().map(|run| weights[*run]).collect();
+            let process = GaussianProcess::with_parameters(rows.clone(), &targets, parameters.clone());
+            let process = process.map_err(failed)?;
+            let blocks = process.left_out_blocks();
+            let left = |corner: &Corner| {
+                let found = blocks.without(&targets, &corner.runs);
+                found.ok_or_else(|| failed("the runs without a corner cannot be inverted"))
+            };
+            corners.iter().map(left).collect::<Result<Vec<_>>>()
+        })?;
+        Ok(Corners { used, corners, curves, histograms, outputs, left_out })
+    }
+
+    /// The runs of all corners that are farther from the hull of the others than the limit; none if there are too few of them.
+    pub fn outside(&self, limit: f64, threads: usize) -> Result<Vec<CornerRun>> {
+        let all = self.corners.iter().enumerate().flat_map(|(corner, own)| {
+            own.distances.iter().enumerate().map(move |(place, distance)| (corner, place, *distance))
+        });
+        let outside: Vec<(usize, usize, f64)> = all.filter(|(.., distance)| *distance > limit).collect();
+        if outside.len() < FEWEST {
+            return Ok(Vec::new());
+        }
+        parallel::map(outside.len(), threads, |k| {
+            let (corner, place, distance) = outside[k];
+            let mut left = self.left_out.iter().map(|corners| corners[corner][place]);
+            let curve = |curve: &KeptCurve| {
+                let weights: Vec<_> = curve.components.iter().zip(left.by_ref()).collect();
+                Curve::new(curve.mean.clone(), curve.rest.clone(), &weights)
+            };
+            let curves: Vec<Curve> = self.curves.iter().map(curve).collect();
+            let run = self.used[self.corners[corner].runs[place]];
+            Ok(CornerRun { run, distance, curves: curves_of_outputs(curves, self.histograms, self.outputs) })
+        })
+    }
+}
+
+/// The corners of each pair of inputs, and the ends of each input.
+fn corners(values: &[f64], inputs: usize) -> Vec<Corner> {
+    let hull = OrthogonalHull::new(values, inputs);
+    let places: Vec<Vec<f64>> = values.chunks(inputs).map(|row| hull.places(row)).collect();
+    let mut corners = Vec::new();
+    let mut add = |is_in: &dyn Fn(&[f64]) -> bool| {
+        let (runs, others): (Vec<usize>, Vec<usize>) =
+            (0..places.len()).partition(|run| is_in(&places[*run]));
+        if runs.is_empty() || others.is_empty() {
+            return;
+        }
+        let row = |run: usize| &values[run * inputs..(run + 1) * inputs];
+        let known: Vec<f64> = others.iter().flat_map(|run| row(*run).iter().copied()).collect();
+        let hull = OrthogonalHull::new(&known, inputs);
+        let distances = runs.iter().map(|run| hull.distance(&hull.places(row(*run))).distance).collect();
+        corners.push(Corner { runs, distances });
+    };
+    for e in 0..inputs {
+        add(&|places| places[e] < END);
+        add(&|places| places[e] > 1.0 - END);
+        for d in 0..e {
+            for [low, other_low] in [[true, true], [true, false], [false, true], [false, false]] {
+                let beyond = |place: f64, low: bool| if low { place < CORNER } else { place > CORNER };
+                add(&|places| beyond(places[d], low) && beyond(places[e], other_low));
+            }
+        }
+    }
+    corners
+}
+
+/// The growth with which the share `level` of the states holds: for each the error over the half width of its interval, the distance, and its
+/// weight.
+pub(super) fn growth(states: &mut [(f64, f64, f64)], level: f64) -> f64 {
+    let needed = |(error, distance, _): &(f64, f64, f64)| (error - 1.0) / distance;
+    states.sort_by(|a, b| needed(a).total_cmp(&needed(b)));
+    let total: f64 = states.iter().map(|(.., weight)| weight).sum();
+    let mut sum = 0.0;
+    for state in states.iter() {
+        sum += state.2;
+        if sum >= level * total {
+            return needed(state).max(0.0);
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_has_the_runs_with_both_inputs_beyond_their_median() {
+        let values: Vec<f64> =
+            (0..10).flat_map(|i| (0..10).map(move |j| [f64::from(i), f64::from(j)])).flatten().collect();
+        let corners = corners(&values, 2);
+        // Two ends of each input, and four corners.
+        assert_eq!(corners.len(), 8);
+        assert_eq!(corners.iter().filter(|corner| corner.runs.len() == 25).count(), 4);
+        let last = &corners[7];
+        assert!(last.runs.iter().all(|run| run / 10 > 4 && run % 10 > 4), "{:?}", last.runs);
+        let far = last.runs.iter().position(|run| *run == 99).unwrap();
+        let near = last.runs.iter().position(|run| *run == 55).unwrap();
+        assert!(last.distances[far] > 2.0 * last.distances[near] && last.distances[near] > 0.0);
+    }
+
+    #[test]
+    fn growth_is_what_the_share_of_states_needs() {
+        // Nine states of ten have an error of one and a half half widths at a distance of a quarter.
+        let mut states = vec![(1.5, 0.25, 1.0); 9];
+        states.push((100.0, 0.25, 1.0));
+        assert_eq!(growth(&mut states, 0.9), 2.0);
+        assert_eq!(growth(&mut [(0.5, 0.25, 1.0)], 0.9), 0.0);
+        assert_eq!(growth(&mut [], 0.9), 0.0);
+    }
+}

@@ -1,0 +1,199 @@
+//! Intervals that hold in each part of the inputs, and grow outside of what the runs cover.
+//!
+//! The half width of an interval is the standard deviation times
+//!
+//! ```text
+//! q s(u) (1 + c D)
+//! ```
+//!
+//! with the size s of errors at the inputs ([`super::error_size`]), the growth c with the distance D from the hull of the runs ([`super::corners`],
+//! [`super::orthogonal_hull`]), and the factor q of the conformal calibration ([`super::calibration`]) of the errors of training runs over their
+//! standard deviations and s, where s is fitted without the run. The bins of a histogram share s and c.
+
+use granum_nets::gaussian_process::Rows;
+use serde::{Deserialize, Serialize};
+
+use super::calibration::Calibration;
+use super::corners::{CornerRun, Corners, growth};
+use super::densities::Densities;
+use super::error_size::ErrorSize;
+use super::fitted::{KeptCurve, ONE_DEVIATION};
+use super::orthogonal_hull::OrthogonalHull;
+use super::predicted_curve::Curve;
+
+/// The level of the intervals for which the growth is found.
+const LEVEL: f64 = 0.9;
+
+/// By what intervals of an output are wider at one place than at another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LocalFactor {
+    /// The factor of intervals of one standard deviation that are equal everywhere.
+    deviation: f64,
+    size: ErrorSize,
+    growth: f64,
+}
+
+impl LocalFactor {
+    /// The factor at the places of the inputs, so far from the hull.
+    pub fn at(&self, places: &[f64], distance: f64) -> f64 {
+        self.size.at(places) * (1.0 + self.growth * distance)
+    }
+
+    /// The factor of intervals of one standard deviation that are equal everywhere.
+    pub fn deviation(&self) -> f64 {
+        self.deviation
+    }
+
+    /// True if it can be that of so many inputs.
+    pub fn is_sound(&self, inputs: usize) -> bool {
+        let positive = |value: f64| value >= 0.0 && value.is_finite();
+        self.size.is_sound(inputs) && positive(self.growth) && positive(self.deviation)
+    }
+}
+
+/// The training runs as they were measured, and as they are predicted by what was fitted to others.
+pub(super) struct LeftOutRuns<'a> {
+    /// For each output the curve of each run, from its start.
+    pub measured: &'a [Vec<Vec<f64>>],
+    /// For each run the curve of each output.
+    pub predicted: &'a [Vec<Curve>],
+    /// Share of each point.
+    pub shares: &'a [f64],
+}
+
+/// The calibrations of all outputs.
+pub(super) struct Calibrated {
+    pub calibrations: Vec<Calibration>,
+    /// None if there are no inputs.
+    pub local: Vec<LocalFactor>,
+    /// The distance beyond which inputs are outside the hull.
+    pub limit: Option<f64>,
+}
+
+impl LeftOutRuns<'_> {
+    /// Where all curves start at the value on their sample, nothing is predicted.
+    fn first(&self, output: usize) -> usize {
+        usize::from(self.measured[output].iter().all(|curve| curve[0] == 0.0))
+    }
+
+    /// For each run its errors over their standard deviations.
+    fn errors(&self, output: usize) -> Vec<Vec<f64>> {
+        let errors = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> Vec<f64> {
+            (self.first(output)..measured.len()).map(|k| run[output].error(k, measured[k])).collect()
+        };
+        self.predicted.iter().zip(&self.measured[output]).map(errors).collect()
+    }
+
+    /// The calibration of an output whose errors are equally large everywhere.
+    fn plain(&self, output: usize) -> Calibration {
+        Calibration::new(&self.errors(output), &self.shares[self.first(output)..])
+            .with_root_mean_square(self.root_mean_square(output))
+    }
+
+    fn root_mean_square(&self, output: usize) -> f64 {
+        let square = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> f64 {
+            let apart = measured.iter().zip(&run[output].mean).zip(self.shares);
+            apart.map(|((measured, mean), share)| share * (measured - mean) * (measured - mean)).sum()
+        };
+        let squares: f64 = self.predicted.iter().zip(&self.measured[output]).map(square).sum();
+        (squares / self.predicted.len() as f64).sqrt()
+    }
+
+    /// The root mean square of the errors of each run over outputs and points.
+    fn of_runs(&self, outputs: &[usize]) -> Vec<f64> {
+        let mut squares = vec![0.0; self.predicted.len()];
+        for output in outputs {
+            let shares = &self.shares[self.first(*output)..];
+            let total: f64 = shares.iter().sum();
+            for (square, errors) in squares.iter_mut().zip(self.errors(*output)) {
+                *square += errors.iter().zip(shares).map(|(e, share)| share * e * e).sum::<f64>() / total;
+            }
+        }
+        squares.iter().map(|square| (square / outputs.len() as f64).sqrt()).collect()
+    }
+
+    /// The calibrations; `rows` are the inputs as the processes see them.
+    pub fn calibrated(
+        &self,
+        rows: Option<&Rows>,
+        curves: &[KeptCurve],
+        histograms: &[Densities],
+        threads: usize,
+    ) -> Calibrated {
+        let outputs = self.measured.len();
+        let plain: Vec<Calibration> = (0..outputs).map(|output| self.plain(output)).collect();
+        let Some(rows) = rows.filter(|rows| rows.count() == self.predicted.len()) else {
+            return Calibrated { calibrations: plain, local: Vec::new(), limit: None };
+        };
+        let hull = OrthogonalHull::new(rows.values(), rows.columns());
+        let limit = hull.limit();
+        let places: Vec<Vec<f64>> =
+            rows.values().chunks(rows.columns()).map(|row| hull.places(row)).collect();
+        // What cannot be inverted without a corner says nothing of it.
+        let outside = Corners::new(rows, curves, histograms, outputs, threads)
+            .and_then(|corners| corners.outside(limit, threads))
+            .unwrap_or_default();
+        let mut calibrations: Vec<Option<Calibration>> = vec![None; outputs];
+        let mut local: Vec<Option<LocalFactor>> = vec![None; outputs];
+        for unit in units(histograms, outputs) {
+            let fitted = ErrorSize::fit(&places, &self.of_runs(&unit));
+            for output in &unit {
+                let scaled = |(errors, size): (Vec<f64>, &f64)| errors.iter().map(|e| e / size).collect();
+                let errors: Vec<Vec<f64>> =
+                    self.errors(*output).into_iter().zip(&fitted.left_out).map(scaled).collect();
+                let own = Calibration::new(&errors, &self.shares[self.first(*output)..])
+                    .with_root_mean_square(self.root_mean_square(*output));
+                calibrations[*output] = Some(own.with_six_digits());
+            }
+            let sizes: Vec<f64> = places.iter().map(|places| fitted.size.at(places)).collect();
+            let growth = self.growth(&unit, &calibrations, &sizes, &outside);
+            for output in unit {
+                let deviation = plain[output].interval(ONE_DEVIATION);
+                local[output] = Some(LocalFactor { deviation, size: fitted.size.clone(), growth });
+            }
+        }
+        Calibrated {
+            calibrations: calibrations.into_iter().flatten().collect(),
+            local: local.into_iter().flatten().collect(),
+            limit: Some(limit),
+        }
+    }
+
+    fn growth(
+        &self,
+        unit: &[usize],
+        calibrations: &[Option<Calibration>],
+        sizes: &[f64],
+        outside: &[CornerRun],
+    ) -> f64 {
+        let mut states = Vec::new();
+        for output in unit {
+            let factor = calibrations[*output].as_ref().map_or(0.0, |own| own.interval(LEVEL));
+            for run in outside {
+                let measured = &self.measured[*output][run.run];
+                for k in self.first(*output)..measured.len() {
+                    let error = run.curves[*output].error(k, measured[k]).abs();
+                    states.push((
+                        error / (factor * sizes[run.run]).max(1e-300),
+                        run.distance,
+                        self.shares[k],
+                    ));
+                }
+            }
+        }
+        growth(&mut states, LEVEL)
+    }
+}
+
+/// The outputs that are calibrated together: each alone, and all bins of a histogram.
+fn units(histograms: &[Densities], outputs: usize) -> Vec<Vec<usize>> {
+    let mut units = Vec::new();
+    let mut next = 0;
+    while next < outputs {
+        let bins = histograms.iter().find(|densities| densities.first == next).map_or(1, Densities::bins);
+        units.push((next..next + bins).collect());
+        next += bins;
+    }
+    units
+}
