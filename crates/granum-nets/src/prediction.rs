@@ -38,7 +38,7 @@ pub struct Deviation {
 impl Deviation {
     /// Splits the variance of the Laplace approximation, given its noise part, both in scaled units, and the factor on the
     /// standard deviation from left-out blocks.
-    fn new(variance: f64, noise: f64, factor: f64, unit: f64) -> Deviation {
+    pub(crate) fn new(variance: f64, noise: f64, factor: f64, unit: f64) -> Deviation {
         let noise = noise.min(variance);
         let within = factor.min(1.0) * unit;
         let beyond = if variance.is_finite() { (factor * factor - 1.0).max(0.0) * variance } else { 0.0 };
@@ -154,18 +154,25 @@ impl Model {
         let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
         let unit = self.output_scaler.inverse_factor();
         let variances = laplace.variances(&self.network, scaled, points);
-        let factors: Vec<f64> = match &self.fit.intervals {
-            None => vec![1.0; variances.len()],
-            Some(intervals) => {
-                let column =
-                    self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
-                let first_points = rows.chunks(points * self.inputs.len());
-                first_points.map(|row| intervals.factor(column.map_or(0.0, |column| row[column]))).collect()
-            }
-        };
+        let factors = self.factors(rows, points);
         let noise = laplace.noise();
         let each = variances.iter().zip(&factors);
         Ok(Some(each.map(|(variance, factor)| Deviation::new(*variance, noise, *factor, unit)).collect()))
+    }
+
+    /// The factor on the standard deviation of each observation from left-out blocks, see `Intervals`.
+    pub(crate) fn factors(&self, rows: &[f64], points: usize) -> Vec<f64> {
+        let observations = rows.chunks(points * self.inputs.len());
+        let Some(intervals) = &self.fit.intervals else { return vec![1.0; observations.len()] };
+        let column = self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
+        observations.map(|row| intervals.factor(column.map_or(0.0, |column| row[column]))).collect()
+    }
+
+    /// Variance of the noise of the targets, in the square of the unit of the output; `None` if the model was trained without Bayesian
+    /// regularisation.
+    pub(crate) fn noise_variance(&self) -> Option<f64> {
+        let unit = self.output_scaler.inverse_factor();
+        self.fit.evidence.map(|evidence| unit * unit / evidence.beta)
     }
 
     fn row_length(&self, given: usize) -> ModelError {

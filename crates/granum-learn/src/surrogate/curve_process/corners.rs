@@ -2,14 +2,15 @@
 //!
 //! From each process all runs are left out that have both of two inputs beyond their median, in one of the four corners, and those at an end of a
 //! single input (`granum_nets::gaussian_process::LeftOutBlocks`; parameters and components stay those of all runs). A run of the corner at the
-//! distance D from the hull of the others ([`super::orthogonal_hull`]) then has the errors `e` over the half widths of its intervals. The growth is
-//! the number c with which intervals hold their share of these states, if they are
+//! distance D from the hull of the others ([`super::orthogonal_hull`]) then has the errors `e` over the half widths of its intervals. In one corner
+//! intervals hold their share of the states outside the hull if they are
 //!
 //! ```text
 //! 1 + c D
 //! ```
 //!
-//! times as wide: the quantile of `(e - 1) / D` over the states of runs outside the hull, and at least 0.
+//! times as wide, with the quantile c of `(e - 1) / D` over these states. The growth is the c with which nine of ten corners hold theirs, and at
+//! least 0.
 
 use std::sync::Arc;
 
@@ -28,8 +29,11 @@ const MOST_RUNS: usize = 400;
 /// Places of the inputs beyond which a run is in a corner or at an end.
 const CORNER: f64 = 0.5;
 const END: f64 = 0.25;
-/// Fewest runs outside the hull that tell anything.
-const FEWEST: usize = 20;
+/// Fewest runs of a corner outside the hull, and fewest such corners, that tell anything.
+const FEWEST_RUNS: usize = 5;
+const FEWEST_CORNERS: usize = 10;
+/// Share of the corners that should hold their share of states.
+const SHARE_OF_CORNERS: f64 = 0.9;
 
 /// A block of runs that are left out.
 struct Corner {
@@ -52,7 +56,8 @@ pub(super) struct Corners<'a> {
 
 /// A run that was left out, with its predicted outputs.
 pub(super) struct CornerRun {
-    /// Its number among all runs.
+    /// The number of its corner, and its own among all runs.
+    pub corner: usize,
     pub run: usize,
     pub distance: f64,
     pub curves: Vec<Curve>,
@@ -90,14 +95,15 @@ impl<'a> Corners<'a> {
         Ok(Corners { used, corners, curves, histograms, outputs, left_out })
     }
 
-    /// The runs of all corners that are farther from the hull of the others than the limit; none if there are too few of them.
+    /// The runs that are farther from the hull of the others than the limit, of corners that have a few of them.
     pub fn outside(&self, limit: f64, threads: usize) -> Result<Vec<CornerRun>> {
-        let all = self.corners.iter().enumerate().flat_map(|(corner, own)| {
-            own.distances.iter().enumerate().map(move |(place, distance)| (corner, place, *distance))
-        });
-        let outside: Vec<(usize, usize, f64)> = all.filter(|(.., distance)| *distance > limit).collect();
-        if outside.len() < FEWEST {
-            return Ok(Vec::new());
+        let mut outside: Vec<(usize, usize, f64)> = Vec::new();
+        for (corner, own) in self.corners.iter().enumerate() {
+            let all = own.distances.iter().enumerate().map(|(place, distance)| (corner, place, *distance));
+            let far: Vec<_> = all.filter(|(.., distance)| *distance > limit).collect();
+            if far.len() >= FEWEST_RUNS {
+                outside.extend(far);
+            }
         }
         parallel::map(outside.len(), threads, |k| {
             let (corner, place, distance) = outside[k];
@@ -108,7 +114,8 @@ impl<'a> Corners<'a> {
             };
             let curves: Vec<Curve> = self.curves.iter().map(curve).collect();
             let run = self.used[self.corners[corner].runs[place]];
-            Ok(CornerRun { run, distance, curves: curves_of_outputs(curves, self.histograms, self.outputs) })
+            let curves = curves_of_outputs(curves, self.histograms, self.outputs);
+            Ok(CornerRun { corner, run, distance, curves })
         })
     }
 }
@@ -143,9 +150,21 @@ fn corners(values: &[f64], inputs: usize) -> Vec<Corner> {
     corners
 }
 
+/// The growth with which most corners hold the share `level` of their states; 0 if there are too few corners. For each corner its states, see
+/// [`growth_of_corner`].
+pub(super) fn growth(corners: impl Iterator<Item = Vec<(f64, f64, f64)>>, level: f64) -> f64 {
+    let mut needed: Vec<f64> = corners.map(|mut states| growth_of_corner(&mut states, level)).collect();
+    if needed.len() < FEWEST_CORNERS {
+        return 0.0;
+    }
+    needed.sort_by(f64::total_cmp);
+    let rank = (SHARE_OF_CORNERS * (needed.len() + 1) as f64).ceil() as usize;
+    needed[rank.clamp(1, needed.len()) - 1]
+}
+
 /// The growth with which the share `level` of the states holds: for each the error over the half width of its interval, the distance, and its
 /// weight.
-pub(super) fn growth(states: &mut [(f64, f64, f64)], level: f64) -> f64 {
+fn growth_of_corner(states: &mut [(f64, f64, f64)], level: f64) -> f64 {
     let needed = |(error, distance, _): &(f64, f64, f64)| (error - 1.0) / distance;
     states.sort_by(|a, b| needed(a).total_cmp(&needed(b)));
     let total: f64 = states.iter().map(|(.., weight)| weight).sum();
@@ -183,8 +202,12 @@ mod tests {
         // Nine states of ten have an error of one and a half half widths at a distance of a quarter.
         let mut states = vec![(1.5, 0.25, 1.0); 9];
         states.push((100.0, 0.25, 1.0));
-        assert_eq!(growth(&mut states, 0.9), 2.0);
-        assert_eq!(growth(&mut [(0.5, 0.25, 1.0)], 0.9), 0.0);
-        assert_eq!(growth(&mut [], 0.9), 0.0);
+        assert_eq!(growth_of_corner(&mut states, 0.9), 2.0);
+        assert_eq!(growth_of_corner(&mut [(0.5, 0.25, 1.0)], 0.9), 0.0);
+        assert_eq!(growth_of_corner(&mut [], 0.9), 0.0);
+        // Corners that need 0, 1, ..., 19: nine of ten hold with 18.
+        let corner = |k: u32| vec![(1.0 + 0.5 * f64::from(k), 0.5, 1.0)];
+        assert_eq!(growth((0..20).map(corner), 0.9), 18.0);
+        assert_eq!(growth((0..5).map(corner), 0.9), 0.0);
     }
 }

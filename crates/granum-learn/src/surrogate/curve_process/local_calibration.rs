@@ -10,6 +10,8 @@
 //! [`super::orthogonal_hull`]), and the factor q of the conformal calibration ([`super::calibration`]) of the errors of training runs over their
 //! standard deviations and s, where s is fitted without the run. The bins of a histogram share s and c.
 
+use std::collections::BTreeMap;
+
 use granum_nets::gaussian_process::Rows;
 use serde::{Deserialize, Serialize};
 
@@ -167,11 +169,12 @@ impl LeftOutRuns<'_> {
         sizes: &[f64],
         outside: &[CornerRun],
     ) -> f64 {
-        let mut states = Vec::new();
+        let mut corners: BTreeMap<usize, Vec<(f64, f64, f64)>> = BTreeMap::new();
         for output in unit {
             let factor = calibrations[*output].as_ref().map_or(0.0, |own| own.interval(LEVEL));
             for run in outside {
                 let measured = &self.measured[*output][run.run];
+                let states = corners.entry(run.corner).or_default();
                 for k in self.first(*output)..measured.len() {
                     let error = run.curves[*output].error(k, measured[k]).abs();
                     states.push((
@@ -182,7 +185,7 @@ impl LeftOutRuns<'_> {
                 }
             }
         }
-        growth(&mut states, LEVEL)
+        growth(corners.into_values(), LEVEL)
     }
 }
 

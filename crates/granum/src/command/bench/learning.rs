@@ -9,7 +9,7 @@ use granum_learn::surrogate::{FitSpec, GaussianProcessOfCurves, RunInputs, Surro
 use granum_learn::{Dataset, RunStates};
 use granum_nets::trainer::{Adam, Lbfgs, LevenbergMarquardt, NoObserver, Trainer};
 use granum_nets::{
-    Batch, Data, Differentiable, Gru, Lstm, Model, ModelColumn, ModelDefinition, Network, Sequences,
+    Batch, Data, Differentiable, Ensemble, Gru, Lstm, Model, ModelColumn, ModelDefinition, Network, Sequences,
 };
 
 use super::timing::best;
@@ -95,8 +95,8 @@ fn gradients(
     Ok(1.0 / each)
 }
 
-/// Predictions with intervals a second of a network that was trained with Bayesian regularisation.
-fn intervals(context: &Context, isa: Isa, seconds: f64, hidden: usize) -> Result<f64, Failure> {
+/// Predictions with intervals a second of a network that was trained with Bayesian regularisation, or of so many of them.
+fn intervals(context: &Context, isa: Isa, seconds: f64, hidden: usize, members: u64) -> Result<f64, Failure> {
     let values = waves(3 * LEARNED, 0.37);
     let targets = values.chunks(3).enumerate();
     let targets =
@@ -111,8 +111,17 @@ fn intervals(context: &Context, isa: Isa, seconds: f64, hidden: usize) -> Result
         seed: 1,
     };
     let rule = LevenbergMarquardt { isa, epochs: 20, ..Default::default() };
-    let model = Model::fit(&definition, &data, &rule, &mut NoObserver)?.0;
     let asked = waves(3 * ASKED, 0.11);
+    if members > 1 {
+        let seeds: Vec<u64> = (1..=members).collect();
+        let ensemble = Ensemble::fit(&definition, &data, &rule, &seeds, 1, &mut NoObserver)?.0;
+        let each = best(context, seconds, || {
+            black_box(ensemble.predict_batch_with_deviations(&asked)?);
+            Ok(())
+        })?;
+        return Ok(ASKED as f64 / each);
+    }
+    let model = Model::fit(&definition, &data, &rule, &mut NoObserver)?.0;
     let each = best(context, seconds, || {
         black_box(model.predict_batch(&asked)?);
         black_box(model.standard_deviations(&asked)?);
@@ -187,10 +196,12 @@ pub fn measure(
         gradients(context, isa, seconds, &data, &lstm()?)?,
         "a second",
     )?;
-    let value = 1e-6 * intervals(context, isa, seconds, 12)?;
+    let value = 1e-6 * intervals(context, isa, seconds, 12, 1)?;
     show("predictions with intervals, 3-12-12-1, 240 training rows", value, "M rows/s")?;
-    let value = 1e-6 * intervals(context, isa, seconds, 60)?;
+    let value = 1e-6 * intervals(context, isa, seconds, 60, 1)?;
     show("predictions with intervals, 3-60-60-1, 240 training rows", value, "M rows/s")?;
+    let value = 1e-6 * intervals(context, isa, seconds, 60, 5)?;
+    show("predictions with intervals, five networks 3-60-60-1", value, "M rows/s")?;
     let value = 1e-6 * curves(context, seconds)?;
     show("states of two curves with intervals, Gaussian processes, 48 runs", value, "M states/s")
 }
