@@ -8,7 +8,7 @@
 //! ```
 //!
 //! fitted to the root mean square errors of training runs, each predicted from others, by ridge regression. Its penalty is the one with the least error
-//! on runs left out; where none is better than no coefficients at all, there are none. Source: Lei and others, Distribution-free predictive inference
+//! on runs left out; where that is not better than without any coefficients by more than its standard error, there are none. Source: Lei and others, Distribution-free predictive inference
 //! for regression, Journal of the American Statistical Association 113 (2018), section 5.2 (locally weighted conformal inference).
 
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,6 @@ use crate::regression::cholesky::Cholesky;
 
 /// Penalties that are tried.
 const PENALTIES: [f64; 6] = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
-/// Share of the squared error by which coefficients must be better than none, so that none are chosen by chance.
-const LEAST_GAIN: f64 = 0.02;
 /// Share of the root mean square of all runs below which the errors of a run are not told apart.
 const LEAST_ERROR: f64 = 0.05;
 /// The size is between this and its reciprocal.
@@ -51,19 +49,20 @@ impl ErrorSize {
         }
         let targets: Vec<f64> = errors.iter().map(|e| libm::log(e.max(LEAST_ERROR * typical))).collect();
         let rows: Vec<Vec<f64>> = places.iter().map(|places| terms(places)).collect();
-        // The best error without coefficients: that of the mean of the others.
+        // Without coefficients the answer for a run is the mean of the others.
         let mean = targets.iter().sum::<f64>() / count;
         let factor = count / (count - 1.0);
-        let without: f64 = targets.iter().map(|y| (factor * (y - mean)).powi(2)).sum();
-        let mut best: Option<(f64, FittedErrorSize)> = None;
+        let without: Vec<f64> = targets.iter().map(|y| (factor * (y - mean)).powi(2)).collect();
+        let mut best: Option<(f64, Vec<f64>, FittedErrorSize)> = None;
         for penalty in PENALTIES {
-            let Some((fitted, error)) = ridge(&rows, &targets, penalty) else { continue };
-            if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                best = Some((error, fitted));
+            let Some((fitted, squares)) = ridge(&rows, &targets, penalty) else { continue };
+            let error: f64 = squares.iter().sum();
+            if best.as_ref().is_none_or(|(least, ..)| error < *least) {
+                best = Some((error, squares, fitted));
             }
         }
         match best {
-            Some((error, fitted)) if error < (1.0 - LEAST_GAIN) * without => fitted,
+            Some((_, squares, fitted)) if is_better(&squares, &without) => fitted,
             _ => nothing,
         }
     }
@@ -87,6 +86,15 @@ fn size(logarithm: f64) -> f64 {
     libm::exp(logarithm).clamp(LEAST_SIZE, 1.0 / LEAST_SIZE)
 }
 
+/// True if the mean of the first squares is smaller than that of the second by more than the standard error of the difference.
+fn is_better(squares: &[f64], without: &[f64]) -> bool {
+    let count = squares.len() as f64;
+    let gains: Vec<f64> = without.iter().zip(squares).map(|(without, with)| without - with).collect();
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    mean > (variance / count).sqrt()
+}
+
 /// The terms of a place; beyond the ends they are those at the ends.
 fn terms(places: &[f64]) -> Vec<f64> {
     let of_input = |place: &f64| {
@@ -96,9 +104,9 @@ fn terms(places: &[f64]) -> Vec<f64> {
     places.iter().flat_map(of_input).collect()
 }
 
-/// Ridge regression about the mean, with its squared error on rows left out one by one: `e_i / (1 - h_i)`, where `h_i` is the diagonal of the
+/// Ridge regression about the mean, with its squared errors on rows left out one by one: `e_i / (1 - h_i)`, where `h_i` is the diagonal of the
 /// matrix that maps targets to answers (Allen 1974).
-fn ridge(rows: &[Vec<f64>], targets: &[f64], penalty: f64) -> Option<(FittedErrorSize, f64)> {
+fn ridge(rows: &[Vec<f64>], targets: &[f64], penalty: f64) -> Option<(FittedErrorSize, Vec<f64>)> {
     let (count, width) = (rows.len() as f64, rows.first()?.len());
     let means: Vec<f64> = (0..width).map(|k| rows.iter().map(|row| row[k]).sum::<f64>() / count).collect();
     let mean = targets.iter().sum::<f64>() / count;
@@ -117,19 +125,19 @@ fn ridge(rows: &[Vec<f64>], targets: &[f64], penalty: f64) -> Option<(FittedErro
     (0..width).for_each(|i| matrix[i * width + i] += penalty);
     let factor = Cholesky::new(width, &matrix)?;
     let coefficients = factor.solve(&right);
-    let mut error = 0.0;
+    let mut squares = Vec::with_capacity(rows.len());
     let mut left_out = Vec::with_capacity(rows.len());
     for ((row, centred), target) in rows.iter().zip(&centred).zip(targets) {
         let own: f64 = centred.iter().zip(&coefficients).map(|(x, c)| x * c).sum();
         let half = factor.solve_lower(centred);
         let leverage = 1.0 / count + half.iter().map(|y| y * y).sum::<f64>();
         let missed = (target - mean - own) / (1.0 - leverage).max(1e-9);
-        error += missed * missed;
+        squares.push(missed * missed);
         // Without its mean over the runs, as `ErrorSize::at` is; a constant belongs to the factor of the calibration.
         let at: f64 = row.iter().zip(&coefficients).map(|(x, c)| x * c).sum();
         left_out.push(size(at + (target - mean - own) - missed));
     }
-    Some((FittedErrorSize { size: ErrorSize { coefficients }, left_out }, error))
+    Some((FittedErrorSize { size: ErrorSize { coefficients }, left_out }, squares))
 }
 
 #[cfg(test)]
