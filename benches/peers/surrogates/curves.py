@@ -1,8 +1,9 @@
 """A Gaussian process of scikit-learn on the principal components of whole curves, judged as `judge_curves` judges granum's.
 
-    python3 benches/peers/surrogates/curves.py data/families/sand/drained,data/families/sand/drained-further data/families/sand/unseen 24 48 96 191 all
+    python3 benches/peers/surrogates/curves.py data/families/sand/drained,data/families/sand/drained-further,data/families/sand/drained-rest \\
+      data/families/sand/unseen 24 48 96 191 340 all
     cargo run --release -p granum --example judge_curves -- \\
-      data/families/sand/drained,data/families/sand/drained-further data/families/sand/unseen 24 48 96 191 all
+      data/families/sand/drained,data/families/sand/drained-further,data/families/sand/drained-rest data/families/sand/unseen 24 48 96 191 340 all
 
 For each number of runs the first so many are learned from. The error is that of the prediction for the mean sample of a material against the mean of
 its samples, less what this mean scatters itself, over the scatter of single runs. Needs numpy, pyarrow and scikit-learn.
