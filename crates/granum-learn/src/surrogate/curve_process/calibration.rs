@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 /// Number of equal steps of the level at which factors of intervals are kept.
 const STEPS: usize = 400;
 
+/// Share of a normal distribution within one standard deviation.
+const ONE_DEVIATION: f64 = 0.682_689_492_137_085_9;
+
 /// The factors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -72,6 +75,11 @@ impl Calibration {
         let below = (needed.floor() as usize).min(STEPS - 1);
         let part = needed - below as f64;
         self.states[below] + part * (self.states[below + 1] - self.states[below])
+    }
+
+    /// The factor of intervals that hold as many states as one standard deviation of a normal distribution does.
+    pub fn one_deviation(&self) -> f64 {
+        self.interval(ONE_DEVIATION)
     }
 
     /// The factor of bands that hold a share `level` of whole curves.

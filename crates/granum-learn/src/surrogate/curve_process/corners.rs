@@ -19,7 +19,7 @@ use granum_nets::gaussian_process::{GaussianProcess, ProcessPrediction, Rows};
 
 use super::densities::Densities;
 use super::failure::failed;
-use super::fitted::KeptCurve;
+use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::{Curve, curves_of_outputs};
 use crate::error::Result;

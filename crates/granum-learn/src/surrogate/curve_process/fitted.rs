@@ -9,6 +9,7 @@ use super::calibration::Calibration;
 use super::densities::Densities;
 use super::failure::{NAME, failed};
 use super::groups::Group;
+use super::kept_curve::KeptCurve;
 use super::local_calibration::LocalFactor;
 use super::orthogonal_hull::{HullDistance, OrthogonalHull};
 use super::predicted_curve::{Curve, curves_needed, curves_of_outputs};
@@ -27,8 +28,6 @@ use crate::surrogate::surrogate_trait::Surrogate;
 const FEWEST_RUNS: usize = 3;
 /// A run reaches the last point if it lacks no more than this part of the range.
 const ALMOST: f64 = 0.005;
-/// Share of a normal distribution within one standard deviation.
-pub(super) const ONE_DEVIATION: f64 = 0.682_689_492_137_085_9;
 
 /// What is kept in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,23 +61,6 @@ pub(super) struct Kept {
     /// Runs that were not used.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<EndedEarly>,
-}
-
-/// The processes of a curve.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct KeptCurve {
-    /// The input, of those beside the coordinate, at whose value the curve starts.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start: Option<usize>,
-    pub mean: Vec<f64>,
-    pub components: Vec<Vec<f64>>,
-    /// Variance at each point that the components do not contain.
-    pub rest: Vec<f64>,
-    /// Logarithms of the parameters of each process.
-    pub parameters: Vec<Vec<f64>>,
-    /// For each component its weights in the training runs.
-    pub weights: Vec<Vec<f64>>,
 }
 
 /// A predicted curve of a single run, with the correlation of its error along the curve.
@@ -207,7 +189,7 @@ impl FittedCurves {
         match (curves.get(output), calibrations.get(output), histograms.is_empty()) {
             (Some(kept), Some(calibration), true) => {
                 let plain = local.get(output).map(LocalFactor::deviation);
-                Ok((kept, plain.unwrap_or_else(|| calibration.interval(ONE_DEVIATION))))
+                Ok((kept, plain.unwrap_or_else(|| calibration.one_deviation())))
             }
             _ => Err(failed("there is no such output whose error has a covariance")),
         }

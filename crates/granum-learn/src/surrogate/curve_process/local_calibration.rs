@@ -19,7 +19,7 @@ use super::calibration::Calibration;
 use super::corners::{CornerRun, Corners, growth};
 use super::densities::Densities;
 use super::error_size::ErrorSize;
-use super::fitted::{KeptCurve, ONE_DEVIATION};
+use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::Curve;
 
@@ -151,7 +151,7 @@ impl LeftOutRuns<'_> {
             let sizes: Vec<f64> = places.iter().map(|places| fitted.size.at(places)).collect();
             let growth = self.growth(&unit, &calibrations, &sizes, &outside);
             for output in unit {
-                let deviation = plain[output].interval(ONE_DEVIATION);
+                let deviation = plain[output].one_deviation();
                 local[output] = Some(LocalFactor { deviation, size: fitted.size.clone(), growth });
             }
         }

@@ -28,6 +28,7 @@ mod fitted;
 mod further_run;
 mod groups;
 mod joint;
+mod kept_curve;
 mod left_out;
 mod left_out_curves;
 mod local_calibration;

@@ -3,7 +3,8 @@
 use granum_nets::gaussian_process::{Observations, Rows};
 
 use super::failure::failed;
-use super::fitted::{FittedCurves, KeptCurve};
+use super::fitted::FittedCurves;
+use super::kept_curve::KeptCurve;
 use crate::error::Result;
 
 /// Runs in the order in which they are worth being made.
