@@ -46,6 +46,15 @@ def to_xarray(table: Table) -> Any:
     return xarray.Dataset(variables, coords={"row": numpy.arange(len(table)), **coordinates})
 
 
+def to_torch(values: Any) -> Any:
+    """A tensor that shares the memory of an array of NumPy."""
+    try:
+        import torch
+    except ImportError as error:
+        raise ImportError("tensors need torch: pip install torch") from error
+    return torch.from_numpy(values)
+
+
 def _histogram(table: Table) -> Any:
     """The bins of all states side by side: a bin that a state does not have is empty."""
     import numpy

@@ -537,6 +537,8 @@ class Dataset:
         """The columns that names stand for: that of a histogram for its bins, that of a category for a column of each word."""
     def values(self, names: str | Iterable[str]) -> _Reals:
         """The values of columns, a row for each state; names as for `expand`."""
+    def tensor(self, names: str | Iterable[str]) -> Any:
+        """The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it. Needs torch."""
     def table(self) -> Table:
         """All rows as a table, with the number of the run, from 1, in the column `run`."""
     def runs_table(self) -> Table:

@@ -85,6 +85,11 @@ fn name_of(value: &Bound<'_, PyAny>, number: usize) -> String {
 impl Dataset {
     #[new]
     fn of_runs(py: Python<'_>, runs: &Bound<'_, PyAny>) -> PyResult<Dataset> {
+        // A text is a sequence too, of letters.
+        if runs.extract::<PathBuf>().is_ok() {
+            let message = "runs: a data set is made of a list of runs; granum.Dataset.read(folder) reads that of a campaign or one in a folder";
+            return Err(PyTypeError::new_err(message));
+        }
         let mut states = Vec::new();
         if let Ok(named) = runs.cast::<PyMapping>() {
             for item in named.items()?.iter() {
@@ -182,6 +187,12 @@ impl Dataset {
         })?;
         let (values, columns) = found.map_err(|error| errors::of_learning(py, &error))?;
         arrays::reals(py, values, vec![self.inner.rows(), columns])
+    }
+
+    /// The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it. Needs torch.
+    fn tensor<'py>(slf: &Bound<'py, Self>, names: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let values = slf.call_method1("values", (names,))?;
+        slf.py().import("granum._frames")?.call_method1("to_torch", (values,))
     }
 
     /// The columns that names stand for: that of a histogram for its bins, that of a category for a column of each word.

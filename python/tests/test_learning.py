@@ -53,6 +53,28 @@ def test_a_dataset_has_the_states_of_its_runs(dataset: granum.Dataset) -> None:
         granum.Dataset([3])  # type: ignore[list-item]
 
 
+def test_the_name_of_a_folder_is_no_list_of_runs() -> None:
+    with pytest.raises(TypeError, match=r"granum\.Dataset\.read\(folder\)"):
+        granum.Dataset("data/families/sand")
+
+
+def test_a_tensor_has_the_memory_of_the_array(dataset: granum.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    try:
+        import torch
+    except ImportError:
+        # What is handed to torch, where it is not installed.
+        monkeypatch.setitem(sys.modules, "torch", type("torch", (), {"from_numpy": staticmethod(lambda array: array)}))
+        handed = dataset.tensor(["friction", "arc_length"])
+        assert isinstance(handed, np.ndarray) and handed.flags.writeable and handed.flags.c_contiguous
+        assert np.array_equal(handed, dataset.values(["friction", "arc_length"]))
+        monkeypatch.setitem(sys.modules, "torch", None)
+        with pytest.raises(ImportError, match="pip install torch"):
+            dataset.tensor(["friction"])
+        return
+    tensor = dataset.tensor(["friction", "arc_length"])
+    assert tensor.dtype == torch.float64 and np.array_equal(tensor.numpy(), dataset.values(["friction", "arc_length"]))
+
+
 def test_runs_in_memory_and_in_folders_give_one_dataset(case: granum.Case, tested: granum.Run, tmp_path: pathlib.Path) -> None:
     folder = granum.run(case, out=tmp_path / "run")
     both = granum.Dataset({"a": tested, "b": folder})

@@ -70,13 +70,13 @@ class Curves:
         return self.mean + np.array([p.predict(rows) for p in self.processes]).T @ self.directions
 
 
-def judge(training, unseen):
+def judge(training, unseen, model_of=Curves):
     inputs = [run[1] for run in training]
     materials = {}
     for point, sample, curves in unseen:
         materials.setdefault(point, []).append((sample, curves))
     for number, output in enumerate(OUTPUTS):
-        model = Curves(inputs, np.array([run[2][number] for run in training]))
+        model = model_of(inputs, np.array([run[2][number] for run in training]))
         within, net = [], []
         for samples in materials.values():
             if len(samples) <= 2:
@@ -92,9 +92,14 @@ def judge(training, unseen):
         print(f"  {output:32} {np.sign(square) * np.sqrt(abs(square)) / scatter:.2f} +- {error:.2f}", flush=True)
 
 
-training, unseen = read(sys.argv[1]), read(sys.argv[2])
-print(f"{len(training)} training runs, {len(unseen)} unseen ones")
-for count in sys.argv[3:]:
-    number = len(training) if count == "all" else int(count)
-    print(f"{number} runs: output, error over the scatter of a run", flush=True)
-    judge(training[:number], unseen)
+def main(model_of=Curves):
+    training, unseen = read(sys.argv[1]), read(sys.argv[2])
+    print(f"{len(training)} training runs, {len(unseen)} unseen ones")
+    for count in sys.argv[3:]:
+        number = len(training) if count == "all" else int(count)
+        print(f"{number} runs: output, error over the scatter of a run", flush=True)
+        judge(training[:number], unseen, model_of)
+
+
+if __name__ == "__main__":
+    main()

@@ -37,7 +37,7 @@ fn networks_have_their_figures() {
     assert!(done.status.success(), "{}", stderr(&done));
     let measured = json(&stdout(&done));
     let nets = measured["nets"].as_array().unwrap();
-    assert_eq!(nets.len(), 16);
+    assert_eq!(nets.len(), 17);
     for figure in nets {
         assert!(figure["value"].as_f64().unwrap() > 0.0, "{figure}");
         assert!(figure["name"].is_string() && figure["unit"].is_string());

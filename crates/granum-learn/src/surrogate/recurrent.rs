@@ -16,9 +16,9 @@ use granum_nets::{Data, ModelColumn, SequenceDefinition, SequenceModel, Sequence
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
-use super::prediction::{Prediction, outside_of};
+use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
-use super::scatter_of_networks::{RunVariances, estimate};
+use super::scatter_of_networks::{RunVariances, predictions};
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
@@ -237,14 +237,9 @@ impl Surrogate for FittedRecurrent {
         if inputs.is_empty() {
             return Ok(Vec::new());
         }
-        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
-        let known = self.run_variances.as_ref().map(|known| (known, known.quantile(level)));
-        let predict = |(row, values): (usize, &[f64])| {
-            let estimates =
-                (0..outputs).map(|output| estimate(&means, known, row, output, outputs)).collect();
-            Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, values))
-        };
-        Ok(inputs.rows().enumerate().map(predict).collect())
+        let means = self.outputs_of_networks(inputs)?;
+        let known = self.run_variances.as_ref();
+        Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
     }
 
     fn content(&self) -> Result<Content> {

@@ -10,7 +10,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::prediction::{Cause, Estimate};
+use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::run_inputs::RunInputs;
+use super::spec::Columns;
 
 /// How much runs deviate that a network was not trained on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,7 +49,7 @@ impl RunVariances {
     }
 
     /// Student's quantile for intervals of a level.
-    pub fn quantile(&self, level: f64) -> f64 {
+    fn quantile(&self, level: f64) -> f64 {
         granum_nets::two_sided_quantile(level, self.degrees_of_freedom)
     }
 }
@@ -60,8 +62,25 @@ fn mean_and_variance(predictions: &[Vec<f64>], place: usize) -> (f64, f64) {
     (mean, squares / (count - 1.0).max(1.0))
 }
 
+/// The predictions for rows from the outputs of each network; without variances of runs there are no intervals. `ranges` are those of the inputs.
+pub(super) fn predictions(
+    networks: &[Vec<f64>],
+    run_variances: Option<&RunVariances>,
+    (columns, ranges): (&Columns, &[[f64; 2]]),
+    inputs: &RunInputs,
+    level: f64,
+) -> Vec<Prediction> {
+    let outputs = columns.outputs.len();
+    let known = run_variances.map(|known| (known, known.quantile(level)));
+    let predict = |(row, values): (usize, &[f64])| {
+        let estimates = (0..outputs).map(|output| estimate(networks, known, row, output, outputs)).collect();
+        Prediction::new(estimates).with_outside(outside_of(columns, ranges, values))
+    };
+    inputs.rows().enumerate().map(predict).collect()
+}
+
 /// The estimate of an output of a row; `known` are the variances and their quantile.
-pub(super) fn estimate(
+fn estimate(
     predictions: &[Vec<f64>],
     known: Option<(&RunVariances, f64)>,
     row: usize,

@@ -9,9 +9,9 @@ use super::rotation::Rotation;
 use super::runs::PathRuns;
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
-use crate::surrogate::prediction::{Prediction, outside_of};
+use crate::surrogate::prediction::Prediction;
 use crate::surrogate::run_inputs::RunInputs;
-use crate::surrogate::scatter_of_networks::{RunVariances, estimate};
+use crate::surrogate::scatter_of_networks::{RunVariances, predictions};
 use crate::surrogate::spec::Columns;
 use crate::surrogate::surrogate_trait::Surrogate;
 
@@ -106,14 +106,9 @@ impl Surrogate for FittedPath {
         if inputs.is_empty() {
             return Ok(Vec::new());
         }
-        let (means, outputs) = (self.outputs_of_networks(inputs)?, self.columns.outputs.len());
-        let known = self.run_variances.as_ref().map(|known| (known, known.quantile(level)));
-        let predict = |(row, values): (usize, &[f64])| {
-            let estimates =
-                (0..outputs).map(|output| estimate(&means, known, row, output, outputs)).collect();
-            Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, values))
-        };
-        Ok(inputs.rows().enumerate().map(predict).collect())
+        let means = self.outputs_of_networks(inputs)?;
+        let known = self.run_variances.as_ref();
+        Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
     }
 
     fn content(&self) -> Result<Content> {
