@@ -45,11 +45,11 @@ mod tests {
     use super::*;
     use granum_io::packing::PackedGrain;
 
-    /// Two grains of 1 mm whose overlap is 0.1 mm.
+    /// Two grains of 1 mm whose overlap is 0.05 mm.
     fn pair() -> Packing {
         let grain = |id: u64, x: f64| (PackedGrain { id, position: [x, 5e-3, 5e-3], radius: 1e-3 }, 1);
         let cell = [[0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]];
-        Packing::checked("pair.csv", [0.0; 3], cell, vec![grain(1, 4e-3), grain(2, 5.9e-3)]).unwrap()
+        Packing::checked("pair.csv", [0.0; 3], cell, vec![grain(1, 4e-3), grain(2, 5.95e-3)]).unwrap()
     }
 
     #[test]
