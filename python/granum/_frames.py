@@ -48,8 +48,10 @@ def to_xarray(table: Table) -> Any:
 
 def to_torch(values: Any) -> Any:
     """A tensor that shares the memory of an array of NumPy."""
+    import importlib
+
     try:
-        import torch
+        torch = importlib.import_module("torch")
     except ImportError as error:
         raise ImportError("tensors need torch: pip install torch") from error
     return torch.from_numpy(values)

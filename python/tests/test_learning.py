@@ -1,5 +1,6 @@
 """Data sets, surrogates and campaigns."""
 
+import importlib
 import pathlib
 import pickle
 import subprocess
@@ -60,7 +61,7 @@ def test_the_name_of_a_folder_is_no_list_of_runs() -> None:
 
 def test_a_tensor_has_the_memory_of_the_array(dataset: granum.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     try:
-        import torch
+        torch = importlib.import_module("torch")
     except ImportError:
         # What is handed to torch, where it is not installed.
         monkeypatch.setitem(sys.modules, "torch", type("torch", (), {"from_numpy": staticmethod(lambda array: array)}))
