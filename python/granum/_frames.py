@@ -47,14 +47,18 @@ def to_xarray(table: Table) -> Any:
 
 
 def to_torch(values: Any) -> Any:
-    """A tensor that shares the memory of an array of NumPy."""
+    """A tensor that shares the memory of an array of NumPy, and must not be written to if the array must not."""
     import importlib
+    import warnings
 
     try:
         torch = importlib.import_module("torch")
     except ImportError as error:
         raise ImportError("tensors need torch: pip install torch") from error
-    return torch.from_numpy(values)
+    with warnings.catch_warnings():
+        # What torch says of an array that is not to be written to is said in the description of `Dataset.tensor`.
+        warnings.filterwarnings("ignore", message=".*not writable.*", category=UserWarning)
+        return torch.from_numpy(values)
 
 
 def _histogram(table: Table) -> Any:

@@ -538,7 +538,9 @@ class Dataset:
     def values(self, names: str | Iterable[str]) -> _Reals:
         """The values of columns, a row for each state; names as for `expand`."""
     def tensor(self, names: str | Iterable[str]) -> Any:
-        """The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it. Needs torch."""
+        """The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it, and as that array must
+        not be written to. Needs torch.
+        """
     def table(self) -> Table:
         """All rows as a table, with the number of the run, from 1, in the column `run`."""
     def runs_table(self) -> Table:

@@ -189,7 +189,8 @@ impl Dataset {
         arrays::reals(py, values, vec![self.inner.rows(), columns])
     }
 
-    /// The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it. Needs torch.
+    /// The values of columns as a tensor of torch, which has the memory of the array of `values` and no copy of it, and as that array must
+    /// not be written to. Needs torch.
     fn tensor<'py>(slf: &Bound<'py, Self>, names: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let values = slf.call_method1("values", (names,))?;
         slf.py().import("granum._frames")?.call_method1("to_torch", (values,))
