@@ -206,6 +206,7 @@ def test_the_layout_of_grainlearning_is_written_and_read(campaign: granum.Campai
         granum.grainlearning.read(tmp_path / "text.hdf5")
 
 
+@pytest.mark.filterwarnings("ignore:No .* specified in config")
 def test_grainlearning_itself_reads_it(campaign: granum.Campaign, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("grainlearning", reason="GrainLearning needs NumPy 1 and has an environment of its own in scripts/python")
     pytest.importorskip("h5py")
@@ -235,6 +236,7 @@ def reader(monkeypatch: pytest.MonkeyPatch) -> Any:
     if importlib.util.find_spec("tensorflow") is None:
         absent: Any = types.ModuleType("tensorflow")
         absent.data = types.SimpleNamespace(Dataset=object)
+        absent.keras = types.SimpleNamespace(Model=object)
         monkeypatch.setitem(sys.modules, "tensorflow", absent)
     folder = pathlib.Path(str(importlib.import_module("grainlearning").__file__)).parent / "rnn"
     package = types.ModuleType("grainlearning.rnn")
