@@ -13,7 +13,9 @@
 //! least 0.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use granum_core::observer::{Flow, Observer, Progress, SharedObserver};
 use granum_core::parallel;
 use granum_nets::gaussian_process::{GaussianProcess, ProcessPrediction, Rows};
 
@@ -22,7 +24,7 @@ use super::failure::failed;
 use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::{Curve, curves_of_outputs};
-use crate::error::Result;
+use crate::error::{LearnError, Result};
 
 /// Most runs, evenly spread, from which corners are left out.
 const MOST_RUNS: usize = 400;
@@ -68,9 +70,9 @@ impl<'a> Corners<'a> {
     pub fn new(
         rows: &Rows,
         curves: &'a [KeptCurve],
-        histograms: &'a [Densities],
-        outputs: usize,
+        (histograms, outputs): (&'a [Densities], usize),
         threads: usize,
+        observer: &mut dyn Observer,
     ) -> Result<Corners<'a>> {
         let (count, kept) = (rows.count(), rows.count().min(MOST_RUNS));
         let used: Vec<usize> = (0..kept).map(|k| k * count / kept).collect();
@@ -80,7 +82,13 @@ impl<'a> Corners<'a> {
         let rows = Arc::new(Rows::new(values, inputs).map_err(failed)?);
         let processes: Vec<(&Vec<f64>, &Vec<f64>)> =
             curves.iter().flat_map(|curve| curve.weights.iter().zip(&curve.parameters)).collect();
-        let left_out = parallel::map(processes.len(), threads, |k| {
+        let (follower, done, total) = (SharedObserver::new(observer), AtomicUsize::new(0), processes.len());
+        let left_out = parallel::map(total, threads, |k| {
+            let complete = done.load(Ordering::Relaxed);
+            let progress = Progress::new("corners", "processes", complete as u64).out_of(total as u64);
+            if follower.part(format!("corners of process {}", k + 1)).progress(&progress) == Flow::Stop {
+                return Err(LearnError::Stopped { done: complete, total });
+            }
             let (weights, parameters) = processes[k];
             let targets: Vec<f64> = used.iter().map(|run| weights[*run]).collect();
             let process = GaussianProcess::with_parameters(rows.clone(), &targets, parameters.clone());
@@ -90,7 +98,9 @@ impl<'a> Corners<'a> {
                 let found = blocks.without(&targets, &corner.runs);
                 found.ok_or_else(|| failed("the runs without a corner cannot be inverted"))
             };
-            corners.iter().map(left).collect::<Result<Vec<_>>>()
+            let left = corners.iter().map(left).collect::<Result<Vec<_>>>()?;
+            done.fetch_add(1, Ordering::Relaxed);
+            Ok(left)
         })?;
         Ok(Corners { used, corners, curves, histograms, outputs, left_out })
     }

@@ -84,7 +84,7 @@ pub struct FittedCurves {
 
 /// Where the inputs of a run are among those of the training runs.
 struct Place {
-    /// For each output the factor of its intervals there.
+    /// For each output the half width of its intervals there, in standard deviations.
     factors: Vec<f64>,
     combination: Option<UnseenCombination>,
 }
@@ -216,7 +216,7 @@ impl FittedCurves {
             let (_, curves, place) = match known.take() {
                 Some(same) if same.0 == own => known.insert(same),
                 _ => {
-                    let (curves, place) = (self.curves(&own), self.place(&own));
+                    let (curves, place) = (self.curves(&own), self.place(&own, &factors));
                     known.insert((own, curves, place))
                 }
             };
@@ -238,8 +238,7 @@ impl FittedCurves {
                 }
                 estimate
             };
-            let own: Vec<f64> = factors.iter().zip(&place.factors).map(|(all, here)| all * here).collect();
-            let estimates = curves.iter().zip(&own).zip(&is_density).map(estimate).collect();
+            let estimates = curves.iter().zip(&place.factors).zip(&is_density).map(estimate).collect();
             let outside = outside_of(&self.columns, &all_ranges, row);
             // An input that is outside of its own range is named already.
             let combination = place.combination.clone().filter(|_| outside.is_empty());
@@ -248,22 +247,29 @@ impl FittedCurves {
         predictions
     }
 
-    fn place(&self, inputs: &[f64]) -> Place {
+    /// Where inputs are; `factors` are those of intervals that are equal everywhere.
+    fn place(&self, inputs: &[f64], factors: &[f64]) -> Place {
         let Some(hull) = &self.hull else {
-            return Place { factors: vec![1.0; self.columns.outputs.len()], combination: None };
+            return Place { factors: factors.to_vec(), combination: None };
         };
         let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
         let places = hull.places(&row);
         let HullDistance { distance, pair } = hull.distance(&places);
-        let names = self.columns.input_names();
         let input = |group: usize| {
             let input = self.kept.groups[group].input();
             // The coordinate is one of the columns.
-            (names[input + usize::from(input >= self.kept.coordinate)].clone(), inputs[input])
+            let column = &self.columns.inputs[input + usize::from(input >= self.kept.coordinate)];
+            (column.name.clone(), inputs[input])
         };
         let is_unseen = self.kept.limit.is_some_and(|limit| distance > limit) && pair[0] != pair[1];
         Place {
-            factors: self.kept.local.iter().map(|local| local.at(&places, distance)).collect(),
+            factors: self
+                .kept
+                .local
+                .iter()
+                .zip(factors)
+                .map(|(own, all)| all * own.at(&places, distance))
+                .collect(),
             combination: is_unseen.then(|| UnseenCombination { inputs: pair.map(input) }),
         }
     }

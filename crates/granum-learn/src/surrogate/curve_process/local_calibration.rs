@@ -12,6 +12,7 @@
 
 use std::collections::BTreeMap;
 
+use granum_core::observer::Observer;
 use granum_nets::gaussian_process::Rows;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,7 @@ use super::error_size::ErrorSize;
 use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::Curve;
+use crate::error::{LearnError, Result};
 
 /// The level of the intervals for which the growth is found.
 const LEVEL: f64 = 0.9;
@@ -116,26 +118,32 @@ impl LeftOutRuns<'_> {
     }
 
     /// The calibrations; `rows` are the inputs as the processes see them.
+    ///
+    /// # Errors
+    /// If the observer asks to stop.
     pub fn calibrated(
         &self,
         rows: Option<&Rows>,
         curves: &[KeptCurve],
         histograms: &[Densities],
         threads: usize,
-    ) -> Calibrated {
+        observer: &mut dyn Observer,
+    ) -> Result<Calibrated> {
         let outputs = self.measured.len();
         let plain: Vec<Calibration> = (0..outputs).map(|output| self.plain(output)).collect();
         let Some(rows) = rows.filter(|rows| rows.count() == self.predicted.len()) else {
-            return Calibrated { calibrations: plain, local: Vec::new(), limit: None };
+            return Ok(Calibrated { calibrations: plain, local: Vec::new(), limit: None });
         };
         let hull = OrthogonalHull::new(rows.values(), rows.columns());
         let limit = hull.limit();
         let places: Vec<Vec<f64>> =
             rows.values().chunks(rows.columns()).map(|row| hull.places(row)).collect();
-        // What cannot be inverted without a corner says nothing of it.
-        let outside = Corners::new(rows, curves, histograms, outputs, threads)
-            .and_then(|corners| corners.outside(limit, threads))
-            .unwrap_or_default();
+        let corners = Corners::new(rows, curves, (histograms, outputs), threads, observer);
+        let outside = match corners.and_then(|corners| corners.outside(limit, threads)) {
+            Err(stopped @ LearnError::Stopped { .. }) => return Err(stopped),
+            // What cannot be inverted without a corner says nothing of it.
+            found => found.unwrap_or_default(),
+        };
         let mut calibrations: Vec<Option<Calibration>> = vec![None; outputs];
         let mut local: Vec<Option<LocalFactor>> = vec![None; outputs];
         for unit in units(histograms, outputs) {
@@ -155,11 +163,11 @@ impl LeftOutRuns<'_> {
                 local[output] = Some(LocalFactor { deviation, size: fitted.size.clone(), growth });
             }
         }
-        Calibrated {
+        Ok(Calibrated {
             calibrations: calibrations.into_iter().flatten().collect(),
             local: local.into_iter().flatten().collect(),
             limit: Some(limit),
-        }
+        })
     }
 
     fn growth(

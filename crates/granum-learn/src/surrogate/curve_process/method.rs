@@ -194,7 +194,7 @@ impl GaussianProcessOfCurves {
         let left_out_runs =
             LeftOutRuns { measured: &measured, predicted: &predicted, shares: &shared.shares };
         let Calibrated { calibrations, local, limit } =
-            left_out_runs.calibrated(shared.rows.as_deref(), &curves, &histograms, spec.threads);
+            left_out_runs.calibrated(shared.rows.as_deref(), &curves, &histograms, spec.threads, observer)?;
         let is_used = |name: &&&str| left_out.iter().all(|ended| ended.run != **name);
         let used = of_runs.iter().filter(is_used).map(|name| (*name).to_owned());
         let from = |run: &RunCurve| -> Vec<f64> {
