@@ -188,13 +188,18 @@ pub(crate) fn rows_of<'a>(
     Ok(SequenceRows { inputs, sequences, targets, weights })
 }
 
-/// Refuses sizes that are zero or too large.
-pub(crate) fn check_sizes(layers: &[usize], starts: usize, weights: usize) -> Result<(), NetworkError> {
+/// Refuses sizes that are zero or too large; `weights` are counted for possible layers alone, so that the count cannot overflow.
+pub(crate) fn check_sizes(
+    layers: &[usize],
+    starts: usize,
+    weights: impl FnOnce() -> usize,
+) -> Result<(), NetworkError> {
     for (layer, &neurons) in layers.iter().enumerate() {
         if neurons == 0 || neurons > LARGEST_LAYER {
             return Err(NetworkError::Neurons { layer, neurons });
         }
     }
+    let weights = weights();
     if starts > LARGEST_LAYER || weights > MOST_WEIGHTS {
         return Err(NetworkError::Weights(weights));
     }

@@ -97,7 +97,7 @@ impl Lstm {
         seed: u64,
     ) -> Result<Lstm, NetworkError> {
         let shape = LstmShape { inputs, starts, hidden, outputs };
-        check_sizes(&[inputs, hidden, outputs], starts, shape.weights())?;
+        check_sizes(&[inputs, hidden, outputs], starts, || shape.weights())?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (state, start) = (1.0 / (hidden as f64).sqrt(), 1.0 / ((starts + 1) as f64).sqrt());
         let magnitude = |place: usize| if place < shape.first_state() { state } else { start };
@@ -121,7 +121,7 @@ impl Lstm {
         weights: Vec<f64>,
     ) -> Result<Lstm, NetworkError> {
         let shape = LstmShape { inputs, starts, hidden, outputs };
-        check_sizes(&[inputs, hidden, outputs], starts, shape.weights())?;
+        check_sizes(&[inputs, hidden, outputs], starts, || shape.weights())?;
         check_weights(NAME, shape.weights(), &weights)?;
         Ok(Lstm { shape, weights })
     }

@@ -178,6 +178,36 @@ pub(crate) fn squared_error<L: Lanes>(group: &Group, outputs: &[Row8]) -> f64 {
     sum.reduce_add()
 }
 
+/// The derivatives with respect to the weighted sums of hidden neurons `tanh` in the lane blocks `first..first + width`, from those `above` with
+/// respect to linear functions of the neurons. The `weights` of each function are a bias and one for each neuron; the rows `neurons` are ones, then
+/// the neurons.
+#[inline(always)]
+pub(crate) fn below_tanh<L: Lanes>(
+    weights: &[f64],
+    [hidden, functions]: [usize; 2],
+    above: &[Row8],
+    neurons: &[Row8],
+    deltas: &mut [Row8],
+    stride: usize,
+    (first, width): (usize, usize),
+) {
+    let one = L::splat(1.0);
+    product::<L>(
+        Scalars { values: &weights[1..], by_k: 1 + hidden, by_j: 1 },
+        hidden,
+        functions,
+        above,
+        stride,
+        first,
+        width,
+        #[inline(always)]
+        |j, b, sum| {
+            let value = L::load(&neurons[(1 + j) * stride + b].0);
+            (sum * (-value).mul_add(value, one)).store(&mut deltas[j * stride + b].0);
+        },
+    );
+}
+
 /// Products of scalars with lane blocks `first..first + width`, summed from zero.
 #[inline(always)]
 pub(crate) fn product<L: Lanes>(

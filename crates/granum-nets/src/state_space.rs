@@ -10,7 +10,7 @@ use crate::differentiable::{Batch, Differentiable};
 use crate::initialisation::uniform;
 use crate::kernels::Scalars;
 use crate::network::NetworkError;
-use crate::sequence_group::{CellSizes, Group, add, product};
+use crate::sequence_group::{CellSizes, Group, add, below_tanh, product};
 use crate::sequences::Sequences;
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
@@ -68,7 +68,7 @@ impl Shape {
     fn new(sizes: [usize; 5]) -> Result<Shape, NetworkError> {
         let [inputs, starts, hidden, internal, outputs] = sizes;
         let shape = Shape { inputs, starts, hidden, internal, outputs };
-        check_sizes(&[inputs, hidden, outputs, shape.state()], starts, shape.weights())?;
+        check_sizes(&[inputs, hidden, outputs, shape.state()], starts, || shape.weights())?;
         if starts < outputs {
             let text = format!(
                 "a {NAME} with {outputs} outputs needs their first values: {starts} start values are too few"
@@ -269,7 +269,7 @@ impl CellKernel for Shape {
         let Group { layout, below, starts: start_rows, .. } = group;
         let Work { output_deltas, own, carried, .. } = work;
         let [neurons, state_deltas, rate_deltas, deltas] = &mut own[..] else { return };
-        let (stride, start_stride, one) = (layout.stride, layout.start_stride, L::splat(1.0));
+        let (stride, start_stride) = (layout.stride, layout.start_stride);
         state_deltas[outputs * stride..].fill(Default::default());
         state_deltas[..outputs * stride].copy_from_slice(&output_deltas[..outputs * stride]);
         let row = self.hidden_row();
@@ -281,20 +281,8 @@ impl CellKernel for Shape {
                     delta.store(&mut rate_deltas[j * stride + b].0);
                 }
             }
-            product::<L>(
-                Scalars { values: &weights[self.changes() + 1..], by_k: 1 + hidden, by_j: 1 },
-                hidden,
-                self.state(),
-                rate_deltas,
-                stride,
-                first,
-                width,
-                #[inline(always)]
-                |j, b, sum| {
-                    let value = L::load(&neurons[(1 + j) * stride + b].0);
-                    (sum * (-value).mul_add(value, one)).store(&mut deltas[j * stride + b].0);
-                },
-            );
+            let (changes, counts) = (&weights[self.changes()..], [hidden, self.state()]);
+            below_tanh::<L>(changes, counts, rate_deltas, neurons, deltas, stride, (first, width));
             product::<L>(
                 Scalars { values: &weights[inputs + 1..], by_k: row, by_j: 1 },
                 self.state(),

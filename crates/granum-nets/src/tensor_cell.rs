@@ -4,7 +4,7 @@ use granum_simd::{Lanes, Row8, tanh};
 
 use crate::cell_batch::{CellKernel, Work, ones};
 use crate::kernels::Scalars;
-use crate::sequence_group::{CellSizes, Group, add, product};
+use crate::sequence_group::{CellSizes, Group, add, below_tanh, product};
 use crate::symmetric_tensor::{COMPONENTS, inner, plus, product_of};
 use crate::tensor_sizes::TensorSizes;
 
@@ -282,20 +282,8 @@ impl CellKernel for TensorSizes {
                     (of_root * delta * own).store(&mut decay_deltas[(m + j) * stride + at].0);
                 }
             }
-            product::<L>(
-                Scalars { values: &weights[self.changes() + 1..], by_k: 1 + self.hidden, by_j: 1 },
-                self.hidden,
-                self.coefficients(),
-                factor_deltas,
-                stride,
-                first,
-                width,
-                #[inline(always)]
-                |j, b, sum| {
-                    let value = L::load(&neurons[(1 + j) * stride + b].0);
-                    (sum * (-value).mul_add(value, one)).store(&mut deltas[j * stride + b].0);
-                },
-            );
+            let (changes, counts) = (&weights[self.changes()..], [self.hidden, self.coefficients()]);
+            below_tanh::<L>(changes, counts, factor_deltas, neurons, deltas, stride, (first, width));
             product::<L>(
                 Scalars { values: weights, by_k: width_of_f + 1, by_j: 1 },
                 width_of_f,

@@ -94,8 +94,23 @@ impl TensorSizes {
     }
 
     pub(crate) fn check(&self) -> Result<(), NetworkError> {
+        // Each number before sums and products of them, which could overflow.
+        let TensorSizes {
+            further, start_scalars, tensors, scalars, internal_tensors, internal_scalars, ..
+        } = *self;
+        let more = |count: usize| count.saturating_add(1);
+        let counts = [
+            self.hidden,
+            more(further),
+            more(start_scalars),
+            more(tensors),
+            more(scalars),
+            more(internal_tensors),
+            more(internal_scalars),
+        ];
+        check_sizes(&counts, 0, || 0)?;
         let layers = [self.hidden, self.outputs(), self.state(), self.features(), self.coefficients()];
-        check_sizes(&layers, self.starts(), self.weights())?;
+        check_sizes(&layers, self.starts(), || self.weights())?;
         if self.start_scalars < self.scalars {
             let (scalars, found) = (self.scalars, self.start_scalars);
             return Err(NetworkError::GivenWeights(format!(

@@ -28,7 +28,7 @@ use crate::trainer::trainer_trait::check_columns;
 /// with further inputs `u` of a row. This is the form of an incremental constitutive law, such as a hypoplastic one, whose coefficients are any
 /// functions of invariants: if path and sample are turned or mirrored, the answer is turned or mirrored with them, whatever the weights are. Nothing
 /// changes in an increment of length zero, and twice the increment has nearly twice the effect. The rates of decay `k` are at least 0.05 and
-/// all else is bounded, so that the state stays bounded on any path. Internal tensors start as weighted sums of the
+/// all else is bounded, so that the state stays bounded on any path whose increments are shorter than `2 / k`. Internal tensors start as weighted sums of the
 /// measured ones, internal scalars as linear functions of the start scalars, of which there may be more than are measured. All is predicted
 /// freely, and gradients are computed by back-propagation through the whole sequence. Results have the same bits with every instruction set.
 ///
@@ -183,6 +183,9 @@ mod tests {
         let few = TensorSizes { start_scalars: 0, ..scalars };
         assert!(TensorStateSpace::new(few, 1).unwrap_err().to_string().contains("too few"));
         assert!(TensorStateSpace::new(TensorSizes { hidden: 0, ..plain }, 1).is_err());
+        for internal_tensors in [3000, usize::MAX] {
+            assert!(TensorStateSpace::new(TensorSizes { internal_tensors, ..plain }, 1).is_err());
+        }
     }
 
     /// A turn about the axis x by an angle, of the components of a deviator.

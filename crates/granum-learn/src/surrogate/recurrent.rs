@@ -9,13 +9,13 @@
 //! part no longer falls. The prediction is the mean of these networks; `scatter_of_networks.rs` has its intervals. With a single run there is one
 //! network without intervals.
 
-use granum_core::observer::{Observer, SharedObserver};
-use granum_core::parallel;
-use granum_nets::trainer::{Adam, Options, SharedTrainer, TerminationReason};
+use granum_core::observer::Observer;
+use granum_nets::trainer::{Adam, Options, SharedTrainer};
 use granum_nets::{Data, ModelColumn, SequenceDefinition, SequenceModel, Sequences};
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
+use super::networks_of_parts::networks_of_parts;
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
 use super::scatter_of_networks::{RunVariances, predictions};
@@ -119,17 +119,7 @@ impl SurrogateMethod for Recurrent {
             hidden: self.hidden,
             seed: spec.seed,
         };
-        let shared = SharedObserver::new(observer);
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let networks = parallel::map(count, spec.threads, |k| {
-            let stopped = || LearnError::Stopped {
-                done: done.load(std::sync::atomic::Ordering::Relaxed),
-                total: count,
-            };
-            if shared.stopped() {
-                return Err(stopped());
-            }
-            let mut part = shared.part(format!("network {}", k + 1));
+        let networks = networks_of_parts(count, spec.threads, observer, |k, part| {
             let own: Vec<usize> = (0..runs).filter(|run| run % count == k).collect();
             let data = match count {
                 1 => data.clone(),
@@ -139,14 +129,8 @@ impl SurrogateMethod for Recurrent {
             let options = Options { seed: Some(seed), ..Options::default() };
             let trainer = self.trainer.adapted(&options).unwrap_or_else(|| self.trainer.clone());
             let definition = SequenceDefinition { seed, ..definition.clone() };
-            let (model, report) =
-                SequenceModel::fit(&definition, &data, &*trainer, &mut part).map_err(failed)?;
-            if report.termination == TerminationReason::Stopped {
-                return Err(stopped());
-            }
-            done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            part.completed();
-            Ok(model)
+            let (model, report) = SequenceModel::fit(&definition, &data, &*trainer, part).map_err(failed)?;
+            Ok((model, report.termination))
         })?;
         let ranges = ranges(&inputs);
         let mut fitted = FittedRecurrent { columns, networks, ranges, run_variances: None };

@@ -1,8 +1,9 @@
 //! What must be beaten: the state of the sample, and the simplest law of any path.
 
-use super::quantities::{COMPONENTS, Quantity, Row, rows_of, samples, strains};
+use super::quantities::{Quantity, Row, rows_of, samples, strains};
 use crate::dataset::Dataset;
 use crate::error::Result;
+use crate::surrogate::COMPONENTS;
 
 /// The state of the sample, for every state of its run.
 pub(super) fn first_states(runs: &Dataset) -> Result<Vec<Row>> {

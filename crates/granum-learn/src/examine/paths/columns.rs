@@ -1,19 +1,9 @@
 //! The columns of a path, of what is learned along it, and of its kind.
 
 use crate::dataset::{Dataset, RunStates};
-use crate::surrogate::FitSpec;
+use crate::surrogate::{FitSpec, STRAINS, SUFFIXES};
 
-/// Columns of strain, which are the path.
-pub(super) const STRAINS: [&str; 6] = [
-    "axial_strain",
-    "lateral_strain_2",
-    "lateral_strain_3",
-    "shear_strain_yz",
-    "shear_strain_zx",
-    "shear_strain_xy",
-];
 pub(super) const TENSORS: [&str; 2] = ["stress", "fabric"];
-pub(super) const SUFFIXES: [&str; 6] = ["11", "22", "33", "23", "13", "12"];
 pub(super) const SCALARS: [&str; 2] = ["volumetric_strain", "mechanical_coordination_number"];
 /// The word of a case that says what a random path consists of.
 pub(super) const KIND: &str = "stage.1.kind";

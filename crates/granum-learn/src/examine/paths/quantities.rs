@@ -1,12 +1,9 @@
 //! What is judged of a state on a path.
 
-use super::columns::{SCALARS, STRAINS, SUFFIXES, TENSORS, spec};
+use super::columns::{SCALARS, TENSORS, spec};
 use crate::dataset::Dataset;
 use crate::error::Result;
-use crate::surrogate::deviator;
-
-/// Components of a deviator.
-pub(super) const COMPONENTS: usize = 5;
+use crate::surrogate::{COMPONENTS, STRAINS, SUFFIXES, deviator};
 
 /// A state: deviators of stress over mean stress and of fabric, volumetric strain, coordination number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -75,19 +75,21 @@ impl AnyPath {
         answers.work.push(WorkInCycles::new("simulation", &cycles, &exact, &exact));
         answers.work.push(WorkInCycles::new("elastic, perfectly plastic", &cycles, &exact, &stresses));
         let long_exact = long.map(quantities::rows_of).transpose()?;
+        let columns = spec.columns(training)?;
+        let inputs = |runs: &Dataset| RunInputs::from_dataset(runs, &columns);
+        let (unseen_inputs, long_inputs) = (inputs(unseen)?, long.map(inputs).transpose()?);
         let mut turn = Turn::new(methods.len(), observer);
         for (name, method) in methods {
             turn.next(name.clone())?;
             let fitted = method.fit(training, &spec, &mut NoObserver)?;
-            let predicted = |runs: &Dataset| -> Result<Vec<Row>> {
-                let rows = fitted.means(&RunInputs::from_dataset(runs, fitted.columns())?)?;
-                Ok(rows.iter().map(|row| Row::of_outputs(row)).collect())
+            let predicted = |inputs: &RunInputs| -> Result<Vec<Row>> {
+                Ok(fitted.means(inputs)?.iter().map(|row| Row::of_outputs(row)).collect())
             };
-            let rows = predicted(unseen)?;
+            let rows = predicted(&unseen_inputs)?;
             answers.errors.extend(errors(&name, unseen, &exact, &rows, &means, &Quantity::ALL));
             answers.work.push(WorkInCycles::new(&name, &cycles, &exact, &rows));
-            if let (Some(long), Some(exact)) = (long, &long_exact) {
-                answers.drift.extend(drift(&name, long, exact, &predicted(long)?, &means));
+            if let (Some(long), Some(exact), Some(inputs)) = (long, &long_exact, &long_inputs) {
+                answers.drift.extend(drift(&name, long, exact, &predicted(inputs)?, &means));
             }
         }
         Ok(answers)

@@ -1,5 +1,7 @@
 //! What no surrogate can beat: the scatter between samples on the same path.
 
+use granum_io::case::CaseParameter;
+
 use super::answers::PathAnswer;
 use super::columns::{ALL, kind, kinds};
 use super::quantities::{Quantity, Row};
@@ -14,14 +16,8 @@ fn keys(run: &RunStates) -> Vec<[f64; 2]> {
 
 /// True if two runs differ in their samples alone: all parameters but the seed of the preparation and what was measured are the same.
 fn is_same_path(a: &RunStates, b: &RunStates) -> bool {
-    let key = |run: &RunStates| {
-        let own = run
-            .parameters()
-            .iter()
-            .filter(|own| !own.key.starts_with("sample.") && own.key != "preparation.seed");
-        own.cloned().collect::<Vec<_>>()
-    };
-    key(a) == key(b)
+    let of_path = |own: &&CaseParameter| !own.key.starts_with("sample.") && own.key != "preparation.seed";
+    a.parameters().iter().filter(of_path).eq(b.parameters().iter().filter(of_path))
 }
 
 /// The standard deviation of single runs about the mean of all samples, from pairs of runs on the same path.
@@ -38,20 +34,25 @@ pub(super) fn scatter(runs: &Dataset, exact: &[Row], means: &Row) -> Vec<PathAns
         // Each run with the next on the same path.
         pairs.extend((a + 1..all.len()).find(|b| is_same_path(&all[a], &all[*b])).map(|b| (a, b)));
     }
+    // The states that both runs of a pair have, with the kind of their path.
+    let in_both = |(a, b): &(usize, usize)| {
+        let (of_a, of_b) = (keys(&all[*a]), keys(&all[*b]));
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for (k, key) in of_a.iter().enumerate() {
+            if let Some(other) = of_b.iter().position(|other| other == key) {
+                first.push(exact[firsts[*a] + k]);
+                second.push(exact[firsts[*b] + other]);
+            }
+        }
+        (kind(&all[*a]), first, second)
+    };
+    let pairs: Vec<_> = pairs.iter().map(in_both).collect();
     let mut found = Vec::new();
     for of_kind in kinds(runs) {
         for quantity in Quantity::ALL {
-            let own = pairs.iter().filter(|(a, _)| of_kind == ALL || kind(&all[*a]) == of_kind);
-            let squares = own.map(|(a, b)| {
-                let (of_a, of_b) = (keys(&all[*a]), keys(&all[*b]));
-                let (mut first, mut second) = (Vec::new(), Vec::new());
-                for (k, key) in of_a.iter().enumerate() {
-                    if let Some(other) = of_b.iter().position(|other| other == key) {
-                        first.push(exact[firsts[*a] + k]);
-                        second.push(exact[firsts[*b] + other]);
-                    }
-                }
-                let [errors, values] = quantity.squares(&first, &second, means);
+            let own = pairs.iter().filter(|(kind, ..)| of_kind == ALL || *kind == of_kind);
+            let squares = own.map(|(_, first, second)| {
+                let [errors, values] = quantity.squares(first, second, means);
                 [0.5 * errors, values]
             });
             let squares: Vec<[f64; 2]> = squares.collect();

@@ -3,11 +3,12 @@
 use granum_core::{Column, Table};
 
 use super::baselines::{ElasticPerfectlyPlastic, first_states};
-use super::columns::{STRAINS, SUFFIXES, spec};
+use super::columns::spec;
 use super::quantities::{Quantity, means, rows_of};
 use super::scatter::scatter;
 use super::work::{WorkInCycles, cycles};
 use crate::dataset::{Dataset, RunStates};
+use crate::surrogate::{STRAINS, SUFFIXES};
 
 const PRESSURE: f64 = 1e5;
 const STIFFNESS: f64 = 50.0;

@@ -134,7 +134,8 @@ impl CellSizes {
             }),
             PathCell::StateSpace => state_space(increment, self.internal, weights)?,
             PathCell::Window => {
-                let inputs = increment + self.window.saturating_sub(1) * (increment - 1);
+                let inputs =
+                    self.window.saturating_sub(1).saturating_mul(increment - 1).saturating_add(increment);
                 state_space(inputs, 0, weights)?
             }
             // Without tensors there is nothing that turns.

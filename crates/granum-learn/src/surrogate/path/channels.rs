@@ -8,7 +8,7 @@ use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
 
 /// The columns of strain, in the order of the components of a tensor; the last three are angles, twice the components.
-const STRAINS: [&str; 6] = [
+pub(crate) const STRAINS: [&str; 6] = [
     "axial_strain",
     "lateral_strain_2",
     "lateral_strain_3",
@@ -17,7 +17,8 @@ const STRAINS: [&str; 6] = [
     "shear_strain_xy",
 ];
 const VOLUME: &str = "volumetric_strain";
-const SUFFIXES: [&str; 6] = ["11", "22", "33", "23", "13", "12"];
+/// The ends of the names of the columns of a tensor, in the same order.
+pub(crate) const SUFFIXES: [&str; 6] = ["11", "22", "33", "23", "13", "12"];
 /// The mean length of an increment, in the units of networks.
 const MEAN_LENGTH: f64 = 0.1;
 /// A mean part of a tensor that varies by less than this share of itself is taken as constant.
@@ -383,6 +384,7 @@ impl Channels {
         own.chain(starts).chain(of_tensors).chain(of_scalars).all(|place| *place < inputs)
             && of_outputs == (0..outputs).collect::<Vec<_>>()
             && means
+            && (self.strain.is_some() || !self.has_volume)
             && self.length > 0.0
     }
 }
@@ -442,6 +444,8 @@ mod tests {
         for row in increments.chunks(6).skip(1) {
             assert!((row[0] - 0.1).abs() < 1e-12 && (norm(&row[1..]) - 1.0).abs() < 1e-12, "{row:?}");
         }
+        let without_strain = Channels { strain: None, has_volume: true, ..channels.clone() };
+        assert!(!without_strain.is_whole(7, 7));
         assert!(channels.is_whole(7, 7) && !channels.is_whole(6, 7) && !channels.is_whole(7, 8));
         // Where the volume is no output, it is prescribed.
         let spec = FitSpec::new(STRAINS, SUFFIXES.map(|suffix| format!("stress_{suffix}")));

@@ -57,7 +57,7 @@ impl FittedPath {
         };
         let mut sums = vec![vec![0.0; inputs.len() * widths.outputs()]; self.networks.len()];
         for rotation in &rotations {
-            let turned = rotation.as_ref().map(|rotation| runs.turned(|_| rotation.clone()));
+            let turned = rotation.as_ref().map(|rotation| runs.turned(|| rotation.clone()));
             let back = rotation.as_ref().map(Rotation::inverse);
             for (sum, values) in sums.iter_mut().zip(self.advanced(turned.as_ref().unwrap_or(&runs))?) {
                 let mut values = values;

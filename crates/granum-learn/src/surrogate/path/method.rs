@@ -1,9 +1,8 @@
 //! The methods that fit networks with a state to paths.
 
-use granum_core::observer::{Observer, SharedObserver};
-use granum_core::parallel;
+use granum_core::observer::Observer;
 use granum_nets::DataError;
-use granum_nets::trainer::{Adam, Options, SharedTrainer, TerminationReason};
+use granum_nets::trainer::{Adam, Options, SharedTrainer};
 
 use super::cell::{CellSizes, PathCell};
 use super::channels::Channels;
@@ -14,6 +13,7 @@ use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::input_use::SplitMix;
 use crate::surrogate::content::Content;
+use crate::surrogate::networks_of_parts::networks_of_parts;
 use crate::surrogate::recurrent::ranges;
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::scatter_of_networks::RunVariances;
@@ -145,44 +145,27 @@ impl SurrogateMethod for PathNetworks {
         let runs = all.lengths.len();
         let count = self.networks.min(runs);
         let turns = if sizes.is_objective(&widths) { 0 } else { self.rotations };
-        let shared = SharedObserver::new(observer);
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let networks = parallel::map(count, spec.threads, |k| {
-            let stopped = || LearnError::Stopped {
-                done: done.load(std::sync::atomic::Ordering::Relaxed),
-                total: count,
-            };
-            if shared.stopped() {
-                return Err(stopped());
-            }
-            let mut part = shared.part(format!("network {}", k + 1));
+        let networks = networks_of_parts(count, spec.threads, observer, |k, part| {
             let own = |run: usize| count > 1 && run % count == k;
-            let mut learned = all.chosen(|run| !own(run));
             let seed = spec.seed.wrapping_add(k as u64);
-            let first = all.chosen(|run| !own(run));
+            // Sizes that cannot be are refused before there are data for them.
+            let mut network = sizes.network(&widths, seed, None).map_err(|error| self.failed(error))?;
+            let mut learned = all.chosen(|run| !own(run));
             let mut random = SplitMix(seed);
-            for _ in 0..turns {
-                let rotations: Vec<Rotation> =
-                    first.lengths.iter().map(|_| Rotation::random(&mut random)).collect();
-                learned.append(first.turned(|run| rotations[run].clone()));
-            }
+            let turned: Vec<PathRuns> =
+                (0..turns).map(|_| learned.turned(|| Rotation::random(&mut random))).collect();
+            turned.into_iter().for_each(|runs| learned.append(runs));
             let fail = |error: DataError| self.failed(error);
             let mut data = learned.data(&sizes).map_err(fail)?;
             if count > 1 {
                 let judged = all.chosen(own).data(&sizes).map_err(fail)?;
                 data = data.with_validation(judged).map_err(fail)?;
             }
-            let mut network = sizes.network(&widths, seed, None).map_err(|error| self.failed(error))?;
             let options = Options { seed: Some(seed), ..Options::default() };
             let trainer = self.trainer.adapted(&options).unwrap_or_else(|| self.trainer.clone());
-            let report = trainer.resume(&mut *network, &data, None, &mut part);
+            let report = trainer.resume(&mut *network, &data, None, part);
             let report = report.map_err(|error| self.failed(error))?;
-            if report.termination == TerminationReason::Stopped {
-                return Err(stopped());
-            }
-            done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            part.completed();
-            Ok(network)
+            Ok((network, report.termination))
         })?;
         let ranges = ranges(&inputs);
         let is_mean = turns > 0;

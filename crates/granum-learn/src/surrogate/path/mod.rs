@@ -22,5 +22,6 @@ mod runs;
 mod tests;
 
 pub use cell::PathCell;
+pub(crate) use channels::{STRAINS, SUFFIXES};
 pub use method::PathNetworks;
-pub(crate) use rotation::parts as deviator;
+pub(crate) use rotation::{COMPONENTS, parts as deviator};

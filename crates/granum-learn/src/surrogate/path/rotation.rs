@@ -3,7 +3,7 @@
 use crate::input_use::SplitMix;
 
 /// Number of components of a deviator.
-pub(super) const COMPONENTS: usize = 5;
+pub(crate) const COMPONENTS: usize = 5;
 
 type Matrix = [[f64; 3]; 3];
 

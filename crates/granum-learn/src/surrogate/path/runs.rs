@@ -34,15 +34,15 @@ impl PathRuns {
         PathRuns { widths: self.widths, increments, starts: of_starts, targets, lengths }
     }
 
-    /// The same runs in other axes: one rotation for each.
-    pub fn turned(&self, rotation: impl Fn(usize) -> Rotation) -> PathRuns {
+    /// The same runs in other axes: the next rotation for each.
+    pub fn turned(&self, mut rotation: impl FnMut() -> Rotation) -> PathRuns {
         let Widths { tensors, direction, .. } = self.widths;
         let (width, starts, outputs) = (self.widths.increment(), self.widths.starts(), self.widths.outputs());
         let (mut increments, mut targets) = (self.increments.clone(), self.targets.clone());
         let mut of_starts = self.starts.clone();
         let mut row = 0;
         for (run, length) in self.lengths.iter().enumerate() {
-            let rotation = rotation(run);
+            let rotation = rotation();
             for own in increments[row * width..(row + length) * width].chunks_exact_mut(width) {
                 rotation.turn(own, 1, usize::from(direction > 0));
             }
@@ -75,11 +75,12 @@ impl PathRuns {
         Sequences::new(self.lengths.clone())?.with_starts(self.starts.clone(), self.widths.starts())
     }
 
-    pub fn data(&self, sizes: &CellSizes) -> std::result::Result<Data, DataError> {
+    pub fn data(self, sizes: &CellSizes) -> std::result::Result<Data, DataError> {
         let inputs = sizes.inputs(&self.widths, &self.increments, &self.lengths);
         let rows: usize = self.lengths.iter().sum();
         let columns = inputs.len() / rows.max(1);
-        Data::with_target_columns(inputs, columns, self.targets.clone(), self.widths.outputs())?
-            .with_sequences(self.sequences()?)
+        let sequences = self.sequences()?;
+        Data::with_target_columns(inputs, columns, self.targets, self.widths.outputs())?
+            .with_sequences(sequences)
     }
 }

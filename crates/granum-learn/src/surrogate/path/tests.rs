@@ -4,19 +4,12 @@ use granum_core::observer::NoObserver;
 use granum_core::{Column, Table};
 use granum_nets::trainer::Adam;
 
+use super::channels::STRAINS;
 use super::*;
 use crate::dataset::{Dataset, RunStates};
 use crate::input_use::SplitMix;
 use crate::surrogate::{FitSpec, RunInputs, Surrogate, SurrogateMethod, SurrogateMethods, to_json};
 
-const STRAINS: [&str; 6] = [
-    "axial_strain",
-    "lateral_strain_2",
-    "lateral_strain_3",
-    "shear_strain_yz",
-    "shear_strain_zx",
-    "shear_strain_xy",
-];
 const STRESSES: [&str; 6] = ["stress_11", "stress_22", "stress_33", "stress_23", "stress_13", "stress_12"];
 
 /// Runs along random straight lines, of different lengths; the volumetric strain is the dilation by shearing, and depends on the sample.
@@ -152,6 +145,9 @@ fn files_and_settings_that_cannot_be_are_refused() {
     let method = PathNetworks { networks: 0, ..small(PathCell::Gru) };
     let text = method.fit(&all, &spec(), &mut NoObserver).err().unwrap().to_string();
     assert!(text.contains("must be 1 or more, not 0"), "{text}");
+    let method = PathNetworks { window: usize::MAX, ..small(PathCell::Window) };
+    let text = method.fit(&all, &spec(), &mut NoObserver).err().unwrap().to_string();
+    assert!(text.contains("neurons; between 1 and"), "{text}");
     let constant = FitSpec::new(["sample.void_ratio"], ["stress_11"]);
     let text = small(PathCell::Lstm).fit(&all, &constant, &mut NoObserver).err().unwrap().to_string();
     assert!(text.contains("no input varies along a run"), "{text}");
