@@ -4,7 +4,7 @@
 //! - Of inputs: the bins of a histogram such as `P(f)` are replaced by the first `k` components of the training states before a method learns.
 //! - Of curves: each output is a sum of `k` components, whose weights Gaussian processes learn.
 
-use granum_core::observer::{NoObserver, Observer};
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::errors::errors_on;
@@ -165,10 +165,14 @@ impl ComponentsOfInputs {
         let mut turn = Turn::new(1 + 2 * self.counts.len(), observer);
         let fixed: Vec<String> = [&self.coordinate].into_iter().chain(&self.inputs).cloned().collect();
         let mut answers = Vec::new();
-        let mut judge = |kind: &str, count: usize, own: Vec<String>, learned: &Dataset, judged: &Dataset| {
+        let mut judge = |turn: &mut Turn,
+                         (kind, count): (&str, usize),
+                         own: Vec<String>,
+                         learned: &Dataset,
+                         judged: &Dataset| {
             let spec = FitSpec::new(fixed.iter().cloned().chain(own), self.outputs.clone());
             let spec = spec.with_coordinate(&self.coordinate).with_seed(self.seed).with_threads(self.threads);
-            let surrogate = method.fit(learned, &spec, &mut NoObserver)?;
+            let surrogate = turn.work(|observer| method.fit(learned, &spec, observer))?;
             let errors = errors_on(surrogate.as_ref(), judged, &self.outputs)?;
             answers.extend(self.outputs.iter().zip(errors).map(|(output, error)| ComponentsAnswer {
                 kind: kind.into(),
@@ -180,7 +184,7 @@ impl ComponentsOfInputs {
             Ok::<(), LearnError>(())
         };
         turn.next(format!("all {} bins", bins.len()))?;
-        judge("whole", bins.len(), vec![self.histogram.clone()], &training, &unseen)?;
+        judge(&mut turn, ("whole", bins.len()), vec![self.histogram.clone()], &training, &unseen)?;
         for count in &self.counts {
             for (kind, independent) in [("principal", false), ("independent", true)] {
                 turn.next(format!("{count} {kind} components"))?;
@@ -190,7 +194,7 @@ impl ComponentsOfInputs {
                     Dataset::new(dataset.runs().iter().map(run).collect::<Result<_>>()?)
                 };
                 let names = (1..=used.len()).map(|k| format!("{COMPONENT}{k}")).collect();
-                judge(kind, *count, names, &with(&training)?, &with(&unseen)?)?;
+                judge(&mut turn, (kind, *count), names, &with(&training)?, &with(&unseen)?)?;
             }
         }
         Ok(answers)
@@ -235,7 +239,7 @@ impl ComponentsOfCurves {
                 turn.next(format!("{components} {kind} components"))?;
                 let method =
                     GaussianProcessOfCurves { components: *components, independent, ..Default::default() };
-                let surrogate = method.fit(training, &spec, &mut NoObserver)?;
+                let surrogate = turn.work(|observer| method.fit(training, &spec, observer))?;
                 let errors = errors_on(surrogate.as_ref(), unseen, &self.outputs)?;
                 answers.extend(self.outputs.iter().zip(errors).map(|(output, error)| ComponentsAnswer {
                     kind: kind.into(),
@@ -253,6 +257,8 @@ impl ComponentsOfCurves {
 #[cfg(test)]
 mod tests {
     use granum_core::{Column, Table};
+
+    use granum_core::observer::NoObserver;
 
     use super::*;
     use crate::dataset::ColumnGroup;

@@ -1,6 +1,6 @@
 //! Which design teaches most: data sets whose runs were placed by different designs, judged on the same unseen runs.
 
-use granum_core::observer::{NoObserver, Observer};
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::errors::errors_on;
@@ -42,7 +42,8 @@ pub fn compare_designs(
         turn.next(name)?;
         let inputs = [coordinate.to_owned()].into_iter().chain(properties(runs));
         let spec = FitSpec::new(inputs, outputs.to_vec()).with_coordinate(coordinate).with_threads(threads);
-        let surrogate = GaussianProcessOfCurves::default().fit(runs, &spec, &mut NoObserver)?;
+        let surrogate =
+            turn.work(|observer| GaussianProcessOfCurves::default().fit(runs, &spec, observer))?;
         let errors = errors_on(surrogate.as_ref(), unseen, outputs)?;
         answers.extend(outputs.iter().zip(errors).map(|(output, error)| DesignAnswer {
             design: name.clone(),
@@ -56,6 +57,8 @@ pub fn compare_designs(
 
 #[cfg(test)]
 mod tests {
+    use granum_core::observer::NoObserver;
+
     use super::*;
     use crate::examine::noise::tests::{family, split};
 

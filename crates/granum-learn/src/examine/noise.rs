@@ -3,7 +3,7 @@
 //! 108), to those that it is asked with (what an instrument adds), or to both. Inputs that are the same in all states of a run have one noise for the run,
 //! others one for each state; the coordinate has none.
 
-use granum_core::observer::{NoObserver, Observer};
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::errors::errors_on;
@@ -88,16 +88,18 @@ impl NoiseInInputs {
             .chain(self.inputs.iter().filter(|own| **own != self.coordinate).cloned());
         let spec = FitSpec::new(all, self.outputs.clone()).with_coordinate(&self.coordinate);
         let spec = spec.with_seed(self.seed).with_threads(self.threads);
-        let mut turn = Turn::new(self.methods.len() * self.levels.len(), observer);
+        let mut turn = Turn::new(self.methods.len() * (1 + self.levels.len()), observer);
         let mut answers = Vec::new();
         for name in &self.methods {
             let method = methods.by_name(name)?;
-            let clean = method.fit(&training, &spec, &mut NoObserver)?;
+            turn.next(format!("{name}, without noise"))?;
+            let clean = turn.work(|observer| method.fit(&training, &spec, observer))?;
             for level in &self.levels {
                 turn.next(format!("{name}, noise {level}"))?;
                 let noise =
                     |dataset: &Dataset, seed: u64| self.noisy(dataset, &inputs, &deviations, *level, seed);
-                let fitted = method.fit(&noise(&training, 1)?, &spec, &mut NoObserver)?;
+                let noisy = noise(&training, 1)?;
+                let fitted = turn.work(|observer| method.fit(&noisy, &spec, observer))?;
                 let asked = noise(&unseen, 2)?;
                 let judged = [
                     (Noisy::Training, &fitted, &unseen),
@@ -161,6 +163,8 @@ fn deviation(dataset: &Dataset, name: &str) -> Result<f64> {
 #[cfg(test)]
 pub(super) mod tests {
     use granum_core::{Column, Table};
+
+    use granum_core::observer::NoObserver;
 
     use super::*;
 

@@ -2,7 +2,7 @@
 //! runs so far is least sure of. The training runs are the pool from which each order takes its first so many runs; the error is that of a surrogate
 //! fitted to them on unseen runs.
 
-use granum_core::observer::{NoObserver, Observer};
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::errors::errors_on;
@@ -100,7 +100,7 @@ impl OrderOfRuns {
             };
             for count in &self.counts {
                 turn.next(format!("{count} runs"))?;
-                for (output, error) in self.errors(training, unseen, &taken[..*count])? {
+                for (output, error) in self.errors(training, unseen, &taken[..*count], &mut turn)? {
                     answers.push(OrderAnswer { order, seed, runs: *count, output, error });
                 }
             }
@@ -131,7 +131,8 @@ impl OrderOfRuns {
             let known = subset(training, &taken);
             let is_free: Vec<bool> = (0..pool.len()).map(|run| !taken.contains(&run)).collect();
             let count = self.batch.min(most - taken.len());
-            let next = learning.choose(&known, &inputs, &pool, &is_free, count, &mut NoObserver)?;
+            let next =
+                turn.work(|observer| learning.choose(&known, &inputs, &pool, &is_free, count, observer))?;
             taken.extend(next.chosen);
         }
         Ok(taken)
@@ -142,15 +143,13 @@ impl OrderOfRuns {
         training: &Dataset,
         unseen: &Dataset,
         runs: &[usize],
+        turn: &mut Turn,
     ) -> Result<Vec<(String, PooledError)>> {
         let known = subset(training, runs);
         let inputs = [self.coordinate.clone()].into_iter().chain(properties(&known));
         let spec = FitSpec::new(inputs, self.outputs.clone()).with_coordinate(&self.coordinate);
-        let fitted = GaussianProcessOfCurves::default().fit(
-            &known,
-            &spec.with_threads(self.threads),
-            &mut NoObserver,
-        )?;
+        let spec = spec.with_threads(self.threads);
+        let fitted = turn.work(|observer| GaussianProcessOfCurves::default().fit(&known, &spec, observer))?;
         let errors = errors_on(fitted.as_ref(), unseen, &self.outputs)?;
         Ok(self.outputs.iter().cloned().zip(errors).collect())
     }
@@ -164,6 +163,8 @@ fn subset(dataset: &Dataset, runs: &[usize]) -> Dataset {
 
 #[cfg(test)]
 mod tests {
+    use granum_core::observer::NoObserver;
+
     use super::*;
     use crate::examine::noise::tests::{family, split};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use granum_core::observer::{NoObserver, Observer};
+use granum_core::observer::Observer;
 
 use super::answers::{Drift, PathAnswer, PathAnswers};
 use super::columns::{self, ALL, kind, kinds};
@@ -81,7 +81,7 @@ impl AnyPath {
         let mut turn = Turn::new(methods.len(), observer);
         for (name, method) in methods {
             turn.next(name.clone())?;
-            let fitted = method.fit(training, &spec, &mut NoObserver)?;
+            let fitted = turn.work(|observer| method.fit(training, &spec, observer))?;
             let predicted = |inputs: &RunInputs| -> Result<Vec<Row>> {
                 Ok(fitted.means(inputs)?.iter().map(|row| Row::of_outputs(row)).collect())
             };
