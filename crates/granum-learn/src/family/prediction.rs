@@ -57,6 +57,13 @@ pub struct FamilyPrediction {
     pub curves: Vec<FamilyCurve>,
 }
 
+impl FamilyPrediction {
+    /// True if the runs say little of these inputs: one is outside its range, or two do not occur together.
+    pub fn is_extrapolated(&self) -> bool {
+        !self.outside.is_empty() || self.combination.is_some()
+    }
+}
+
 /// Mean, lower and upper end of each output at each point.
 struct Plain {
     curves: Vec<[Vec<f64>; 3]>,

@@ -7,10 +7,14 @@ use granum_report::figure::{Axis, Figure, Layer, Panel, Plot};
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;
 
+/// What the legend of a curve says for which there are no runs.
+const EXTRAPOLATED: &str = "outside of the runs";
+
 /// The figure: a panel for each output, a distribution in its first and its last state.
 pub fn svg(model: &FamilyModel, prediction: &FamilyPrediction) -> String {
     let family = model.definition();
     let last = prediction.points.len() - 1;
+    let flag = if prediction.is_extrapolated() { EXTRAPOLATED } else { "" };
     let panels = family.outputs.iter().map(|output| {
         let columns = model.columns_of(output);
         let label = capital(output.meaning);
@@ -26,7 +30,7 @@ pub fn svg(model: &FamilyModel, prediction: &FamilyPrediction) -> String {
             let point = |k: usize| [prediction.points[k], curve.mean[k], curve.lower[k], curve.upper[k]];
             let axis = Axis::new(&capital(&family.coordinate.replace('_', " ")));
             let plot = Plot::new(axis, Axis::new(&label));
-            return Panel::plot(plot.with_all(layers((0..=last).map(point).collect(), 0, "")));
+            return Panel::plot(plot.with_all(layers((0..=last).map(point).collect(), 0, flag)));
         }
         let at = |k: usize| -> Vec<[f64; 4]> {
             let bin = |column: &usize| {
@@ -41,10 +45,11 @@ pub fn svg(model: &FamilyModel, prediction: &FamilyPrediction) -> String {
         Panel::plot(plot.with_all(layers(at(0), 1, "start")).with_all(layers(at(last), 0, "end")))
     });
     let description = format!(
-        "Curves of the family {} ({}) with intervals that should contain {:.0} % of the states of new samples",
+        "Curves of the family {} ({}) with intervals that should contain {:.0} % of the states of new samples{}",
         family.name,
         family.title,
-        100.0 * prediction.level
+        100.0 * prediction.level,
+        if flag.is_empty() { String::new() } else { format!("; {flag}") }
     );
     Figure::new(&description, 2, panels.collect()).to_svg()
 }
