@@ -637,7 +637,7 @@ class Family:
 
         The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
         interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
-        the runs.
+        the runs; and as `unseen_combination` the names of two inputs that the runs do not have together, or `None`.
         """
     def _repr_html_(self) -> str: ...
     def __reduce__(self) -> Any: ...

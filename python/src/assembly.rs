@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use granum_core::assembly::{Contact, Grain, Vector};
 use granum_core::{Part, Parts, Table};
-use granum_io::formats::ObservedAssembly;
+use granum_io::formats::{ObservedAssembly, known_columns};
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_sensors::force_chains::Chains;
 use granum_sensors::{Measurement, Observation, Sensors};
@@ -129,33 +129,9 @@ impl Assembly {
         py: Python<'py>,
         make: impl FnOnce(&granum_core::Assembly) -> granum_io::Result<Table> + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let known = |name: &str| part_of_column(name).is_none_or(|part| self.parts.has(part));
-        let found = detached(py, || {
-            let table = make(&self.inner)?;
-            let columns = table.columns().iter().filter(|column| known(&column.name)).cloned();
-            Ok(Table::new(columns.collect())?)
-        })?;
+        let found = detached(py, || Ok(known_columns(&make(&self.inner)?, self.parts)))?;
         table::object(py, found.map_err(|error: granum_io::Error| errors::of_file(py, &error, false))?)
     }
-}
-
-/// The part of an assembly that a column of its tables of grains and contacts shows.
-fn part_of_column(name: &str) -> Option<Part> {
-    let part = match name.trim_end_matches("_x").trim_end_matches("_y").trim_end_matches("_z") {
-        "velocity" => Part::Velocities,
-        "spin" => Part::Spins,
-        "mass" => Part::Masses,
-        "force" | "torque" => Part::ResultantForces,
-        "radius" => Part::Radii,
-        "approach" => Part::Overlaps,
-        "normal_force" => Part::NormalForces,
-        "tangential_force" => Part::TangentialForces,
-        "sliding" => Part::Sliding,
-        // No format but granum's own has the area of contact; it goes with the energies.
-        "contact_radius" | "normal_energy" | "tangential_energy" | "rolling_energy" => Part::ContactEnergies,
-        _ => return None,
-    };
-    Some(part)
 }
 
 /// A matrix as an array of three rows.

@@ -92,11 +92,9 @@ fn cell_edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
     let has_unit = |item: &Bound<'_, PyAny>| {
         Ok::<bool, PyErr>(item.is_instance_of::<PyString>() || quantity::is_of_pint(item)?)
     };
-    let items: Vec<Bound<'_, PyAny>> = match cell.is_instance_of::<PyString>() {
-        true => {
-            return Err(errors::of_value(cell.py(), "cell", cell.to_string(), "three lengths are needed"));
-        }
-        false => cell.try_iter()?.collect::<PyResult<_>>()?,
+    let items: Vec<Bound<'_, PyAny>> = match cell.try_iter() {
+        Ok(items) if !cell.is_instance_of::<PyString>() => items.collect::<PyResult<_>>()?,
+        _ => return Err(errors::of_value(cell.py(), "cell", cell.to_string(), "three lengths are needed")),
     };
     let lengths = match &items[..] {
         [_, _, _] if items.iter().map(has_unit).collect::<PyResult<Vec<bool>>>()?.contains(&true) => {
@@ -177,7 +175,7 @@ pub fn write(
                     return formats.write_packing(&path, &last.packing(&path)?);
                 }
                 if is_tabular {
-                    return formats.write_table(&path, &granum_io::snapshot::grains_table(&last.assembly)?);
+                    return formats.write_table(&path, &last.grains_table()?);
                 }
                 let chosen = formats.written_format(&path, format.as_deref())?;
                 if chosen.holds_one_instant() && observations.len() > 1 {

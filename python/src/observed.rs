@@ -35,12 +35,15 @@ fn vectors(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<Vector>> {
 /// The assembly that arrays are of.
 ///
 /// # Errors
-/// `granum.CaseError` with the name of the array that is wrong.
+/// `granum.CaseError` with the name of the array that is wrong; `granum.FileError` if grains, contacts and cell do not fit together.
 pub fn from_arrays(arrays: &Arrays<'_, '_>) -> PyResult<ObservedAssembly> {
     let py = arrays.positions.py();
     let positions = vectors("positions", arrays.positions)?;
     let (radii, shape) = arrays::numbers("radii", arrays.radii)?;
     arrays::check_finite(py, "radii", &radii, &shape)?;
+    if positions.is_empty() {
+        return Err(errors::of_value(py, "positions", "[]", "there are no grains"));
+    }
     if shape.len() != 1 || radii.len() != positions.len() {
         let message =
             format!("there are {} positions, and the radii have the shape {shape:?}", positions.len());

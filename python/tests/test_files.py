@@ -141,6 +141,10 @@ def test_arrays_of_anyone_become_an_assembly(tmp_path: pathlib.Path) -> None:
     with pytest.raises(granum.FileError, match="has no cell"):
         granum.write(tmp_path / "bare.csv", granum.Assembly(positions, radii))
     assert granum.Assembly(positions, radii).parts == ["positions", "radii"]
+    granum.write(tmp_path / "pair.parquet", pair)
+    assert granum.Table.read(tmp_path / "pair.parquet").columns == ["id", "position_x", "position_y", "position_z", "radius"]
+    with pytest.raises(granum.CaseError, match="there are no grains"):
+        granum.Assembly(np.empty((0, 3)), [])
 
 
 def test_mistakes_are_those_of_the_program(tmp_path: pathlib.Path) -> None:
@@ -153,7 +157,7 @@ def test_mistakes_are_those_of_the_program(tmp_path: pathlib.Path) -> None:
     with pytest.raises(granum.CaseError, match="none of the files") as caught:
         granum.read(LAMMPS[0], columns={"other": ["x"]})
     assert caught.value.key == "columns"
-    wrong: list[dict[str, Any]] = [{"density": -1}, {"time_step": "0 s"}, {"density": "3 m"}, {"cell": "2 mm"}, {"cell": ["2 mm", "2 mm", "2 s"]}]
+    wrong: list[dict[str, Any]] = [{"density": -1}, {"time_step": "0 s"}, {"density": "3 m"}, {"cell": "2 mm"}, {"cell": 3}, {"cell": ["2 mm", "2 mm", "2 s"]}]
     for keywords in wrong:
         with pytest.raises(granum.CaseError) as caught:
             granum.read(LAMMPS[0], **keywords)

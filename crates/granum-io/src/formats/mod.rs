@@ -48,7 +48,7 @@ pub mod yade_text;
 
 pub use join::JoinOptions;
 pub use packing_format::PackingFormat;
-pub use result::{FileContact, Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
+pub use result::{FileContact, Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat, known_columns};
 pub use table_format::TableFormat;
 
 /// The formats that a program supports.

@@ -4,10 +4,11 @@
 use std::path::Path;
 
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
-use granum_core::{Part, Parts};
+use granum_core::{Part, Parts, Table};
 
 use crate::error::{Error, Result};
 use crate::shell::ShowPath;
+use crate::snapshot::{contacts_table, grains_table};
 
 /// A format of results: grains, and possibly contacts, at one or several instants.
 ///
@@ -219,6 +220,25 @@ impl ObservedAssembly {
         self
     }
 
+    /// What is known of its grains as a table.
+    ///
+    /// # Errors
+    /// As [`grains_table`].
+    pub fn grains_table(&self) -> Result<Table> {
+        Ok(known_columns(&grains_table(&self.assembly)?, self.parts))
+    }
+
+    /// What is known of its contacts as a table.
+    ///
+    /// # Errors
+    /// [`Error::Rule`] if there are no contacts among what is known; and as [`contacts_table`].
+    pub fn contacts_table(&self) -> Result<Table> {
+        if !self.parts.has(Part::Contacts) {
+            return Err(Error::Rule(format!("these data have no {}", Part::Contacts.name())));
+        }
+        Ok(known_columns(&contacts_table(&self.assembly)?, self.parts))
+    }
+
     /// The packing of its grains, numbered from 1; `path` is the file for messages.
     ///
     /// # Errors
@@ -267,5 +287,49 @@ impl ObservedAssembly {
         };
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         ObservedAssembly::new(assembly, parts, packing.origin)
+    }
+}
+
+/// Those columns of a table of grains or contacts that show what is known: what is not known is zero in an assembly.
+pub fn known_columns(table: &Table, parts: Parts) -> Table {
+    table.columns_where(|column| part_of_column(&column.name).is_none_or(|part| parts.has(part)))
+}
+
+/// The part of an assembly that a column of its tables of grains and contacts shows.
+fn part_of_column(name: &str) -> Option<Part> {
+    let part = match name.trim_end_matches("_x").trim_end_matches("_y").trim_end_matches("_z") {
+        "velocity" => Part::Velocities,
+        "spin" => Part::Spins,
+        "mass" => Part::Masses,
+        "force" | "torque" => Part::ResultantForces,
+        "radius" => Part::Radii,
+        "approach" => Part::Overlaps,
+        "normal_force" => Part::NormalForces,
+        "tangential_force" => Part::TangentialForces,
+        "sliding" => Part::Sliding,
+        // No format but granum's own has the area of contact; it goes with the energies.
+        "contact_radius" | "normal_energy" | "tangential_energy" | "rolling_energy" => Part::ContactEnergies,
+        _ => return None,
+    };
+    Some(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_has_no_column_of_what_is_not_known() {
+        let assembly = Assembly {
+            grains: vec![Grain { id: 1, radius: 0.5, ..Grain::default() }],
+            ..Assembly::default()
+        };
+        let known = Parts::new(&[Part::Positions, Part::Radii]);
+        let observed = ObservedAssembly::new(assembly.clone(), known, [0.0; 3]);
+        let names: Vec<String> = observed.grains_table().unwrap().names().map(String::from).collect();
+        assert_eq!(names, ["id", "position_x", "position_y", "position_z", "radius"]);
+        assert!(observed.contacts_table().unwrap_err().to_string().contains("these data have no contacts"));
+        let complete = ObservedAssembly::complete(assembly);
+        assert_eq!(complete.grains_table().unwrap(), grains_table(&complete.assembly).unwrap());
     }
 }

@@ -6,7 +6,6 @@ use clap::Args;
 use granum_core::Table;
 use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
-use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, write_table};
 use serde_json::json;
 
@@ -263,8 +262,8 @@ fn run_table(run: &Run, name: &str) -> Result<Table, Failure> {
 /// The grains or contacts of an observation.
 fn table_of(observation: &ObservedAssembly, name: &str) -> Result<Table, Failure> {
     match name {
-        "grains" => Ok(grains_table(&observation.assembly)?),
-        "contacts" => Ok(contacts_table(&observation.assembly)?),
+        "grains" => Ok(observation.grains_table()?),
+        "contacts" => Ok(observation.contacts_table()?),
         _ => Err(Failure::new(format!("--table {name:?}: these data have the tables grains and contacts"))),
     }
 }
