@@ -83,9 +83,11 @@ def _key(name: str, case: Case) -> str | None:
     material = f"grains.material.{name}"
     if material in ends or len(ends) == 1:
         return material if material in ends else ends[0]
-    known = " or ".join(ends) if ends else "none of the case"
     remedy = f'say which key it stands for: {name}=granum.linear(LOW, HIGH, key="preparation.mean_stress")'
-    message = f"the variable {name} could stand for the key {known}"
+    message = f"the variable {name} could stand for the key {' or '.join(ends)}"
+    if not ends:
+        near = difflib.get_close_matches(name, sorted({key.rpartition(".")[2] for key in keys}), 1)
+        message = f"the variable {name} stands for no key of the case" + "".join(f"; did you mean {other}?" for other in near)
     raise CaseError(f"{message}; {remedy}", [Mistake(message, key=name, remedy=remedy)])
 
 
