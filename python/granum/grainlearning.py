@@ -46,7 +46,10 @@ def read(path: str | os.PathLike[str]) -> Dataset:
     such a file has in MPa, are in Pa, and `preparation.mean_stress` is the pressure of its group, Pa. Parameters of contacts are columns as
     well, but for those that a run does not have (NaN). Raises `granum.FileError` if the file has another layout.
     """
-    import h5py  # type: ignore[import-untyped]
+    try:
+        import h5py  # type: ignore[import-untyped]
+    except ImportError as error:
+        raise ImportError("such a file is read by h5py: pip install h5py") from error
 
     tables: dict[str, Table] = {}
     try:

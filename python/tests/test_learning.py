@@ -198,9 +198,11 @@ def test_a_campaign_is_that_of_the_program_and_gives_its_dataset(tmp_path: pathl
 def test_mistakes_of_a_campaign_are_told(case: granum.Case, tmp_path: pathlib.Path) -> None:
     with pytest.raises(granum.CaseError, match="preparation.mean_stress or shear.mean_stress"):
         granum.Campaign(case, tmp_path / "study", mean_stress=(1e4, 1e5), n=2)
-    with pytest.raises(granum.CaseError, match="the variable pressure could stand for the key none of the case") as caught:
+    with pytest.raises(granum.CaseError, match="the variable pressure stands for no key of the case") as caught:
         granum.Campaign(case, tmp_path / "study", pressure=(1e4, 1e5), n=2)
     assert caught.value.key == "pressure" and caught.value.remedy is not None
+    with pytest.raises(granum.CaseError, match="fricton stands for no key of the case; did you mean friction"):
+        granum.Campaign(case, tmp_path / "study", fricton=(0.1, 0.5), n=2)
     with pytest.raises(granum.CaseError, match="is a length"):
         granum.Campaign(case, tmp_path / "study", friction=("1 mm", "2 mm"), n=2)
     with pytest.raises(granum.CaseError, match="points"):
