@@ -33,7 +33,7 @@ def write(
     Each run has `states` states, by default as many as the shortest run has: longer runs are cut, and shorter ones left out with a warning.
     With `force` an existing file is replaced. Raises `granum.FileError` if a run is no drained or undrained triaxial test.
     """
-    folder = getattr(campaign, "path", campaign)
+    folder = campaign if isinstance(campaign, (str, os.PathLike)) else campaign.path
     left_out = _write_grainlearning(path, folder, states, force)
     if left_out:
         warnings.warn(f"{len(left_out)} runs have fewer than {states} states and are left out: {', '.join(left_out)}", RunWarning, stacklevel=2)
