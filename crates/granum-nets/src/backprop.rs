@@ -57,11 +57,9 @@ impl Workspace {
         }
         let mut targets = vec![Row8::default(); data.target_columns * stride];
         let mut weights = targets.clone();
+        across_lanes(&data.inputs, data.input_columns, &mut outputs[0], stride);
         for r in 0..data.rows {
             let (block, lane) = (r / LANES, r % LANES);
-            for c in 0..data.input_columns {
-                outputs[0][c * stride + block].0[lane] = data.inputs[r * data.input_columns + c];
-            }
             for c in 0..data.target_columns {
                 targets[c * stride + block].0[lane] = data.targets[r * data.target_columns + c];
                 // The residual of an observation is the sum over its points of sqrt(weight / points) times their errors.
@@ -84,6 +82,11 @@ impl Workspace {
             weights,
             shared,
         }
+    }
+
+    /// Replaces the inputs by those of as many other rows, in row-major order.
+    pub(crate) fn set_inputs(&mut self, inputs: &[f64]) {
+        across_lanes(inputs, inputs.len() / self.rows, &mut self.outputs[0], self.stride);
     }
 
     /// Number of observations.
@@ -233,6 +236,15 @@ impl Workspace {
     }
 }
 
+/// Puts rows of so many columns into a lane matrix.
+fn across_lanes(rows: &[f64], columns: usize, lanes: &mut [Row8], stride: usize) {
+    for (r, row) in rows.chunks_exact(columns).enumerate() {
+        for (c, value) in row.iter().enumerate() {
+            lanes[c * stride + r / LANES].0[r % LANES] = *value;
+        }
+    }
+}
+
 struct SquaredError<'a> {
     workspace: &'a mut Workspace,
     weights: &'a [f64],
@@ -314,7 +326,7 @@ impl Kernel for Back<'_> {
                         first,
                         width,
                         #[inline(always)]
-                        |_| L::zero(),
+                        |_, _| L::zero(),
                         #[inline(always)]
                         |i, b, sum| sum.store(&mut target[i * stride + b].0),
                     );
@@ -467,7 +479,7 @@ impl Kernel for JacobianTimes<'_> {
                         first,
                         width,
                         #[inline(always)]
-                        |_| L::zero(),
+                        |_, _| L::zero(),
                         #[inline(always)]
                         |j, b, sum| {
                             let delta = L::load(&deltas[j * stride + b].0);

@@ -12,6 +12,9 @@ use crate::trainer::error::TerminationReason;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::trainer_trait::Trainer;
 
+/// Number of rows that all members answer before the next ones, so that they stay in the first-level cache.
+const CHUNK: usize = 256;
+
 /// Models of one definition with different seeds.
 ///
 /// ```
@@ -132,36 +135,43 @@ impl Ensemble {
         &self,
         rows: &[f64],
     ) -> Result<(BatchPrediction, Option<Vec<Deviation>>), ModelError> {
+        let first = &self.members[0];
+        first.check_rows(rows)?;
         let count = self.members.len() as f64;
-        let mut first = self.members[0].predict_batch(rows)?;
-        let shift = first.values.clone();
-        // About the first member, so that the difference of large squares loses no digits.
-        let mut sums = vec![[0.0; 2]; shift.len()];
-        for member in &self.members[1..] {
-            let values = member.predict_batch(rows)?.values;
-            for ((sums, value), shift) in sums.iter_mut().zip(values).zip(&shift) {
-                let apart = value - shift;
-                sums[0] += apart;
-                sums[1] += apart * apart;
-            }
-        }
         let noise: Option<f64> = self.members.iter().map(Model::noise_variance).sum();
-        for (value, [sum, _]) in first.values.iter_mut().zip(&sums) {
-            *value += sum / count;
+        let noise = noise.map(|noise| noise / count).filter(|_| self.members.len() > 1);
+        let columns = first.inputs().len();
+        let mut values = vec![0.0; rows.len() / columns];
+        let mut deviations = Vec::with_capacity(if noise.is_some() { values.len() } else { 0 });
+        let (mut own, mut sums) = ([0.0; CHUNK], [[0.0; 2]; CHUNK]);
+        for (rows, values) in rows.chunks(CHUNK * columns).zip(values.chunks_mut(CHUNK)) {
+            let (own, sums) = (&mut own[..values.len()], &mut sums[..values.len()]);
+            first.values_of(rows, values);
+            sums.fill([0.0; 2]);
+            // About the first member, so that the difference of large squares loses no digits.
+            for member in &self.members[1..] {
+                member.values_of(rows, own);
+                for (([sum, squares], own), first) in sums.iter_mut().zip(&*own).zip(&*values) {
+                    let apart = own - first;
+                    *sum += apart;
+                    *squares += apart * apart;
+                }
+            }
+            for (value, [sum, _]) in values.iter_mut().zip(&*sums) {
+                *value += sum / count;
+            }
+            let Some(noise) = noise else { continue };
+            let mut factors = first.factors(rows, 1);
+            for member in &self.members[1..] {
+                factors.iter_mut().zip(member.factors(rows, 1)).for_each(|(sum, own)| *sum += own);
+            }
+            deviations.extend(sums.iter().zip(&factors).map(|([sum, squares], factor)| {
+                let between = (squares - sum * sum / count).max(0.0) / (count - 1.0);
+                Deviation::new(noise + between, noise, factor / count, 1.0)
+            }));
         }
-        let Some(noise) = noise.map(|noise| noise / count).filter(|_| self.members.len() > 1) else {
-            return Ok((first, None));
-        };
-        let mut factors = self.members[0].factors(rows, 1);
-        for member in &self.members[1..] {
-            factors.iter_mut().zip(member.factors(rows, 1)).for_each(|(sum, own)| *sum += own);
-        }
-        let deviation = |([sum, squares], factor): (&[f64; 2], &f64)| {
-            let between = (squares - sum * sum / count).max(0.0) / (count - 1.0);
-            Deviation::new(noise + between, noise, factor / count, 1.0)
-        };
-        let deviations = sums.iter().zip(&factors).map(deviation).collect();
-        Ok((first, Some(deviations)))
+        let predicted = BatchPrediction { values, outside: first.outside_of(rows) };
+        Ok((predicted, noise.map(|_| deviations)))
     }
 }
 

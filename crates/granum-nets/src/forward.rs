@@ -65,7 +65,7 @@ pub(crate) fn layer_panel<L: Lanes>(
         first,
         width,
         #[inline(always)]
-        |j| L::splat(matrix[j * row + layer.inputs]),
+        |j, _| L::splat(matrix[j * row + layer.inputs]),
         #[inline(always)]
         |j, b, sum| sum.store(&mut outputs[j * stride + b].0),
     );

@@ -45,7 +45,7 @@ pub(crate) struct Scalars<'a> {
     pub by_j: usize,
 }
 
-/// Calls `finish(j, b, start(j) + sum over k of scalar(k, j) * lanes(k, b))` for every `j < outputs` and the blocks `b` of
+/// Calls `finish(j, b, start(j, b) + sum over k of scalar(k, j) * lanes(k, b))` for every `j < outputs` and the blocks `b` of
 /// `first..first + width`.
 ///
 /// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used. Tiles have a height of `J` outputs
@@ -59,7 +59,7 @@ pub(crate) fn scalar_times_lanes<L: Lanes, const J: usize, const W: usize>(
     stride: usize,
     first: usize,
     width: usize,
-    start: impl Fn(usize) -> L,
+    start: impl Fn(usize, usize) -> L,
     mut finish: impl FnMut(usize, usize, L),
 ) {
     let (start, finish) = (&start, &mut finish);
@@ -85,7 +85,7 @@ fn columns<L: Lanes, const J: usize, const R: usize>(
     lanes: &[Row8],
     stride: usize,
     first: usize,
-    start: &impl Fn(usize) -> L,
+    start: &impl Fn(usize, usize) -> L,
     finish: &mut impl FnMut(usize, usize, L),
 ) {
     let mut j = 0;
@@ -107,12 +107,14 @@ fn tile<L: Lanes, const J: usize, const R: usize>(
     lanes: &[Row8],
     stride: usize,
     first: usize,
-    start: &impl Fn(usize) -> L,
+    start: &impl Fn(usize, usize) -> L,
     finish: &mut impl FnMut(usize, usize, L),
 ) {
     let mut sums = [[L::zero(); R]; J];
     for jj in 0..J {
-        sums[jj] = [start(j + jj); R];
+        for r in 0..R {
+            sums[jj][r] = start(j + jj, first + r);
+        }
     }
     let mut at = j * scalars.by_j;
     let mut from = first;

@@ -57,6 +57,7 @@ mod network_batch;
 mod objective;
 mod prediction;
 mod provenance;
+mod right_sides;
 mod scaler;
 mod sequence_group;
 mod sequence_model;

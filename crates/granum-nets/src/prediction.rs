@@ -96,14 +96,23 @@ impl Model {
     /// # Errors
     /// If `rows` does not contain a whole number of rows, or a value is not finite.
     pub fn predict_batch(&self, rows: &[f64]) -> Result<BatchPrediction, ModelError> {
-        let columns = self.inputs.len();
         self.check_rows(rows)?;
-        let mut values = vec![0.0; rows.len() / columns];
+        let mut values = vec![0.0; rows.len() / self.inputs.len()];
+        self.values_of(rows, &mut values);
+        Ok(BatchPrediction { values, outside: self.outside_of(rows) })
+    }
+
+    /// The values of rows that have been checked.
+    pub(crate) fn values_of(&self, rows: &[f64], values: &mut [f64]) {
         let scalers =
             Scalers { inputs: &self.input_scalers, outputs: std::slice::from_ref(&self.output_scaler) };
-        forward::batch(Isa::detect(), &self.network, Some(scalers), rows, &mut values);
+        forward::batch(Isa::detect(), &self.network, Some(scalers), rows, values);
+    }
+
+    /// Which of the rows have an input outside the trained range.
+    pub(crate) fn outside_of(&self, rows: &[f64]) -> Vec<bool> {
         let is_outside = |row: &[f64]| row.iter().zip(&self.input_scalers).any(|(v, s)| s.is_outside(*v));
-        Ok(BatchPrediction { values, outside: rows.chunks_exact(columns).map(is_outside).collect() })
+        rows.chunks_exact(self.inputs.len()).map(is_outside).collect()
     }
 
     /// Standard deviations of observations around the predictions for many rows (a flat array in row-major order), in the
@@ -150,8 +159,15 @@ impl Model {
             Laplace::new(Isa::detect(), &self.network, rows, evidence)
         });
         let Some(laplace) = laplace else { return Ok(None) };
-        let scalers = &self.input_scalers;
-        let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
+        // The factors of the scalers take divisions, which are done once.
+        let scalers: Vec<_> =
+            self.input_scalers.iter().map(|s| (s.minimum, s.factor(), s.offset())).collect();
+        let mut scaled = rows.to_vec();
+        for row in scaled.chunks_exact_mut(scalers.len()) {
+            for (value, (minimum, factor, offset)) in row.iter_mut().zip(&scalers) {
+                *value = (*value - minimum).mul_add(*factor, *offset);
+            }
+        }
         let unit = self.output_scaler.inverse_factor();
         let variances = laplace.variances(&self.network, scaled, points);
         let factors = self.factors(rows, points);
@@ -180,7 +196,7 @@ impl Model {
         ModelError::RowLength { expected: self.inputs.len(), names: names.join(", "), given }
     }
 
-    fn check_rows(&self, rows: &[f64]) -> Result<(), ModelError> {
+    pub(crate) fn check_rows(&self, rows: &[f64]) -> Result<(), ModelError> {
         let columns = self.inputs.len();
         if !rows.len().is_multiple_of(columns) {
             return Err(self.row_length(rows.len() % columns));

@@ -235,7 +235,7 @@ pub(crate) fn product<L: Lanes>(
                 from,
                 width,
                 #[inline(always)]
-                |_| L::zero(),
+                |_, _| L::zero(),
                 &mut finish,
             );
         },

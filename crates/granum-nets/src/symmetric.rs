@@ -57,17 +57,19 @@ impl Cholesky {
 
     /// Solves `(A + shift I) x = b` in place.
     pub(crate) fn solve(&self, vector: &mut [Row8]) {
-        let Symmetric { blocks, stride, ref values, .. } = self.upper;
-        let upper = Upper { values, stride, blocks, reciprocal: &self.reciprocal };
-        dispatch(self.isa, SolveTransposed { upper, vector: &mut *vector });
-        dispatch(self.isa, SolveUpper { upper, vector });
+        dispatch(self.isa, SolveTransposed { upper: self.upper(), vector: &mut *vector });
+        dispatch(self.isa, SolveUpper { upper: self.upper(), vector });
     }
 
     /// Solves `U^T y = b` in place: `y . y = b^T (A + shift I)^-1 b`.
     pub(crate) fn solve_transposed(&self, vector: &mut [Row8]) {
+        dispatch(self.isa, SolveTransposed { upper: self.upper(), vector });
+    }
+
+    /// The factor.
+    pub(crate) fn upper(&self) -> Upper<'_> {
         let Symmetric { blocks, stride, ref values, .. } = self.upper;
-        let upper = Upper { values, stride, blocks, reciprocal: &self.reciprocal };
-        dispatch(self.isa, SolveTransposed { upper, vector });
+        Upper { values, stride, blocks, reciprocal: &self.reciprocal }
     }
 
     /// The logarithm of the determinant of `A + shift I`, with the padding of the matrix.
@@ -93,38 +95,36 @@ pub(crate) fn eight_rows<L: Lanes>(
     width: usize,
     finish: impl FnMut(usize, usize, L),
 ) {
-    if L::REGISTERS >= 32 {
-        scalar_times_lanes::<L, 8, 3>(
-            scalars,
-            LANES,
-            depth,
-            lanes,
-            stride,
-            first,
-            width,
-            zero::<L>(),
-            finish,
-        );
-    } else {
-        scalar_times_lanes::<L, 4, 1>(
-            scalars,
-            LANES,
-            depth,
-            lanes,
-            stride,
-            first,
-            width,
-            zero::<L>(),
-            finish,
-        );
-    }
+    eight_rows_from(
+        scalars,
+        depth,
+        lanes,
+        stride,
+        first,
+        width,
+        #[inline(always)]
+        |_, _| L::zero(),
+        finish,
+    );
 }
 
-/// The start value zero for all sums.
+/// As [`eight_rows`], for sums that start from given values.
 #[inline(always)]
-fn zero<L: Lanes>() -> impl Fn(usize) -> L {
-    #[inline(always)]
-    |_| L::zero()
+pub(crate) fn eight_rows_from<L: Lanes>(
+    scalars: Scalars,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    width: usize,
+    start: impl Fn(usize, usize) -> L,
+    finish: impl FnMut(usize, usize, L),
+) {
+    if L::REGISTERS >= 32 {
+        scalar_times_lanes::<L, 8, 3>(scalars, LANES, depth, lanes, stride, first, width, start, finish);
+    } else {
+        scalar_times_lanes::<L, 4, 1>(scalars, LANES, depth, lanes, stride, first, width, start, finish);
+    }
 }
 
 /// Factorises the leading square of a lane matrix in place and transforms all columns to its right: `[A | B]` becomes
@@ -260,11 +260,6 @@ pub(crate) struct Upper<'a> {
 }
 
 impl Upper<'_> {
-    /// Solves `U^T y = b` in place.
-    pub(crate) fn solve_transposed(self, isa: Isa, vector: &mut [Row8]) {
-        dispatch(isa, SolveTransposed { upper: self, vector });
-    }
-
     /// Solves `U x = b` in place.
     pub(crate) fn solve(self, isa: Isa, vector: &mut [Row8]) {
         dispatch(isa, SolveUpper { upper: self, vector });

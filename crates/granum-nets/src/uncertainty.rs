@@ -21,8 +21,8 @@ use crate::trainer::report::Evidence;
 
 /// Limit on the memory for the curvature, bytes.
 const MEMORY: usize = 2 << 30;
-/// Number of observations whose variances are computed together.
-const CHUNK: usize = 256;
+/// Number of rows whose variances are computed together, so that what is computed of them stays in the second-level cache.
+const CHUNK: usize = 96;
 
 /// The training rows of a network in scaled units, without their targets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -149,16 +149,25 @@ impl Laplace {
     }
 
     fn variances_of_numbers(&self, network: &Network, inputs: &[f64], points: usize) -> Vec<f64> {
-        let mut variances = Vec::new();
-        for chunk in inputs.chunks(CHUNK * network.inputs() * points) {
+        let mut variances = Vec::with_capacity(inputs.len() / (network.inputs() * points));
+        let mut workspace: Option<Workspace> = None;
+        for chunk in inputs.chunks(CHUNK.div_ceil(points) * network.inputs() * points) {
             let rows = chunk.len() / network.inputs();
-            let data = Data::new(chunk.to_vec(), network.inputs(), vec![0.0; rows])
-                .and_then(|data| data.with_points(points));
-            let Ok(data) = data else { continue };
-            let mut asked = Workspace::new(self.isa, network, &data);
+            let asked = match &mut workspace {
+                Some(asked) if asked.rows == rows => {
+                    asked.set_inputs(chunk);
+                    asked
+                }
+                other => {
+                    let data = Data::new(chunk.to_vec(), network.inputs(), vec![0.0; rows])
+                        .and_then(|data| data.with_points(points));
+                    let Ok(data) = data else { continue };
+                    other.insert(Workspace::new(self.isa, network, &data))
+                }
+            };
             asked.squared_error(network.weights());
             asked.sensitivities(network.weights());
-            let unknown = self.curvature.uncertainties(&asked, self.shift);
+            let unknown = self.curvature.uncertainties(asked, self.shift);
             variances.extend(unknown.iter().map(|u| 1.0 / self.beta + u / self.alpha));
         }
         variances

@@ -24,6 +24,8 @@
 //! The cost of a step is proportional to the number of rows times the number of chosen rows instead of the cube of the
 //! number of rows or weights. If all rows are chosen, there is no approximation.
 
+mod uncertainties;
+
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
 use crate::backprop::Workspace;
@@ -193,42 +195,6 @@ impl Curvature {
         }
     }
 
-    /// The remaining uncertainty of the predictions for other observations: for each observation the shift times
-    /// `g . (J^T J + shift I)^-1 g`, where `g` is the gradient of the prediction with respect to the weights and the shift
-    /// is that of the last factorisation. The sensitivities of `asked` must have been computed.
-    pub(crate) fn uncertainties(&self, asked: &Workspace, shift: f64) -> Vec<f64> {
-        let Some(pivots) = &self.pivots else { return Vec::new() };
-        let count = asked.observations();
-        let lanes = blocks(count);
-        let mut cross = vec![Row8::default(); self.square * LANES * lanes];
-        let mut rows = vec![Row8::default(); LANES * asked.blocks];
-        for q in 0..self.square {
-            cross_kernel(pivots, q, asked, (0, asked.blocks), &mut rows, asked.blocks);
-            for i in 0..LANES {
-                let target = &mut cross[(q * LANES + i) * lanes..][..lanes];
-                asked.sum_points(&rows[i * asked.blocks..][..asked.blocks], target);
-            }
-        }
-        let own = own_kernel(asked);
-        let known = |k: usize| {
-            let mut vector = vec![Row8::default(); self.square];
-            for p in 0..self.square * LANES {
-                vector[p / LANES].0[p % LANES] = cross[p * lanes + k / LANES].0[k % LANES];
-            }
-            self.upper().solve_transposed(self.isa, &mut vector);
-            // The two terms l . l and l . (L L^T + c I)^-1 l.
-            let whole = square_of(&vector);
-            self.factor.solve_transposed(&mut vector);
-            (whole, square_of(&vector))
-        };
-        (0..count)
-            .map(|k| {
-                let (whole, left) = known(k);
-                (own[k] - whole).max(0.0) + shift * left
-            })
-            .collect()
-    }
-
     /// Residuals that the observations of each block would have if the network had not been trained on that block. To
     /// first order they are `(I - H_bb)^-1 e_b` with `H = L^T (L L^T + shift I)^-1 L`, so that no network has to be
     /// trained again. `block_of` gives the number of the block of each observation.
@@ -277,10 +243,6 @@ impl Curvature {
         }
         Some(left_out)
     }
-}
-
-fn square_of(vector: &[Row8]) -> f64 {
-    Row8::numbers(vector).iter().fold(0.0, |sum, v| v.mul_add(*v, sum))
 }
 
 /// Computes `L L^T`.
@@ -373,23 +335,6 @@ impl Kernel for TakeAway<'_> {
         });
         project::<L>(rows, odd(lanes), square, vector, product);
     }
-}
-
-/// `g . g` for the prediction of every observation.
-fn own_kernel(asked: &Workspace) -> Vec<f64> {
-    let points = asked.points;
-    let observations = asked.observations();
-    let mut own = vec![0.0; observations];
-    for (k, sum) in own.iter_mut().enumerate() {
-        let rows: Vec<usize> = (k * points..(k + 1) * points).collect();
-        let one = asked.some_rows(&rows);
-        let mut kernel = vec![Row8::default(); LANES * one.blocks];
-        for q in 0..one.blocks {
-            cross_kernel(&one, q, &one, (0, one.blocks), &mut kernel, one.blocks);
-            *sum = kernel.iter().flat_map(|row| row.0).fold(*sum, |sum, value| sum + value);
-        }
-    }
-    own
 }
 
 /// Block `q` of a lane matrix as scalars.
