@@ -7,6 +7,13 @@
 """
 
 import os as _os
+import sys as _sys
+
+if "free-threading" in _sys.version:
+    raise ImportError(
+        "granum does not support free-threaded builds of CPython: it has not been tested with one; use the usual CPython of the same "
+        "version (python3.14, not python3.14t)"
+    )
 
 from ._granum import _entered
 

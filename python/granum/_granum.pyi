@@ -602,7 +602,7 @@ class Surrogate:
         """
 
     def means(self, inputs: Any, *, runs: npt.ArrayLike | None = None) -> _Reals:
-        """The means alone, which networks give in less time: a row for each state, a column for each output."""
+        """The means alone, which networks, regressions, trees and cascades give in less time: a row for each state, a column for each output."""
 
     def score(self, dataset: Dataset) -> dict[str, float]:
         """How well it predicts a data set: `relative_rmse`, `r2`, `rmse` and the number of `states`."""
@@ -789,8 +789,8 @@ def write(
     """Writes grains and contacts for other programs, as `granum export` does: VTP, extended XYZ, GSD, LAMMPS data, CSV and Parquet.
 
     The name of the file says the format, or `format` does (`"lammps-data"`). Several assemblies are instants of one file, where the format has
-    them. As CSV an assembly is written as a packing and as Parquet as the table of its grains; a run is written as its series to either, and
-    otherwise as its last state. With `force` an existing file is replaced.
+    them. As CSV an assembly is written as a packing and as Parquet as the table of its grains, with the cell in the metadata of the file, but neither
+    time nor names of materials. A run is written as its series to these two, and otherwise as its last state. With `force` an existing file is replaced.
     """
 
 def pair(

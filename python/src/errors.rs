@@ -5,6 +5,7 @@ use std::sync::Arc;
 use granum_io::{Error, InputError};
 use granum_learn::LearnError;
 use granum_run::LaboratoryError;
+use granum_sensors::SensorError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toml::Spanned;
@@ -141,13 +142,20 @@ pub fn of_case(py: Python<'_>, mistakes: &[Mistake]) -> PyErr {
 
 /// An error about a value that a user gave for a key.
 pub fn of_value(py: Python<'_>, key: &str, value: impl Into<String>, message: impl AsRef<str>) -> PyErr {
-    let mistake = Mistake {
-        message: format!("{key}: {}", message.as_ref()),
-        key: Some(key.to_string()),
-        value: Some(value.into()),
-        ..Mistake::default()
-    };
-    of_case(py, &[mistake])
+    of_mistake(py, key, value.into(), format!("{key}: {}", message.as_ref()), None)
+}
+
+/// An error about a value for a key, with what would be right, where that is known and not empty.
+pub fn of_mistake(
+    py: Python<'_>,
+    key: &str,
+    value: String,
+    message: String,
+    remedy: Option<String>,
+) -> PyErr {
+    let (key, value) = (Some(key.to_string()), Some(short(&value)));
+    let remedy = remedy.filter(|remedy| !remedy.is_empty());
+    of_case(py, &[Mistake { message, key, value, remedy, place: None }])
 }
 
 /// An error of `granum-io`; `made` is true if its text was made from Python's values.
@@ -184,10 +192,20 @@ pub fn of_learning(py: Python<'_>, error: &LearnError) -> PyErr {
     }
 }
 
+/// The key of a case that names sensors.
+const SENSORS: &str = "recording.sensors";
+
 /// An error of the laboratory.
 pub fn of_laboratory(py: Python<'_>, error: &LaboratoryError) -> PyErr {
     match error {
         LaboratoryError::File(error) => of_file(py, error, false),
+        LaboratoryError::Sensor(SensorError::Unknown { name, suggestion }) => {
+            let message = format!("{SENSORS}: there is no sensor {name:?}");
+            of_mistake(py, SENSORS, name.clone(), message, Some(suggestion.clone()))
+        }
+        LaboratoryError::Sensor(SensorError::Lacks { sensor, .. }) => {
+            of_mistake(py, SENSORS, (*sensor).to_string(), error.to_string(), None)
+        }
         other => of_running(py, &other.to_string()),
     }
 }

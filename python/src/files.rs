@@ -143,8 +143,8 @@ enum Content {
 /// Writes grains and contacts for other programs, as `granum export` does: VTP, extended XYZ, GSD, LAMMPS data, CSV and Parquet.
 ///
 /// The name of the file says the format, or `format` does (`"lammps-data"`). Several assemblies are instants of one file, where the format has
-/// them. As CSV an assembly is written as a packing and as Parquet as the table of its grains; a run is written as its series to either, and
-/// otherwise as its last state. With `force` an existing file is replaced.
+/// them. As CSV an assembly is written as a packing and as Parquet as the table of its grains, with the cell in the metadata of the file, but neither
+/// time nor names of materials. A run is written as its series to these two, and otherwise as its last state. With `force` an existing file is replaced.
 #[pyfunction]
 #[pyo3(signature = (path, data, *, format=None, force=false))]
 pub fn write(
@@ -166,34 +166,11 @@ pub fn write(
             )),
             Content::Table(table) => formats.write_table(&path, &table),
             Content::Assemblies(observations) => {
-                let observations: Vec<_> =
-                    observations.into_iter().map(ObservedAssembly::numbered_from_one).collect();
-                let [.., last] = &observations[..] else {
-                    return Err(Error::content(&path, "there is nothing to write"));
-                };
-                if formats.packings().any(|known| is_tabular && has_extension(&path, known.extensions())) {
-                    return formats.write_packing(&path, &last.packing(&path)?);
-                }
-                if is_tabular {
-                    return formats.write_table(&path, &last.grains_table()?);
-                }
-                let chosen = formats.written_format(&path, format.as_deref())?;
-                if chosen.holds_one_instant() && observations.len() > 1 {
-                    let (many, name) = (observations.len(), chosen.name());
-                    return Err(Error::content(
-                        &path,
-                        format!("a file of this format ({name}) holds one instant, and these are {many}"),
-                    ));
-                }
-                formats.write_results(&path, format.as_deref(), &observations)
+                formats.write_assemblies(&path, format.as_deref(), observations, &path).map(|_| ())
             }
         }
     })?;
     written.map_err(|error| errors::of_file(py, &error, false))
-}
-
-fn has_extension(path: &std::path::Path, extensions: &[&str]) -> bool {
-    path.extension().is_some_and(|own| extensions.iter().any(|known| own.eq_ignore_ascii_case(known)))
 }
 
 /// What an object of Python stands for. A run as a table is its series, or else its last state.

@@ -1,11 +1,8 @@
 //! Assemblies of arrays of anyone, which are joined by the rules for the files of other programs.
 
-use std::path::PathBuf;
-
-use granum_core::Part;
-use granum_core::assembly::{Grain, Matrix, Vector};
-use granum_io::formats::join::join;
-use granum_io::formats::{FileContact, Frame, FrameCell, JoinOptions, ObservedAssembly};
+use granum_core::assembly::{Matrix, Vector};
+use granum_io::formats::{ObservedAssembly, PairOfGrains};
+use granum_io::packing::ImplausiblePlace;
 use pyo3::prelude::*;
 
 use crate::arrays;
@@ -35,7 +32,7 @@ fn vectors(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<Vector>> {
 /// The assembly that arrays are of.
 ///
 /// # Errors
-/// `granum.CaseError` with the name of the array that is wrong; `granum.FileError` if grains, contacts and cell do not fit together.
+/// `granum.CaseError` with the name of the array that is wrong.
 pub fn from_arrays(arrays: &Arrays<'_, '_>) -> PyResult<ObservedAssembly> {
     let py = arrays.positions.py();
     let positions = vectors("positions", arrays.positions)?;
@@ -49,30 +46,32 @@ pub fn from_arrays(arrays: &Arrays<'_, '_>) -> PyResult<ObservedAssembly> {
             format!("there are {} positions, and the radii have the shape {shape:?}", positions.len());
         return Err(errors::of_value(py, "radii", format!("{shape:?}"), message));
     }
-    let mut frame = Frame::default();
-    frame.knows(&[Part::Positions, Part::Radii]);
-    let grain = |(id, (position, radius)): (u64, (&Vector, &f64))| Grain {
-        id,
-        position: *position,
-        radius: *radius,
-        ..Grain::default()
-    };
-    frame.grains = (1..).zip(positions.iter().zip(&radii)).map(grain).collect();
-    frame.cell = arrays.cell.map(edges).transpose()?.map(|edges| FrameCell { origin: [0.0; 3], edges });
+    let grains: Vec<(Vector, f64)> = positions.into_iter().zip(radii).collect();
+    let cell = arrays.cell.map(edges).transpose()?;
     let forces = arrays.forces.map(|forces| vectors("forces", forces)).transpose()?;
-    frame.contacts = arrays.contacts.map(|contacts| pairs(contacts, positions.len())).transpose()?;
+    let mut contacts = arrays.contacts.map(|contacts| pairs(contacts, grains.len())).transpose()?;
     if let Some(forces) = forces {
-        let contacts = frame.contacts.as_deref_mut().unwrap_or_default();
+        let contacts = contacts.as_deref_mut().unwrap_or_default();
         if forces.len() != contacts.len() {
             let message = format!("there are {} forces for {} contacts", forces.len(), contacts.len());
             return Err(errors::of_value(py, "forces", forces.len().to_string(), message));
         }
-        contacts.iter_mut().zip(forces).for_each(|(contact, force)| contact.force = Some(force));
+        contacts.iter_mut().zip(forces).for_each(|((_, own), force)| *own = Some(force));
     }
-    let joined =
-        detached(py, move || join(vec![(PathBuf::from("arrays"), vec![frame])], &JoinOptions::default()))?;
-    let first = joined.map_err(|error| errors::of_file(py, &error, true))?.pop();
-    first.ok_or_else(|| errors::of_value(py, "positions", "0", "there are no grains"))
+    let made = detached(py, || ObservedAssembly::of_arrays(&grains, cell, contacts.as_deref()))?;
+    made.map_err(|wrong| {
+        let (key, place, value) = match wrong.at {
+            ImplausiblePlace::Cell => ("cell", None, format!("{:?}", cell.unwrap_or_default())),
+            ImplausiblePlace::Position(k) => ("positions", Some(k), format!("{:?}", grains[k].0)),
+            ImplausiblePlace::Radius(k) => ("radii", Some(k), grains[k].1.to_string()),
+            ImplausiblePlace::Contact(k) => {
+                let places = contacts.as_ref().map(|all| format!("{:?}", all[k].0));
+                ("contacts", Some(k), places.unwrap_or_default())
+            }
+        };
+        let place = place.map_or_else(|| key.to_string(), |k| format!("{key}[{k}]"));
+        errors::of_mistake(py, key, value, format!("{place}: {}", wrong.message), Some(wrong.help))
+    })
 }
 
 /// The edge matrix of a cell: three lengths, or a matrix whose columns are the edges.
@@ -90,20 +89,20 @@ pub fn edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
 }
 
 /// Contacts of pairs of grains, which are given by their places in the arrays, from 0.
-fn pairs(pairs: &Bound<'_, PyAny>, grains: usize) -> PyResult<Vec<FileContact>> {
+fn pairs(pairs: &Bound<'_, PyAny>, grains: usize) -> PyResult<Vec<PairOfGrains>> {
     let (numbers, shape) = arrays::numbers("contacts", pairs)?;
     let wrong = |value: String, message: String| errors::of_value(pairs.py(), "contacts", value, message);
     if shape.len() != 2 || shape[1] != 2 {
         let message = format!("rows of the indices of two grains are needed, and the shape is {shape:?}");
         return Err(wrong(format!("{shape:?}"), message));
     }
-    let id = |number: f64| -> PyResult<u64> {
+    let index = |number: f64| -> PyResult<usize> {
         if number >= 0.0 && number.fract() == 0.0 && number < grains as f64 {
-            return Ok(number as u64 + 1);
+            return Ok(number as usize);
         }
         let message = format!("{number} is no index of a grain; there are {grains} grains, from 0");
         Err(wrong(number.to_string(), message))
     };
     let each = numbers.as_chunks::<2>().0.iter();
-    each.map(|[i, j]| Ok(FileContact { first: id(*i)?, second: id(*j)?, ..FileContact::default() })).collect()
+    each.map(|[i, j]| Ok(([index(*i)?, index(*j)?], None))).collect()
 }

@@ -342,7 +342,7 @@ impl Surrogate {
         Ok(answer)
     }
 
-    /// The means alone, which networks give in less time: a row for each state, a column for each output.
+    /// The means alone, which networks, regressions, trees and cascades give in less time: a row for each state, a column for each output.
     #[pyo3(signature = (inputs, *, runs=None))]
     fn means<'py>(
         &self,

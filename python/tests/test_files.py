@@ -143,6 +143,9 @@ def test_arrays_of_anyone_become_an_assembly(tmp_path: pathlib.Path) -> None:
     assert granum.Assembly(positions, radii).parts == ["positions", "radii"]
     granum.write(tmp_path / "pair.parquet", pair)
     assert granum.Table.read(tmp_path / "pair.parquet").columns == ["id", "position_x", "position_y", "position_z", "radius"]
+    # The metadata of the file hold the cell.
+    again = granum.read(tmp_path / "pair.parquet")[0]
+    assert np.array_equal(again.cell, pair.cell) and again.measure()["solid_fraction"] == pair.measure()["solid_fraction"]
     with pytest.raises(granum.CaseError, match="there are no grains"):
         granum.Assembly(np.empty((0, 3)), [])
 

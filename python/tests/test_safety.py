@@ -164,6 +164,13 @@ def test_an_interpreter_beside_the_first_is_refused() -> None:
     assert (done.returncode, done.stderr) == (0, "") and "interpreter" in done.stdout, done.stdout + done.stderr
 
 
+def test_a_python_without_its_lock_is_refused() -> None:
+    """As far as one that has it can show: the version of the others says that it is one."""
+    program = "import sys; sys.version += ' free-threading build'\nimport granum"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and "ImportError: granum does not support free-threaded builds of CPython" in done.stderr, done.stderr
+
+
 def test_several_threads_use_one_simulation_at_once(tested: granum.Run) -> None:
     simulation = tested.simulation()
     begin, answers = simulation.step, queue.SimpleQueue[bool]()

@@ -98,7 +98,7 @@ def test_a_run_with_a_sensor_that_remembers_is_resumed_to_the_same_bits(case: gr
     assert np.any(whole.series["contact_gain"])
     broken = granum.run(case, sensors=[GAIN], out=tmp_path / "broken", on_state=lambda values: values["state"] < 2)
     assert broken.status == "interrupted"
-    with pytest.raises(granum.RunError, match="gain"):
+    with pytest.raises(granum.CaseError, match="gain"):
         granum.resume(broken)
     assert granum.resume(broken, sensors=[GAIN]).digest() == whole.digest()
 
@@ -161,8 +161,12 @@ def test_what_is_no_sensor_is_refused(case: granum.Case) -> None:
     for wrong in wrong_lists:
         with pytest.raises(TypeError, match="a list of granum.Sensor"):
             granum.run(case, sensors=wrong)
-    with pytest.raises(granum.Error, match='there is no sensor "void_ration"; did you mean void_ratio'):
+    with pytest.raises(granum.CaseError, match='there is no sensor "void_ration"; did you mean void_ratio') as caught:
         granum.run(case, sensors=["void_ration"])
+    assert (caught.value.key, caught.value.value) == ("recording.sensors", "void_ration")
+    with pytest.raises(granum.CaseError, match='there is no sensor "fabrik"') as caught:
+        granum.run(case.with_values({"recording.sensors": ["coordination", "fabrik"]}))
+    assert (caught.value.value, caught.value.remedy) == ("fabrik", "did you mean fabric?")
     with pytest.raises(TypeError, match="no pair"):
         granum.run(case, sensors=[GAIN._replace(measure=lambda assembly, before: 1.0)])
 

@@ -148,15 +148,23 @@ def test_sensors_on_arrays_of_anyone_give_what_they_give_on_an_assembly(tested: 
         ({"contacts": [[0, 2]]}, "no index"),
         ({"contacts": [[0, -1]]}, "no index"),
         ({"contacts": [[0, 0.5]]}, "no index"),
-        ({"contacts": [[0, 0]]}, "at one place"),
+        ({"contacts": [[0, 0]]}, r"contacts\[0\]: has both grains at one place"),
+        ({"contacts": [[0, 1], [1, 1]], "forces": [[1.0, 0.0, 0.0]] * 2}, r"contacts\[1\]: has both grains at one place"),
+        ({"radii": [1.0, -1.0]}, r"radii\[1\]: radius = -1 must be positive"),
+        ({"radii": [1.0, 1e-9]}, r"radii\[1\]: radius = 1e-9 m does not belong to the others"),
+        ({"cell": [4.0, 4.0, 1.5]}, r"radii\[0\]: radius = 1e0 m does not fit in the cell"),
+        ({"cell": [1.0, 1.0, 0.0]}, "the cell has the volume 0e0 m3"),
+        ({"positions": [[0.0, 0.0, 0.0], [1e9, 0.0, 0.0]], "cell": [9.0, 9.0, 9.0]}, r"positions\[1\]: .*cells away along edge a"),
         ({"forces": [[1.0, 0.0, 0.0]]}, "1 forces for 0 contacts"),
         ({"cell": [1.0]}, "three lengths"),
     ],
 )
 def test_impossible_arrays_are_refused(arguments: dict[str, Any], word: str) -> None:
     usual: dict[str, Any] = {"positions": [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]], "radii": [1.0, 1.0]}
-    with pytest.raises(granum.Error, match=word):
+    with pytest.raises(granum.CaseError, match=word) as caught:
         granum.measure(**{**usual, **arguments})
+    named = {key for key in ["positions", "radii", "contacts", "forces", "cell"] if key in arguments or key in word}
+    assert caught.value.key in named
 
 
 def test_a_family_predicts_with_intervals() -> None:

@@ -129,6 +129,16 @@ pub enum Error {
     /// The output exists already, and its replacement was not requested.
     #[error("{} exists already; give --force to replace it, or another name", .0.shown())]
     Exists(PathBuf),
+    /// A file of a format that holds one instant was to hold several.
+    #[error("{}: a file of this format ({format}) holds one instant, and these are {count}", path.shown())]
+    Instants {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: String,
+        /// How many there are.
+        count: usize,
+    },
     /// Another process is using the folder.
     #[error("{} is in use by another granum process{holder}; wait for it or choose another folder", path.shown())]
     Locked {

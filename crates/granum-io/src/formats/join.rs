@@ -11,7 +11,7 @@ use super::places;
 use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
 use super::strain::add_strains;
 use crate::error::{Error, Result, in_file};
-use crate::packing::plausible::{self, Found};
+use crate::packing::plausible::{self, Found, Implausible, ImplausiblePlace};
 use crate::shell::ShowPath;
 
 /// What the files do not say.
@@ -223,7 +223,7 @@ fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(V
 }
 
 /// Moves the grains so that a corner of the cell is at the origin and each of them is inside.
-fn wrap(grains: &mut [Grain], cell: &FrameCell) {
+pub(super) fn wrap(grains: &mut [Grain], cell: &FrameCell) {
     let inverse = invert(&cell.edges);
     for grain in grains {
         let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - cell.origin[a]);
@@ -256,30 +256,41 @@ fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector
     best.1
 }
 
-fn add_contacts(
-    path: &Path,
-    assembly: &mut Assembly,
-    mut parts: Parts,
-    pairs: &[FileContact],
-) -> Result<Parts> {
+/// Adds the contacts of a file, which names their grains by ids.
+fn add_contacts(path: &Path, assembly: &mut Assembly, parts: Parts, pairs: &[FileContact]) -> Result<Parts> {
     let grains = &assembly.grains;
     let index = |id: u64| {
         grains.binary_search_by_key(&id, |grain| grain.id).map_err(|_| {
             Error::content(path, format!("a contact names the grain {id}, which is not among the grains"))
         })
     };
+    let places = |pair: &FileContact| Ok([index(pair.first)?, index(pair.second)?]);
+    let places: Vec<[usize; 2]> = pairs.iter().map(places).collect::<Result<_>>()?;
+    let connected = connect(assembly, parts, pairs, &places);
+    connected.map_err(|found| found.of_contacts(&path.shown(), |k| [pairs[k].first, pairs[k].second]))
+}
+
+/// Adds contacts between grains at these places in the list of grains, and returns what is then known.
+///
+/// # Errors
+/// For a contact whose grains are at one place, or whose branch is no distance of two grains that touch.
+pub(super) fn connect(
+    assembly: &mut Assembly,
+    mut parts: Parts,
+    pairs: &[FileContact],
+    places: &[[usize; 2]],
+) -> std::result::Result<Parts, Implausible> {
+    let grains = &assembly.grains;
     let radii = parts.has(Part::Radii);
     let mut contacts = Vec::with_capacity(pairs.len());
-    for pair in pairs {
-        let (i, j) = (index(pair.first)?, index(pair.second)?);
+    for (k, (pair, [i, j])) in pairs.iter().zip(places.iter().copied()).enumerate() {
         let (one, two) = (&grains[i], &grains[j]);
         let apart = || std::array::from_fn(|a| two.position[a] - one.position[a]);
         let branch = pair.branch.unwrap_or_else(|| nearest_image(&assembly.cell, apart()));
         let length = dot(&branch, &branch).sqrt();
         if length == 0.0 {
-            let message =
-                format!("the grains {} and {} of a contact are at one place", pair.first, pair.second);
-            return Err(Error::content(path, message));
+            let message = "has both grains at one place";
+            return Err(Implausible::new(ImplausiblePlace::Contact(k), message, ""));
         }
         let normal = pair.normal.unwrap_or_else(|| branch.map(|x| x / length));
         let (normal_force, tangential_force) = forces(pair, &normal);
@@ -299,9 +310,7 @@ fn add_contacts(
             ..Contact::default()
         });
     }
-    let branches =
-        contacts.iter().map(|contact| ([grains[contact.i].id, grains[contact.j].id], contact.branch));
-    plausible::check_branches(&path.shown(), &assembly.cell, branches)?;
+    plausible::find_long(&assembly.cell, contacts.iter().map(|contact| contact.branch))?;
     // A part is known where every contact has it.
     let every = |known: &dyn Fn(&FileContact) -> bool| pairs.iter().all(known);
     parts = parts.with(Part::Contacts);

@@ -220,6 +220,12 @@ impl ObservedAssembly {
         self
     }
 
+    /// The periodic cell with its corner, if it is known.
+    pub fn frame_cell(&self) -> Option<FrameCell> {
+        let known = self.parts.has(Part::Cell);
+        known.then_some(FrameCell { origin: self.origin, edges: self.assembly.cell })
+    }
+
     /// What is known of its grains as a table.
     ///
     /// # Errors

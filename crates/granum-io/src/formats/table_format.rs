@@ -30,4 +30,12 @@ pub trait TableFormat: Send + Sync {
     /// # Errors
     /// If the table cannot be represented in this format, or the file cannot be written.
     fn write(&self, path: &Path, table: &Table) -> Result<()>;
+    /// Writes a table with metadata, keys with texts, in a format that has a place for them; others write the table alone.
+    ///
+    /// # Errors
+    /// As [`TableFormat::write`].
+    fn write_with_metadata(&self, path: &Path, table: &Table, metadata: &[(&str, String)]) -> Result<()> {
+        let _ = metadata;
+        self.write(path, table)
+    }
 }

@@ -16,6 +16,7 @@ use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
 pub use packed_grain::PackedGrain;
+pub use plausible::{Implausible, ImplausiblePlace};
 
 /// Tolerance for the position of a grain outside the cell, relative to the edge of the cell, because of rounding.
 const ROUNDING: f64 = 1e-9;

@@ -34,34 +34,107 @@ pub(crate) struct Found {
     pub(crate) line: usize,
 }
 
+/// What of grains, contacts and their cell cannot belong to one packing, for a caller that knows where they came from.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct Implausible {
+    /// Where it is.
+    pub at: ImplausiblePlace,
+    /// What is wrong there.
+    pub message: String,
+    /// What would be right; empty where the message says it.
+    pub help: String,
+}
+
+/// The place of what cannot be right; numbers of grains and contacts are those in their lists, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImplausiblePlace {
+    /// The periodic cell.
+    Cell,
+    /// The place of a grain.
+    Position(usize),
+    /// The radius of a grain.
+    Radius(usize),
+    /// A contact.
+    Contact(usize),
+}
+
+impl Implausible {
+    pub(crate) fn new(
+        at: ImplausiblePlace,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Implausible {
+        Implausible { at, message: message.into(), help: help.into() }
+    }
+
+    /// The error of a file with these grains.
+    fn of_grains(self, file: &str, grains: &[Found]) -> Error {
+        let (ImplausiblePlace::Position(k) | ImplausiblePlace::Radius(k)) = self.at else {
+            return Error::content(file.as_ref(), self.message);
+        };
+        let (id, line) = grains.get(k).map_or((0, 0), |grain| (grain.id, grain.line));
+        in_file(file, line, format!("grain {id}: {}", self.message), &self.help)
+    }
+
+    /// The error of a file with contacts; `ids` gives those of the grains of a contact by its number.
+    pub(crate) fn of_contacts(self, file: &str, ids: impl FnOnce(usize) -> [u64; 2]) -> Error {
+        let ImplausiblePlace::Contact(k) = self.at else {
+            return Error::content(file.as_ref(), self.message);
+        };
+        let [first, second] = ids(k);
+        let message = format!("the contact of the grains {first} and {second} {}", self.message);
+        Error::content(file.as_ref(), message)
+    }
+}
+
 /// Checks the grains of one instant, whose cell has this corner and these edges, if it is known.
 ///
 /// # Errors
-/// [`Error::Input`] with the line of the first grain that cannot belong to the others ([`Error::Content`] in files without lines): a
-/// number that is not finite, a radius that is not positive or larger than half the cell, a place more than [`FARTHEST`] cells away,
-/// and radii that differ by more than [`WIDEST_RADII`]; [`Error::Content`] for a cell without a volume or with edges that are nearly parallel.
+/// [`Error::Input`] with the line of the first grain that cannot belong to the others ([`Error::Content`] in files without lines), and
+/// [`Error::Content`] for the cell; as [`find`].
 pub(crate) fn check(file: &str, cell: Option<(Vector, Matrix)>, grains: &[Found]) -> Result<()> {
-    grains.iter().try_for_each(|grain| check_numbers(file, grain))?;
-    match &cell {
-        Some((origin, edges)) => check_in_cell(file, origin, edges, grains)?,
-        None => check_together(file, grains)?,
-    }
-    check_radii(file, grains)
+    find(cell, grains).map_err(|found| found.of_grains(file, grains))
 }
 
-/// Checks the branches of contacts, each with the ids of its grains, in a cell with these edges. Without a cell, whose edges are zero, they
-/// must be finite.
+/// Checks the branches of contacts, each with the ids of its grains, in a cell with these edges.
 ///
 /// # Errors
-/// [`Error::Content`] for a branch that is not finite or longer than [`LONGEST_BRANCH`] cells.
+/// [`Error::Content`] as [`find_long`].
 pub(crate) fn check_branches(
     file: &str,
     edges: &Matrix,
-    contacts: impl Iterator<Item = ([u64; 2], Vector)>,
+    contacts: impl Iterator<Item = ([u64; 2], Vector)> + Clone,
 ) -> Result<()> {
+    let ids = |k| contacts.clone().nth(k).map_or([0, 0], |(ids, _)| ids);
+    find_long(edges, contacts.clone().map(|(_, branch)| branch)).map_err(|found| found.of_contacts(file, ids))
+}
+
+/// Checks the grains of one instant, whose cell has this corner and these edges, if it is known.
+///
+/// # Errors
+/// For a number that is not finite, a radius that is not positive or larger than half the cell, a place more than [`FARTHEST`] cells
+/// away, radii that differ by more than [`WIDEST_RADII`], and a cell without a volume or with edges that are nearly parallel.
+pub(crate) fn find(cell: Option<(Vector, Matrix)>, grains: &[Found]) -> std::result::Result<(), Implausible> {
+    grains.iter().enumerate().try_for_each(check_numbers)?;
+    match &cell {
+        Some((origin, edges)) => check_in_cell(origin, edges, grains)?,
+        None => check_together(grains)?,
+    }
+    check_radii(grains)
+}
+
+/// Checks the branches of contacts in a cell with these edges. Without a cell, whose edges are zero, they must be finite.
+///
+/// # Errors
+/// For a branch that is not finite or longer than [`LONGEST_BRANCH`] cells.
+pub(crate) fn find_long(
+    edges: &Matrix,
+    branches: impl Iterator<Item = Vector>,
+) -> std::result::Result<(), Implausible> {
     let inverse = invert(edges);
     let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
-    for ([first, second], branch) in contacts {
+    for (k, branch) in branches.enumerate() {
         let square: f64 = branch.iter().map(|x| x * x).sum();
         let is_near = |step: &f64| step.abs() <= LONGEST_BRANCH;
         if square.is_finite() && (!is_cell || apply(&inverse, branch).iter().all(is_near)) {
@@ -69,59 +142,62 @@ pub(crate) fn check_branches(
         }
         let [x, y, z] = branch;
         let message = format!(
-            "the contact of the grains {first} and {second} has the branch ({x:e}, {y:e}, {z:e}) m between their centres, which is no \
-             distance of two grains that touch: it must be finite, and at most 10 cells long"
+            "has the branch ({x:e}, {y:e}, {z:e}) m between their centres, which is no distance of two grains that touch: it must be \
+             finite, and at most 10 cells long"
         );
-        return Err(Error::content(file.as_ref(), message));
+        return Err(Implausible::new(ImplausiblePlace::Contact(k), message, ""));
     }
     Ok(())
 }
 
-fn check_numbers(file: &str, grain: &Found) -> Result<()> {
-    let wrong = |what: String| {
-        in_file(file, grain.line, format!("grain {}: {what}", grain.id), "a finite number is needed")
-    };
+fn check_numbers((k, grain): (usize, &Found)) -> std::result::Result<(), Implausible> {
+    let help = "a finite number is needed";
     if let Some(axis) = (0..3).find(|axis| !grain.position[*axis].is_finite()) {
-        return Err(wrong(format!("{} = {}", ["x", "y", "z"][axis], grain.position[axis])));
+        let message = format!("{} = {}", ["x", "y", "z"][axis], grain.position[axis]);
+        return Err(Implausible::new(ImplausiblePlace::Position(k), message, help));
     }
     match grain.radius {
         Some(radius) if !(radius.is_finite() && radius > 0.0) => {
-            Err(wrong(format!("radius = {radius} must be positive")))
+            let message = format!("radius = {radius} must be positive");
+            Err(Implausible::new(ImplausiblePlace::Radius(k), message, help))
         }
         _ => Ok(()),
     }
 }
 
-fn check_in_cell(file: &str, origin: &Vector, edges: &Matrix, grains: &[Found]) -> Result<()> {
+fn check_in_cell(origin: &Vector, edges: &Matrix, grains: &[Found]) -> std::result::Result<(), Implausible> {
+    let wrong_cell = |message: String| Err(Implausible::new(ImplausiblePlace::Cell, message, ""));
     let inverse = invert(edges);
     if inverse.iter().flatten().any(|x| !x.is_finite()) {
-        let message = format!("the cell has the volume {:e} m3; it must be positive", determinant(edges));
-        return Err(Error::content(file.as_ref(), message));
+        return wrong_cell(format!(
+            "the cell has the volume {:e} m3; it must be positive",
+            determinant(edges)
+        ));
     }
     let skewness = edges_product(edges) / determinant(edges).abs();
     if skewness > MOST_SKEWED {
-        let message = format!(
+        return wrong_cell(format!(
             "the edges of the cell are nearly parallel: the product of their lengths is {} times its volume, and at most 1e4 can be right",
             short(skewness)
-        );
-        return Err(Error::content(file.as_ref(), message));
+        ));
     }
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
-    for grain in grains {
+    for (k, grain) in grains.iter().enumerate() {
         let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
         let is_near = |axis: usize| place[axis].abs() <= FARTHEST;
         if let Some(axis) = (0..3).find(|axis| !is_near(*axis)) {
             let [x, y, z] = grain.position;
             let message = format!(
-                "grain {}: ({x:e}, {y:e}, {z:e}) is {} cells away along edge {}",
-                grain.id,
+                "({x:e}, {y:e}, {z:e}) is {} cells away along edge {}",
                 short(place[axis].abs()),
                 ["a", "b", "c"][axis]
             );
-            return Err(in_file(file, grain.line, message, "places are in m, and at most 1e6 cells away"));
+            let help = "places are in m, and at most 1e6 cells away";
+            return Err(Implausible::new(ImplausiblePlace::Position(k), message, help));
         }
         if let Some(radius) = grain.radius.filter(|radius| 2.0 * radius > narrow) {
-            return Err(too_large(file, grain, radius, narrow));
+            let message = format!("radius = {radius:e} m does not fit in the cell, {narrow:e} m wide");
+            return Err(Implausible::new(ImplausiblePlace::Radius(k), message, "lengths are in m"));
         }
     }
     Ok(())
@@ -133,15 +209,8 @@ fn edges_product(edges: &Matrix) -> f64 {
     (0..3).map(length).product()
 }
 
-/// The error of a grain that does not fit in the cell.
-fn too_large(file: &str, grain: &Found, radius: f64, narrow: f64) -> Error {
-    let message =
-        format!("grain {}: radius = {radius:e} m does not fit in the cell, {narrow:e} m wide", grain.id);
-    in_file(file, grain.line, message, "lengths are in m")
-}
-
 /// Without a cell: no grain is a million times farther from the median place than half of the grains are.
-fn check_together(file: &str, grains: &[Found]) -> Result<()> {
+fn check_together(grains: &[Found]) -> std::result::Result<(), Implausible> {
     let usual = median(grains.iter().filter_map(|grain| grain.radius).collect()).unwrap_or(0.0);
     for axis in 0..3 {
         let Some(middle) = median(grains.iter().map(|grain| grain.position[axis]).collect()) else {
@@ -152,21 +221,20 @@ fn check_together(file: &str, grains: &[Found]) -> Result<()> {
         if spread == 0.0 {
             continue;
         }
-        if let Some(grain) = grains.iter().find(|grain| away(grain) > FARTHEST * spread) {
+        if let Some(k) = grains.iter().position(|grain| away(grain) > FARTHEST * spread) {
             let name = ["x", "y", "z"][axis];
-            let message =
-                format!("grain {}: {name} = {:e} m is far from all others", grain.id, grain.position[axis]);
+            let message = format!("{name} = {:e} m is far from all others", grains[k].position[axis]);
             let help = format!(
                 "half of them are within {spread:e} m of {name} = {middle:e} m, and at most 1e6 times that can be right"
             );
-            return Err(in_file(file, grain.line, message, &help));
+            return Err(Implausible::new(ImplausiblePlace::Position(k), message, help));
         }
     }
     Ok(())
 }
 
 /// Of radii that differ too much, the one that is farthest from the median is wrong.
-fn check_radii(file: &str, grains: &[Found]) -> Result<()> {
+fn check_radii(grains: &[Found]) -> std::result::Result<(), Implausible> {
     let radii = || grains.iter().filter_map(|grain| grain.radius);
     let (smallest, largest) =
         radii().fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
@@ -175,13 +243,10 @@ fn check_radii(file: &str, grains: &[Found]) -> Result<()> {
     }
     let usual = median(radii().collect()).unwrap_or(smallest);
     let wrong = if largest / usual > usual / smallest { largest } else { smallest };
-    let Some(grain) = grains.iter().find(|grain| grain.radius == Some(wrong)) else { return Ok(()) };
-    let message = format!(
-        "grain {}: radius = {wrong:e} m does not belong to the others, which are about {usual:e} m",
-        grain.id
-    );
+    let Some(k) = grains.iter().position(|grain| grain.radius == Some(wrong)) else { return Ok(()) };
+    let message = format!("radius = {wrong:e} m does not belong to the others, which are about {usual:e} m");
     let help = "the largest grain of a packing is at most 1e6 times the smallest; lengths are in m";
-    Err(in_file(file, grain.line, message, help))
+    Err(Implausible::new(ImplausiblePlace::Radius(k), message, help))
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -335,7 +335,7 @@ impl Surrogate for SubModelNetworks {
         Ok(predictions.chunks(bins.len()).map(prediction).collect())
     }
 
-    fn means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
         Ok(self.predict_states(inputs.values())?.into_iter().map(|predicted| predicted.values).collect())
     }
 

@@ -307,7 +307,7 @@ impl Surrogate for FittedTrees {
         Ok(inputs.rows().map(predict).collect())
     }
 
-    fn means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
         let means = |row: &[f64]| self.fitted.outputs.iter().map(|output| output.at(row)).collect();
         Ok(inputs.rows().map(means).collect())
     }

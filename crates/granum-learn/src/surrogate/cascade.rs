@@ -415,6 +415,14 @@ impl Surrogate for FittedCascade {
         Ok(answered.into_iter().zip(known).map(prediction).collect())
     }
 
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let sensors = self.first.means(inputs)?;
+        let width = self.first.columns().outputs.len() + 1;
+        let coordinates = inputs.rows().map(|row| row[self.coordinate]);
+        let rows = coordinates.zip(sensors).flat_map(|(x, sensors)| std::iter::once(x).chain(sensors));
+        self.second.means(&RunInputs::new(rows.collect(), width, inputs.lengths().to_vec())?)
+    }
+
     fn content(&self) -> Result<Content> {
         Content::new(&Kept {
             runs: self.runs,

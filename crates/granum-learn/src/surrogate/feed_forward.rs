@@ -220,6 +220,15 @@ impl Surrogate for FittedNetworks {
         Ok(predictions)
     }
 
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let mut means = vec![Vec::with_capacity(self.models.len()); inputs.len()];
+        for model in &self.models {
+            let values = model.predict_batch(inputs.values()).map_err(failed)?.values;
+            means.iter_mut().zip(values).for_each(|(row, mean)| row.push(mean));
+        }
+        Ok(means)
+    }
+
     fn content(&self) -> Result<Content> {
         let networks = self.models.iter().map(|model| model.to_value().map_err(failed));
         Content::new(&Kept { networks: networks.collect::<Result<_>>()? })

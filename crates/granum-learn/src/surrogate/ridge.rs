@@ -331,6 +331,14 @@ impl Surrogate for FittedRidge {
         Ok(inputs.rows().map(predict).collect())
     }
 
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let means = |inputs: &[f64]| {
+            let row = self.fitted.row(inputs);
+            self.fitted.outputs.iter().map(|output| dot(&output.coefficients, &row)).collect()
+        };
+        Ok(inputs.rows().map(means).collect())
+    }
+
     fn content(&self) -> Result<Content> {
         Content::new(&self.fitted)
     }

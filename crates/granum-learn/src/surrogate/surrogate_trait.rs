@@ -129,13 +129,24 @@ pub trait Surrogate: Any + Send + Sync {
         Ok(())
     }
 
-    /// The means of the predictions alone, which networks give in less time than intervals.
+    /// The means of [`Surrogate::evaluate`], with the same bits: for methods that give them in less time than intervals.
+    ///
+    /// # Errors
+    /// As [`Surrogate::evaluate`].
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let means = |prediction: Prediction| prediction.values.iter().map(|estimate| estimate.mean).collect();
+        Ok(self.evaluate(inputs, 0.5)?.into_iter().map(means).collect())
+    }
+
+    /// The means of the predictions alone, which networks, regressions, trees and cascades give in less time than intervals.
     ///
     /// # Errors
     /// As [`Surrogate::predict`].
     fn means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
-        let means = |prediction: Prediction| prediction.values.iter().map(|estimate| estimate.mean).collect();
-        Ok(self.predict(inputs, 0.5)?.into_iter().map(means).collect())
+        check_inputs(self.method(), self.columns(), inputs)?;
+        let means = self.evaluate_means(inputs)?;
+        check_answer(self.method(), self.columns(), inputs, means.iter().map(Vec::len))?;
+        Ok(means)
     }
 
     /// Everything that is needed for bit-identical predictions after loading.
@@ -149,24 +160,14 @@ pub trait Surrogate: Any + Send + Sync {
     /// # Errors
     /// If the rows do not have a value for every input, a value is not finite, or the level is not between 0 and 1.
     fn predict(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
-        let names = self.columns().input_names();
         let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };
         if !(level > 0.0 && level < 1.0) {
             return Err(problem(format!("the level of an interval must be between 0 and 1, not {level}")));
         }
-        if names.len() != inputs.columns() {
-            let (needed, list, found) = (names.len(), names.join(", "), inputs.columns());
-            return Err(problem(format!("a row has {needed} values ({list}), not {found}")));
-        }
-        if let Some(k) = inputs.values().iter().position(|value| !value.is_finite()) {
-            let (row, name, value) = (k / names.len() + 1, &names[k % names.len()], inputs.values()[k]);
-            return Err(problem(format!("row {row}: {name} is {value}, not a finite number")));
-        }
+        check_inputs(self.method(), self.columns(), inputs)?;
         let predictions = self.evaluate(inputs, level)?;
-        let (rows, outputs) = (inputs.len(), self.columns().outputs.len());
-        if predictions.len() != rows || predictions.iter().any(|p| p.values.len() != outputs) {
-            return Err(problem(format!("it did not return {rows} rows with {outputs} values each")));
-        }
+        let values = predictions.iter().map(|prediction| prediction.values.len());
+        check_answer(self.method(), self.columns(), inputs, values)?;
         Ok(predictions)
     }
 
@@ -185,4 +186,34 @@ pub trait Surrogate: Any + Send + Sync {
         })?;
         self.predict(&inputs, level)
     }
+}
+
+/// Refuses rows that do not have a finite value for every input.
+fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
+    let problem = |reason: String| Err(LearnError::Surrogate { method: method.into(), reason });
+    let names = columns.input_names();
+    if names.len() != inputs.columns() {
+        let (needed, list, found) = (names.len(), names.join(", "), inputs.columns());
+        return problem(format!("a row has {needed} values ({list}), not {found}"));
+    }
+    if let Some(k) = inputs.values().iter().position(|value| !value.is_finite()) {
+        let (row, name, value) = (k / names.len() + 1, &names[k % names.len()], inputs.values()[k]);
+        return problem(format!("row {row}: {name} is {value}, not a finite number"));
+    }
+    Ok(())
+}
+
+/// Refuses an answer that does not have a value of every output for every row.
+fn check_answer(
+    method: &str,
+    columns: &Columns,
+    inputs: &RunInputs,
+    mut values: impl ExactSizeIterator<Item = usize>,
+) -> Result<()> {
+    let (rows, outputs) = (inputs.len(), columns.outputs.len());
+    if values.len() == rows && values.all(|count| count == outputs) {
+        return Ok(());
+    }
+    let reason = format!("it did not return {rows} rows with {outputs} values each");
+    Err(LearnError::Surrogate { method: method.into(), reason })
 }

@@ -125,6 +125,21 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
         let predictions = loaded.predict_rows(&rows, 0.8).unwrap();
         assert_eq!(predictions, fitted(&scores[0]).predict_rows(&rows, 0.8).unwrap(), "{name}");
         assert_eq!(predictions[0].values.len(), 14);
+        // Means alone, which are computed without intervals where that is less work.
+        let width = loaded.columns().inputs.len();
+        let mean_of = |prediction: &Prediction| prediction.values.iter().map(|own| own.mean).collect();
+        let expected: Vec<Vec<f64>> = predictions.iter().map(mean_of).collect();
+        let means = |rows: &[f64], width: usize| {
+            loaded
+                .means(&RunInputs::separate(rows.to_vec(), width).unwrap())
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(means(&rows, width).unwrap(), expected, "{name}");
+        assert_eq!(means(&[], width).unwrap(), Vec::<Vec<f64>>::new(), "{name}");
+        let (mut holed, unknown) = (rows[..2 * width].to_vec(), "not a finite number");
+        holed[width] = f64::NAN;
+        assert!(means(&holed, width).unwrap_err().contains(unknown), "{name}");
+        assert!(means(&rows[..width + 1], width + 1).unwrap_err().contains("a row has"), "{name}");
 
         let text = std::fs::read_to_string(&path).unwrap();
         let message = |text: &str| methods.from_json(text, "s.json").err().unwrap().to_string();
@@ -301,6 +316,8 @@ fn wrong_questions_are_refused() {
     let mute = Mute(fitted.columns().clone());
     let text = mute.predict_rows(&[1.0, 2.0], 0.9).unwrap_err().to_string();
     assert_eq!(text, "mute: it did not return 2 rows with 1 values each");
+    let means = mute.means(&RunInputs::separate(vec![1.0, 2.0], 1).unwrap());
+    assert_eq!(means.unwrap_err().to_string(), text);
 }
 
 /// Results are bit-identical for any number of threads, and do not depend on other outputs of the same fit.

@@ -1,12 +1,12 @@
 //! `granum export`: series, grains and contacts in the formats of other programs, and cases as input decks for them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::Table;
-use granum_io::formats::ObservedAssembly;
+use granum_io::formats::{AssemblyFile, ObservedAssembly};
 use granum_io::shell::ShowPath;
-use granum_io::{Run, check_output_file, write_table};
+use granum_io::{Error, Run, check_output_file};
 use serde_json::json;
 
 use super::export_data_set;
@@ -105,7 +105,7 @@ impl Export {
             }
             if let Some(name) = self.table.as_deref().or(series).filter(|name| !OF_SNAPSHOTS.contains(name)) {
                 let table = run_table(run, name)?;
-                write_table(path, &table)?;
+                formats.write_table(path, &table)?;
                 return self.say(context, &format!("{} rows of {name}", table.rows()));
             }
         }
@@ -113,44 +113,40 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let observations: Vec<ObservedAssembly> =
-            observations.into_iter().map(ObservedAssembly::numbered_from_one).collect();
         let grains = observations.last().map_or(0, |observation| observation.assembly.grains.len());
-        let of = match observations.len() {
-            0 | 1 => String::new(),
-            many => format!(", the last of {many} instants"),
-        };
-        let is_packing = formats.packings().any(|format| has_extension(path, format.extensions()));
-        let usual = (tabular && !is_packing).then_some("grains");
-        if let Some(name) = self.table.as_deref().or(usual) {
-            let table = table_of(last(&observations)?, name)?;
-            write_table(path, &table)?;
-            return self.say(context, &format!("{} rows of {name}{of}", table.rows()));
-        }
-        if tabular {
-            formats.write_packing(path, &last(&observations)?.packing(&self.data[0])?)?;
-            return self.say(context, &format!("a packing of {grains} grains{of}"));
-        }
-        let format = formats.written_format(path, self.to.as_deref())?;
-        if format.holds_one_instant() && observations.len() > 1 {
-            let many = observations.len();
-            let choice = match &run {
-                Some(run) => format!("there are {}", run.snapshots()?.join(", ")),
-                None => format!("1 to {many}, or last"),
+        let instants = observations.len();
+        let of = if instants > 1 { format!(", the last of {instants} instants") } else { String::new() };
+        if let Some(name) = &self.table {
+            let last = observations.into_iter().last();
+            let last = last.ok_or_else(|| Failure::new("there is nothing to write"))?;
+            let rows = match name.as_str() {
+                "grains" => formats.write_grains(path, last)?,
+                "contacts" => formats.write_contacts(path, last)?,
+                _ => {
+                    let message = "these data have the tables grains and contacts";
+                    return Err(Failure::new(format!("--table {name:?}: {message}")));
+                }
             };
-            return Err(Failure::new(format!(
-                "{}: a file of this format ({}) holds one instant, and these are {many}; choose one with --snapshot ({choice}), or write \
-                 a .gsd or .xyz",
-                path.shown(),
-                format.name()
-            )));
+            return self.say(context, &format!("{rows} rows of {name}{of}"));
         }
-        formats.write_results(path, self.to.as_deref(), &observations)?;
-        let instants = match observations.len() {
-            1 => "1 instant".to_string(),
-            many => format!("{many} instants"),
+        let written = formats.write_assemblies(path, self.to.as_deref(), observations, &self.data[0]);
+        let what = match written {
+            Ok(AssemblyFile::Packing) => format!("a packing of {grains} grains{of}"),
+            Ok(AssemblyFile::Grains) => format!("{grains} rows of grains{of}"),
+            Ok(AssemblyFile::Results(_)) if instants == 1 => format!("{grains} grains at 1 instant"),
+            Ok(AssemblyFile::Results(_)) => format!("{grains} grains at {instants} instants"),
+            Err(error @ Error::Instants { count, .. }) => {
+                let choice = match &run {
+                    Some(run) => format!("there are {}", run.snapshots()?.join(", ")),
+                    None => format!("1 to {count}, or last"),
+                };
+                return Err(Failure::new(format!(
+                    "{error}; choose one with --snapshot ({choice}), or write a .gsd or .xyz"
+                )));
+            }
+            Err(error) => return Err(error.into()),
         };
-        self.say(context, &format!("{grains} grains at {instants}"))
+        self.say(context, &what)
     }
 
     /// Writes what is asked for of a campaign or its data set, and says what; `None` if the data are something else.
@@ -241,10 +237,6 @@ impl Export {
 /// The tables of a snapshot; the others are files of a run folder.
 const OF_SNAPSHOTS: [&str; 2] = ["grains", "contacts"];
 
-fn has_extension(path: &Path, extensions: &[&str]) -> bool {
-    path.extension().is_some_and(|own| extensions.iter().any(|known| own.eq_ignore_ascii_case(known)))
-}
-
 /// A table of a run by its name.
 fn run_table(run: &Run, name: &str) -> Result<Table, Failure> {
     let mut known = run.tables()?;
@@ -257,17 +249,4 @@ fn run_table(run: &Run, name: &str) -> Result<Table, Failure> {
         run.path().shown(),
         known.join(", ")
     )))
-}
-
-/// The grains or contacts of an observation.
-fn table_of(observation: &ObservedAssembly, name: &str) -> Result<Table, Failure> {
-    match name {
-        "grains" => Ok(observation.grains_table()?),
-        "contacts" => Ok(observation.contacts_table()?),
-        _ => Err(Failure::new(format!("--table {name:?}: these data have the tables grains and contacts"))),
-    }
-}
-
-fn last(observations: &[ObservedAssembly]) -> Result<&ObservedAssembly, Failure> {
-    observations.last().ok_or_else(|| Failure::new("there is nothing to write"))
 }

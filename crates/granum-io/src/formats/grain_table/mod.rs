@@ -8,7 +8,7 @@
 //! | instants | `step` or `timestep`, `time`: rows that follow each other with the same values are one instant |
 //!
 //! Only the positions are required, and for contacts the two ids. Without ids grains are numbered from 1. A CSV may give the cell as a
-//! [packing](super::packing_csv) does.
+//! [packing](super::packing_csv) does, and a [Parquet](super::parquet) of granum has it in its metadata.
 
 mod names;
 #[cfg(test)]
@@ -25,7 +25,7 @@ use super::beginning::{extension, head};
 use super::column_names;
 use super::packing_csv::{self, PackingCsv};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
-use super::{PackingFormat, csv, parquet};
+use super::{PackingFormat, csv, parquet, stored_cell};
 use crate::error::{Error, Result};
 
 /// The format.
@@ -104,7 +104,8 @@ impl<'a> Source<'a> {
         if head(path)?.starts_with(MAGIC) || extension(path) == PARQUET {
             let table = parquet::read(path, None)?;
             let names = table.names().map(str::to_string).collect();
-            return Source::from_columns(path, options, names, None, |_| Ok(table));
+            let cell = stored_cell::read_cell(path)?;
+            return Source::from_columns(path, options, names, cell, |_| Ok(table));
         }
         let (cell, names) = packing_csv::cell_and_names(path)?;
         Source::from_columns(path, options, names, cell, |wanted| csv::read(path, Some(wanted)))

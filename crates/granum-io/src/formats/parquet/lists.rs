@@ -18,8 +18,8 @@ use parquet::file::writer::SerializedRowGroupWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
 use super::decoding::{GROUP, explain};
+use super::metadata::units;
 use super::sizes;
-use super::units::units;
 use crate::error::{Error, Result};
 
 /// A named column with a list of numbers in each row.

@@ -15,7 +15,7 @@ use parquet::schema::types::ColumnDescriptor;
 
 use super::decoding::{GROUP, explain};
 use super::lists::{self, TableWithLists};
-use super::units::units;
+use super::metadata::{units, value};
 use super::{sizes, words};
 use crate::contain::contain;
 use crate::error::{Error, Result};
@@ -55,6 +55,23 @@ pub fn read_with_lists(path: &Path) -> Result<TableWithLists> {
         Err(Error::content(path, "is not a Parquet file or is damaged (its lists cannot be decoded)"))
     })?;
     Ok(TableWithLists { table, lists })
+}
+
+/// The text of a key in the metadata of a file, if there is one.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_metadata(path: &Path, key: &str) -> Result<Option<String>> {
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let found = contain(|| {
+        sizes::check_footer(&file).map_err(|why| Error::content(path, why))?;
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file);
+        let metadata = metadata.map_err(|error| Error::content(path, explain(&error)))?;
+        Ok(value(metadata.file_metadata().key_value_metadata(), key).map(str::to_string))
+    });
+    found.unwrap_or_else(|| {
+        Err(Error::content(path, "is not a Parquet file or is damaged (its end cannot be decoded)"))
+    })
 }
 
 /// Which columns are taken.

@@ -17,7 +17,7 @@ use parquet::schema::types::Type;
 
 use super::decoding::GROUP;
 use super::lists::{self, ListColumn, TableWithLists};
-use super::units::UNITS;
+use super::metadata::UNITS;
 use super::words;
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -27,11 +27,19 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Rule`] for a table without columns; [`Error::File`] if the file cannot be written.
 pub fn write(path: &Path, table: &Table) -> Result<()> {
+    write_with_metadata(path, table, &[])
+}
+
+/// The same with further metadata of the file: keys with texts.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with_metadata(path: &Path, table: &Table, further: &[(&str, String)]) -> Result<()> {
     if table.columns().is_empty() {
         return Err(Error::Rule("a Parquet file needs at least one column".into()));
     }
     write_atomically(path, |file| {
-        let mut writer = start(file, table).map_err(io_error)?;
+        let mut writer = start(file, table, further).map_err(io_error)?;
         for from in (0..table.rows()).step_by(GROUP) {
             write_group(&mut writer, table, from..table.rows().min(from + GROUP)).map_err(io_error)?;
         }
@@ -47,7 +55,7 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
     let mut failed = None;
     let written = write_atomically(path, |file| {
         let mut next = |range| part(range).map_err(|error| keep(&mut failed, error));
-        let mut writer = start(file, &next(0..0)?).map_err(io_error)?;
+        let mut writer = start(file, &next(0..0)?, &[]).map_err(io_error)?;
         for from in (0..rows).step_by(GROUP) {
             let table = next(from..rows.min(from + GROUP))?;
             write_group(&mut writer, &table, 0..table.rows()).map_err(io_error)?;
@@ -91,7 +99,7 @@ pub fn write_groups(
         }
         let flat = columns.table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str()));
         let lists = columns.lists.iter().map(|list| (list.name.as_str(), list.unit.as_str()));
-        let mut writer = begin(file, fields, &flat.chain(lists).collect()).map_err(io_error)?;
+        let mut writer = begin(file, fields, &flat.chain(lists).collect(), &[]).map_err(io_error)?;
         while let Some(group) = next().map_err(|error| keep(&mut failed, error))? {
             for from in (0..group.table.rows()).step_by(GROUP) {
                 let rows = from..group.table.rows().min(from + GROUP);
@@ -110,9 +118,13 @@ fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
 }
 
 /// A file with the columns of a table and no rows so far.
-fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<SerializedFileWriter<W>> {
+fn start<W: Write + Send>(
+    writer: W,
+    table: &Table,
+    further: &[(&str, String)],
+) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
-    begin(writer, flat_fields(table)?, &units)
+    begin(writer, flat_fields(table)?, &units, further)
 }
 
 /// The types of the columns of a table.
@@ -131,21 +143,24 @@ fn flat_fields(table: &Table) -> parquet::errors::Result<Vec<Arc<Type>>> {
     table.columns().iter().map(field).collect()
 }
 
-/// A file with these columns and their units, and no rows so far.
+/// A file with these columns, their units and further metadata, and no rows so far.
 fn begin<W: Write + Send>(
     writer: W,
     fields: Vec<Arc<Type>>,
     units: &BTreeMap<&str, &str>,
+    further: &[(&str, String)],
 ) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let schema = Type::group_type_builder("granum").with_fields(fields).build()?;
     let units = serde_json::to_string(units).map_err(|error| ParquetError::External(Box::new(error)))?;
+    let further = further.iter().map(|(key, text)| KeyValue::new((*key).to_string(), text.clone()));
+    let metadata = std::iter::once(KeyValue::new(UNITS.into(), units)).chain(further).collect();
     let properties = WriterProperties::builder()
         .set_created_by("granum".into())
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::PLAIN)
         .set_statistics_enabled(EnabledStatistics::None)
         .set_offset_index_disabled(true)
-        .set_key_value_metadata(Some(vec![KeyValue::new(UNITS.into(), units)]))
+        .set_key_value_metadata(Some(metadata))
         .build();
     SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))
 }
