@@ -17,4 +17,4 @@ pub use errors::errors_on;
 pub use map::{MapOptions, StateMap};
 pub use noise::{NoiseAnswer, NoiseInInputs, Noisy};
 pub use order::{Order, OrderAnswer, OrderOfRuns};
-pub use paths::{AnyPath, Drift, PathAnswer, PathAnswers, WorkInCycles};
+pub use paths::{AnyPath, Drift, HeldStates, PathAnswer, PathAnswers, WorkInCycles};

@@ -107,6 +107,19 @@ impl FamilyDefinition {
         dataset.select(|run, _| run.word(PATH).is_none_or(|path| path == self.path))
     }
 
+    /// The runs along its path with all of its columns: its coordinate, its inputs as parameters, and its outputs.
+    ///
+    /// # Errors
+    /// If no run is along its path, or one is not of the family or lacks a column.
+    pub fn with_its_columns(&self, dataset: &Dataset) -> Result<Dataset> {
+        let own = self.along_its_path(dataset);
+        if own.runs().is_empty() {
+            let reason = format!("there is no run of the family {} along the path {}", self.name, self.path);
+            return Err(LearnError::Dataset(reason));
+        }
+        Dataset::new(own.runs().iter().map(|run| self.with_columns(run)).collect::<Result<_>>()?)
+    }
+
     /// The run with the inputs as parameters, and the outputs that are ratios as columns.
     ///
     /// # Errors
@@ -206,6 +219,15 @@ mod tests {
         let runs = [run("drained", "drained-triaxial"), run("undrained", "undrained-triaxial")];
         let own = SAND_UNDRAINED.along_its_path(&Dataset::new(runs.to_vec()).unwrap());
         assert_eq!(own.runs().iter().map(RunStates::name).collect::<Vec<_>>(), ["undrained"]);
+        let all = SAND_UNDRAINED.with_its_columns(&Dataset::new(runs.to_vec()).unwrap()).unwrap();
+        assert_eq!(all.runs().len(), 1);
+        assert_eq!(all.column("mean_stress_over_initial").unwrap(), [2e5, 6e5]);
+        let none = SAND_UNDRAINED.with_its_columns(&Dataset::new(runs[..1].to_vec()).unwrap());
+        assert!(
+            none.unwrap_err()
+                .to_string()
+                .contains("no run of the family sand along the path undrained-triaxial")
+        );
         let told = SAND_UNDRAINED.with_columns(&runs[0]).unwrap_err().to_string();
         assert!(told.contains("stage.1.path is drained-triaxial"), "{told}");
         // The stress of the sample is 0.5 Pa here.

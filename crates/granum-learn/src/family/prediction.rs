@@ -3,7 +3,7 @@
 use super::model::{FamilyModel, unfit};
 use super::typical::{TypicalValue, typical_value};
 use crate::error::{LearnError, Result};
-use crate::surrogate::{Outside, RunInputs, UnseenCombination};
+use crate::surrogate::{Outside, RunInputs, UnseenCombination, possible_values};
 
 /// Where the value of an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,11 +118,11 @@ impl FamilyModel {
         let curves = columns.iter().zip(plain.curves).zip(variances).map(|((column, plain), variance)| {
             let [mean, lower, upper] = plain;
             let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
-            let is_density = column.name.contains("probability_density");
+            let [lowest, highest] = possible_values(&column.name);
             let wider = |k: usize, end: f64, sign: f64| {
                 let half = end - mean[k];
                 let end = mean[k] + sign * (half * half + quantile * quantile * variance[k]).sqrt();
-                if is_density { end.max(0.0) } else { end }
+                end.max(lowest.min(mean[k])).min(highest.max(mean[k]))
             };
             FamilyCurve {
                 column: column.name.clone(),

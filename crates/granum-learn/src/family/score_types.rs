@@ -51,6 +51,10 @@ pub struct FamilyOutputScore {
     pub standard_error: f64,
     /// Share of the states within their intervals.
     pub held: f64,
+    /// The same of the runs that are not flagged: with all inputs within the ranges of the fit, and no two that its runs do not have together. `None` if
+    /// none is flagged or all are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_within: Option<f64>,
     /// Share of the curves that are within their bands as a whole; for a distribution the mean over its bins.
     pub whole_curves: f64,
     /// Share of the states within their intervals in each quarter of the range of each input.

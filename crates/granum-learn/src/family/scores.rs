@@ -23,6 +23,13 @@ struct ScoredRun {
     bands: Vec<Prediction>,
 }
 
+impl ScoredRun {
+    /// True if the runs of the fit say little of its inputs.
+    fn is_flagged(&self) -> bool {
+        self.predicted.iter().any(Prediction::is_extrapolated)
+    }
+}
+
 impl FamilyModel {
     /// Scores it on runs that it has not seen.
     ///
@@ -52,7 +59,6 @@ impl FamilyModel {
             return Err(unfit("no run goes as far as the curves do"));
         }
         let groups = replicates(&of_runs.iter().map(|run| &**run).collect::<Vec<&RunStates>>());
-        let is_outside = |run: &&ScoredRun| run.predicted.iter().any(Prediction::is_extrapolated);
         let outputs = definition.outputs.iter().map(|output| {
             let columns = self.columns_of(output);
             self.output_score(output, &columns, &shares, (&scored, &groups))
@@ -60,7 +66,7 @@ impl FamilyModel {
         Ok(FamilyScores {
             data: TrainingData { runs: dataset.runs().len(), ..data },
             points: groups.iter().filter(|group| group.len() > 1).count(),
-            outside: scored.iter().filter(is_outside).count(),
+            outside: scored.iter().filter(|run| run.is_flagged()).count(),
             left_out,
             level: LEVEL,
             outputs: outputs.collect(),
@@ -117,6 +123,9 @@ impl FamilyModel {
             sums.push(point);
         }
         let total = |part: fn(&PointSums) -> f64| sums.iter().map(part).sum::<f64>();
+        let within = runs.iter().zip(&of_runs).filter(|(run, _)| !run.is_flagged()).map(|(_, held)| *held);
+        let within: Vec<f64> = within.collect();
+        let is_part = !within.is_empty() && within.len() < runs.len();
         let or_nan = |value: f64| if sums.is_empty() { f64::NAN } else { value };
         FamilyOutputScore {
             output: output.column.into(),
@@ -125,6 +134,7 @@ impl FamilyModel {
             net_error: or_nan(net_error(&sums)),
             standard_error: or_nan(standard_error(&sums)),
             held: of_runs.iter().sum::<f64>() / runs.len() as f64,
+            held_within: is_part.then(|| within.iter().sum::<f64>() / within.len() as f64),
             whole_curves: whole as f64 / (runs.len() * columns.len()) as f64,
             quarters: self.quarters(runs, &of_runs),
         }

@@ -283,7 +283,8 @@ impl StudyObserver for UnfinishedFits {
 #[test]
 fn a_stopped_training_goes_on_to_the_same_surrogates() {
     let dataset = dataset(0.3);
-    let definition = definition(&["x", "s"]);
+    // With one thread, so that no other fit ends while the first one is kept.
+    let definition = StudyDefinition { threads: 1, ..definition(&["x", "s"]) };
     let unfinished = UnfinishedFits::default();
     let stopped = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &unfinished);
     assert!(matches!(stopped.err().unwrap(), LearnError::Stopped { done: 1, total: 3 }));

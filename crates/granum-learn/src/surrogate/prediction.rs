@@ -81,6 +81,15 @@ impl Estimate {
         Estimate { interval: Some(interval), ..self }
     }
 
+    /// Cuts the interval to the values that the quantity can have (see [`possible_values`](super::possible_values)). The mean stays within it.
+    pub fn cut(mut self, [low, high]: [f64; 2]) -> Estimate {
+        if let Some(interval) = &mut self.interval {
+            interval.lower = interval.lower.max(low.min(self.mean));
+            interval.upper = interval.upper.min(high.max(self.mean));
+        }
+        self
+    }
+
     /// Sets an interval with the given ends.
     pub fn within(self, [lower, upper]: [f64; 2], causes: Vec<(Cause, f64)>) -> Estimate {
         Estimate { interval: Some(Interval { lower, upper, causes }), ..self }
@@ -160,4 +169,23 @@ pub fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
         (Cause::Runs, deviation.blocks),
     ];
     all.into_iter().filter(|(_, deviation)| *deviation > 0.0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_is_cut_to_what_can_be_and_holds_its_mean() {
+        let ends = |mean: f64| {
+            let interval = Estimate::new(mean).by(vec![(Cause::Noise, 0.2)], 1.0).cut([0.0, 1.0]).interval;
+            interval.map(|own| [own.lower, own.upper]).unwrap()
+        };
+        assert_eq!(ends(0.1), [0.0, 0.1 + 0.2]);
+        assert_eq!(ends(0.95), [0.75, 1.0]);
+        // A mean that cannot be is the end of its interval.
+        assert_eq!(ends(-0.1), [-0.1, 0.1]);
+        assert_eq!(ends(0.5), [0.3, 0.7]);
+        assert!(Estimate::new(-1.0).cut([0.0, 1.0]).interval.is_none());
+    }
 }

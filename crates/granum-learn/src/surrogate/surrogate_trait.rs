@@ -6,6 +6,7 @@ use std::sync::Arc;
 use granum_core::observer::{Flow, Observer, Progress};
 
 use super::content::Content;
+use super::possible_values::possible_values;
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
@@ -155,7 +156,7 @@ pub trait Surrogate: Any + Send + Sync {
     /// If the content cannot be represented in JSON.
     fn content(&self) -> Result<Content>;
 
-    /// Predicts all states of runs.
+    /// Predicts all states of runs. Intervals are cut to the values that a quantity can have (see [`possible_values`](super::possible_values)).
     ///
     /// # Errors
     /// If the rows do not have a value for every input, a value is not finite, or the level is not between 0 and 1.
@@ -168,7 +169,14 @@ pub trait Surrogate: Any + Send + Sync {
         let predictions = self.evaluate(inputs, level)?;
         let values = predictions.iter().map(|prediction| prediction.values.len());
         check_answer(self.method(), self.columns(), inputs, values)?;
-        Ok(predictions)
+        let possible: Vec<[f64; 2]> =
+            self.columns().outputs.iter().map(|output| possible_values(&output.name)).collect();
+        let cut = |prediction: Prediction| {
+            let values =
+                prediction.values.into_iter().zip(&possible).map(|(own, possible)| own.cut(*possible));
+            Prediction { values: values.collect(), ..prediction }
+        };
+        Ok(predictions.into_iter().map(cut).collect())
     }
 
     /// Predicts rows, given in row-major order with a value for every input in order. For a surrogate with memory, each row

@@ -5,7 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
+use crate::family::FamilyDefinition;
 use crate::surrogate::SurrogateMethods;
+
+/// A strain that is an output of families whose tests end at a stress; on a bench it is measured as the coordinate is.
+const STRAIN: &str = "axial_strain";
 
 /// The measures of a sample that are known of a packing.
 const PACKING: [&str; 2] = ["sample.void_ratio", "sample.mechanical_coordination_number"];
@@ -60,6 +64,20 @@ impl WorthPlan {
             most_states: 20_000,
             seed: 1,
             threads: 0,
+        }
+    }
+
+    /// The usual question to the runs of a family along its path, with the columns of the family ([`FamilyDefinition::with_its_columns`]): along its
+    /// coordinate, from its inputs as properties, and about what it predicts beside strains and soft sensors: the stress ratio, and the volumetric strain or,
+    /// where the volume is held or follows from the strain, the mean stress.
+    pub fn of_family(family: &FamilyDefinition, training: &Dataset) -> WorthPlan {
+        let usual = WorthPlan::new(family.coordinate, training);
+        let is_output = |name: &&str| *name != STRAIN && !usual.sensors.iter().any(|sensor| sensor == name);
+        let outputs = family.outputs.iter().map(|output| output.column).filter(is_output);
+        WorthPlan {
+            outputs: outputs.map(String::from).collect(),
+            properties: family.inputs.iter().map(|input| input.name.to_owned()).collect(),
+            ..usual
         }
     }
 

@@ -91,7 +91,15 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
         100.0 * level
     ));
     if *outside > 0 {
-        lines.push(format!("{outside} of the runs have an input outside the ranges, or two that the runs of the fit do not have together."));
+        let within = outputs.iter().filter_map(|own| Some((own.output.as_str(), own.held_within?)));
+        let within: Vec<String> = within.map(|(name, held)| format!("{} ({name})", percent(held))).collect();
+        let of_others = match within.is_empty() {
+            true => String::new(),
+            false => format!(" Of the states of the other runs the intervals hold {}.", within.join(", ")),
+        };
+        lines.push(format!(
+            "{outside} of the runs are flagged: they have an input outside the ranges, or two that the runs of the fit do not have together.{of_others}"
+        ));
     }
     if !left_out.is_empty() {
         lines.push(format!("Not scored since they end early: {}.", left_out.join(", ")));

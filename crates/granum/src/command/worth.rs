@@ -8,6 +8,7 @@ use granum_core::json;
 use granum_io::shell::ShowPath;
 use granum_io::{atomic::write_atomically, check_output_file};
 use granum_learn::LearnError;
+use granum_learn::family::{FamilyDefinition, by_name};
 use granum_learn::runs::RunRole;
 use granum_learn::worth::{Worth, WorthPlan, measure};
 use granum_report::worth_report;
@@ -20,6 +21,9 @@ use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
 
+/// The usual column along which a test runs.
+const COORDINATE: &str = "axial_strain";
+
 /// Measure what each soft sensor is worth: how well stress ratio and volumetric strain of unseen runs are known from strain alone, with
 /// each soft sensor, with the properties of grains and packing, by the cascade from properties to sensors to stress, and with both; and how well
 /// soft sensors are known from what a laboratory measures.
@@ -30,7 +34,7 @@ use crate::output;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum worth study --unseen-share 0.2\n  granum worth study --unseen judges --runs 24,48,96 -o worth.json \
-                  --page worth.html\n  granum worth study --unseen judges --sensor deviator_fabric,sliding_fraction --method boosted-trees"
+                  --page worth.html\n  granum worth study --unseen judges --sensor deviator_fabric,sliding_fraction --method boosted-trees\n  granum worth data/families/sand/paths --family sand --path constant-p \\\n    --unseen data/families/sand/paths-unseen"
 )]
 pub struct MeasureWorth {
     /// Run folders for training; campaigns and data sets stand for all of their runs.
@@ -42,10 +46,16 @@ pub struct MeasureWorth {
     /// Keep this share of the runs unseen, as whole runs: they are chosen by their names and --seed.
     #[arg(long, value_name = "X", conflicts_with = "unseen", allow_negative_numbers = true)]
     unseen_share: Option<f64>,
-    /// The column along which a test runs.
-    #[arg(long, value_name = "COLUMN", default_value = "axial_strain")]
-    coordinate: String,
-    /// What a laboratory measures [default: stress_ratio,volumetric_strain].
+    /// The runs of this family: along its coordinate, with its inputs as properties.
+    #[arg(long, value_name = "NAME")]
+    family: Option<String>,
+    /// Path of the tests of --family; its first one by default. Runs along other paths are left out.
+    #[arg(long, value_name = "NAME", requires = "family")]
+    path: Option<String>,
+    /// The column along which a test runs [default: axial_strain, or that of --family].
+    #[arg(long, value_name = "COLUMN")]
+    coordinate: Option<String>,
+    /// What a laboratory measures [default: stress_ratio,volumetric_strain, or what --family predicts beside strains and sensors].
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     output: Vec<String>,
     /// Soft sensors, the first two of which are also judged together [default:
@@ -84,6 +94,8 @@ impl MeasureWorth {
         for file in self.out.iter().chain(&self.page) {
             check_output_file(file, context.force)?;
         }
+        // A name that does not exist is told before runs are read.
+        let family = self.family.as_deref().map(|name| by_name(name, self.path.as_deref())).transpose()?;
         let reading = context.nothing_written(Some("reading the runs"));
         let mut learned = records::read(context, &self.runs, RunRole::Training)?;
         let mut unseen = records::read(context, &self.unseen, RunRole::Unseen)?;
@@ -105,7 +117,11 @@ impl MeasureWorth {
         let mut runs = dataset(&all)?.runs().to_vec();
         let unseen = granum_learn::Dataset::new(runs.split_off(learned.len()))?;
         let training = granum_learn::Dataset::new(runs)?;
-        let plan = self.plan(&training);
+        let (training, unseen) = match family {
+            Some(family) => (family.with_its_columns(&training)?, family.with_its_columns(&unseen)?),
+            None => (training, unseen),
+        };
+        let plan = self.plan(family, &training);
         drop(reading);
         let mut show = ShowSteps::new(context, "comparison");
         let worth = match measure(&training, &unseen, &plan, context.methods(), &mut show) {
@@ -131,8 +147,14 @@ impl MeasureWorth {
         })
     }
 
-    fn plan(&self, training: &granum_learn::Dataset) -> WorthPlan {
-        let mut plan = WorthPlan::new(&self.coordinate, training);
+    fn plan(&self, family: Option<&FamilyDefinition>, training: &granum_learn::Dataset) -> WorthPlan {
+        let mut plan = match family {
+            Some(family) => WorthPlan::of_family(family, training),
+            None => WorthPlan::new(COORDINATE, training),
+        };
+        if let Some(coordinate) = &self.coordinate {
+            plan.coordinate.clone_from(coordinate);
+        }
         let given = [
             (&mut plan.outputs, &self.output),
             (&mut plan.sensors, &self.sensor),

@@ -136,6 +136,19 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     let table = std::fs::read_to_string(here.join("curves.csv")).unwrap();
     assert!(table.starts_with("axial_strain,stress_ratio,stress_ratio_lower,stress_ratio_upper"), "{table}");
 
+    // What sensors are worth to the family, along its coordinate and from its inputs.
+    let asked = ["worth", "sands", "--family", "sand", "--unseen", "unseen", "--method", "ridge"];
+    let worth = done_json(here, &[&asked[..], &["--sensor", "deviator_fabric,sliding_fraction"]].concat());
+    let plan = &worth["worth"]["plan"];
+    assert_eq!(
+        (&plan["coordinate"], &plan["outputs"][1], &plan["properties"][0]),
+        (&"axial_strain".into(), &"volumetric_strain".into(), &"friction".into())
+    );
+    let other = [&asked[..4], &["--path", "constant-p"], &asked[4..]].concat();
+    assert!(refused(here, 1, &other).contains("no run of the family sand along the path constant-p"));
+    let alone = [&asked[..2], &["--path", "constant-p"], &asked[4..]].concat();
+    assert!(refused(here, 2, &alone).contains("--family"));
+
     // A case gives the inputs, and what it does not give is typical of the runs.
     let given = done(here, &["predict", "--family", "sand.json", "drained-dense.toml"]);
     assert!(given.contains("friction = 0.5 (given)") && given.contains("void ratio = "), "{given}");

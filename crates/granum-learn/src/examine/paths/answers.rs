@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::held::HeldStates;
 use super::work::WorkInCycles;
 use crate::pooled_error::PooledError;
 
@@ -36,6 +37,10 @@ pub struct PathAnswers {
     pub errors: Vec<PathAnswer>,
     /// The work in closed cycles of strain, of the simulations first.
     pub work: Vec<WorkInCycles>,
+    /// Whether intervals hold on unseen runs, of the methods that have intervals.
+    pub intervals: Vec<HeldStates>,
     /// Errors at the beginning and the end of long runs, if there are any.
     pub drift: Vec<Drift>,
+    /// Whether intervals hold on long runs.
+    pub intervals_of_long: Vec<HeldStates>,
 }

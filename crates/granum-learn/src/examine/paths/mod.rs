@@ -4,6 +4,7 @@
 mod answers;
 mod baselines;
 mod columns;
+mod held;
 mod quantities;
 mod question;
 mod scatter;
@@ -12,5 +13,6 @@ mod tests;
 mod work;
 
 pub use answers::{Drift, PathAnswer, PathAnswers};
+pub use held::HeldStates;
 pub use question::AnyPath;
 pub use work::WorkInCycles;

@@ -14,13 +14,28 @@ pub(super) struct Row {
     pub coordination: f64,
 }
 
+/// The norm of the deviator of stress over mean stress where two of the principal stresses are zero, the square root of 6: grains that do not stick to
+/// each other bear no larger one.
+const LARGEST_RATIO: f64 = 2.449_489_742_783_178;
+
+/// The deviator of stress over mean stress. Where a predicted mean stress is so small, or negative, that the norm would be larger than grains without
+/// adhesion can bear, it is that norm.
+fn stress_over_pressure(stress: [f64; COMPONENTS], pressure: f64) -> [f64; COMPONENTS] {
+    let norm = stress.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if norm == 0.0 {
+        return [0.0; COMPONENTS];
+    }
+    let is_larger = norm > LARGEST_RATIO * pressure;
+    stress.map(|c| if is_larger { LARGEST_RATIO * (c / norm) } else { c / pressure })
+}
+
 impl Row {
     /// From the outputs of the specification, in their order.
     pub fn of_outputs(row: &[f64]) -> Row {
         let six = |first: usize| std::array::from_fn(|k| row[first + k]);
         let (stress, pressure) = deviator(six(0));
         Row {
-            stress: stress.map(|c| c / pressure),
+            stress: stress_over_pressure(stress, pressure),
             fabric: deviator(six(6)).0,
             volume: row[12],
             coordination: row[13],

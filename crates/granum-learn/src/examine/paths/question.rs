@@ -6,14 +6,15 @@ use granum_core::observer::Observer;
 
 use super::answers::{Drift, PathAnswer, PathAnswers};
 use super::columns::{self, ALL, kind, kinds};
+use super::held::{LEVEL, Places, held};
 use super::quantities::{self, Quantity, Row};
 use super::work::{self, WorkInCycles};
 use super::{baselines, scatter};
 use crate::dataset::Dataset;
-use crate::error::Result;
+use crate::error::{LearnError, Result};
 use crate::examine::turn::Turn;
 use crate::pooled_error::PooledError;
-use crate::surrogate::{FitSpec, RunInputs, SurrogateMethod, SurrogateMethods, method_of_words};
+use crate::surrogate::{FitSpec, Prediction, RunInputs, SurrogateMethod, SurrogateMethods, method_of_words};
 
 /// Share of a long path at its beginning and at its end.
 const PART: f64 = 0.1;
@@ -78,21 +79,46 @@ impl AnyPath {
         let columns = spec.columns(training)?;
         let inputs = |runs: &Dataset| RunInputs::from_dataset(runs, &columns);
         let (unseen_inputs, long_inputs) = (inputs(unseen)?, long.map(inputs).transpose()?);
+        let places = Places::new(unseen)?;
         let mut turn = Turn::new(methods.len(), observer);
         for (name, method) in methods {
             turn.next(name.clone())?;
             let fitted = turn.work(|observer| method.fit(training, &spec, observer))?;
-            let predicted = |inputs: &RunInputs| -> Result<Vec<Row>> {
-                Ok(fitted.means(inputs)?.iter().map(|row| Row::of_outputs(row)).collect())
+            let predicted = |inputs: &RunInputs| -> Result<(Vec<Row>, Vec<Prediction>)> {
+                let predictions = fitted.predict(inputs, LEVEL)?;
+                check_finite(&name, &predictions)?;
+                let row = |own: &Prediction| {
+                    Row::of_outputs(&own.values.iter().map(|value| value.mean).collect::<Vec<_>>())
+                };
+                Ok((predictions.iter().map(row).collect(), predictions))
             };
-            let rows = predicted(&unseen_inputs)?;
+            let (rows, predictions) = predicted(&unseen_inputs)?;
+            answers.intervals.extend(held(&name, unseen, &places, &columns, &predictions)?);
             answers.errors.extend(errors(&name, unseen, &exact, &rows, &means, &Quantity::ALL));
             answers.work.push(WorkInCycles::new(&name, &cycles, &exact, &rows));
             if let (Some(long), Some(exact), Some(inputs)) = (long, &long_exact, &long_inputs) {
-                answers.drift.extend(drift(&name, long, exact, &predicted(inputs)?, &means));
+                let (rows, predictions) = predicted(inputs)?;
+                answers.drift.extend(drift(&name, long, exact, &rows, &means));
+                let places = Places::new(long)?;
+                answers.intervals_of_long.extend(held(&name, long, &places, &columns, &predictions)?);
             }
         }
         Ok(answers)
+    }
+}
+
+/// Refuses predictions that are no numbers, as those of a network whose state has grown without bounds.
+fn check_finite(method: &str, predictions: &[Prediction]) -> Result<()> {
+    let is_bad = |own: &Prediction| own.values.iter().any(|value| !value.mean.is_finite());
+    match predictions.iter().position(is_bad) {
+        Some(row) => Err(LearnError::Surrogate {
+            method: method.into(),
+            reason: format!(
+                "what it predicts is no number from row {} of the unseen runs on; train it longer, or with a smaller rate",
+                row + 1
+            ),
+        }),
+        None => Ok(()),
     }
 }
 

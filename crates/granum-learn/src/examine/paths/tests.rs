@@ -4,11 +4,12 @@ use granum_core::{Column, Table};
 
 use super::baselines::{ElasticPerfectlyPlastic, first_states};
 use super::columns::spec;
-use super::quantities::{Quantity, means, rows_of};
+use super::held::{Places, held};
+use super::quantities::{Quantity, Row, means, rows_of};
 use super::scatter::scatter;
 use super::work::{WorkInCycles, cycles};
 use crate::dataset::{Dataset, RunStates};
-use crate::surrogate::{STRAINS, SUFFIXES};
+use crate::surrogate::{Cause, Estimate, Prediction, STRAINS, SUFFIXES};
 
 const PRESSURE: f64 = 1e5;
 const STIFFNESS: f64 = 50.0;
@@ -74,8 +75,7 @@ fn a_known_law_is_found_and_its_work_is_that_of_hysteresis() {
     assert_eq!((work.cycles, work.negative, work.error), (4, 0, 0.0));
     assert!(work.least.abs() < 1e-9, "{}", work.least);
     // Stresses of the opposite sign give work away.
-    let opposite: Vec<_> =
-        exact.iter().map(|row| super::quantities::Row { stress: row.stress.map(|c| -c), ..*row }).collect();
+    let opposite: Vec<_> = exact.iter().map(|row| Row { stress: row.stress.map(|c| -c), ..*row }).collect();
     let given = WorkInCycles::new("opposite", &cycles, &exact, &opposite);
     assert_eq!(given.negative, 2);
     assert!((given.error - 2.0).abs() < 1e-9 && given.least < -1.0, "{given:?}");
@@ -95,4 +95,67 @@ fn the_scatter_is_that_of_samples_on_the_same_path() {
     let expected = 0.1 / 2f64.sqrt() / size.sqrt();
     assert!((stress.error.relative - expected).abs() < 1e-9, "{stress:?} {expected}");
     assert_eq!(stress.error.runs, 1);
+}
+
+/// A predicted mean stress can be anything; errors that follow from it are numbers all the same.
+#[test]
+fn a_mean_stress_near_zero_gives_the_largest_ratio_that_grains_bear() {
+    let norm = |stresses: [f64; 6]| {
+        let mut outputs = [0.0; 14];
+        outputs[..6].copy_from_slice(&stresses);
+        Row::of_outputs(&outputs).stress.iter().map(|c| c * c).sum::<f64>().sqrt()
+    };
+    let most = 6f64.sqrt();
+    // Uniaxial stress is the limit; beyond it, where the mean stress is tiny, zero or negative, the norm is the same.
+    assert!((norm([3e5, 0.0, 0.0, 0.0, 0.0, 0.0]) - most).abs() < 1e-9);
+    for lateral in [-1e5, -1.5e5 + 1e-9, -1.5e5, -2e5] {
+        assert!((norm([3e5, lateral, lateral, 0.0, 0.0, 0.0]) - most).abs() < 1e-9, "{lateral}");
+    }
+    assert_eq!(norm([0.0; 6]), 0.0);
+    assert_eq!(norm([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0]), 0.0);
+    let usual = norm([2e5, 0.5e5, 0.5e5, 0.0, 0.0, 0.0]);
+    assert!((usual - 1.5f64.sqrt()).abs() < 1e-9, "{usual}");
+}
+
+/// The intervals of one run hold all states, those of the other one none of the volume, and of the stress two of six components in the second half.
+#[test]
+fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
+    let void = |run: RunStates, value: f64| run.with_parameter("sample.void_ratio", "", value).unwrap();
+    let runs = Dataset::new(vec![
+        void(run("a", 1.0, 1.0, 0.02, 0.0), 0.6),
+        void(run("b", 2.0, 2.0, 0.02, 0.0), 0.8),
+    ])
+    .unwrap();
+    let columns = spec().columns(&runs).unwrap();
+    let names = columns.output_names();
+    let exact = runs.values(&names).unwrap();
+    let prediction = |(row, values): (usize, &[f64])| {
+        let estimate = |(name, exact): (&String, &f64)| {
+            let is_missed = row >= 50
+                && (name == "volumetric_strain"
+                    || (row >= 75
+                        && ["stress_11", "stress_22", "stress_23", "stress_12"].contains(&name.as_str())));
+            let mean = if is_missed { exact + 2.0 } else { exact + 0.5 };
+            Estimate::new(mean).by(vec![(Cause::Runs, 1.0)], 1.0)
+        };
+        Prediction::new(names.iter().zip(values).map(estimate).collect())
+    };
+    let predictions: Vec<Prediction> = exact.chunks_exact(names.len()).enumerate().map(prediction).collect();
+    let places = Places::new(&runs).unwrap();
+    let found = held("method", &runs, &places, &columns, &predictions).unwrap();
+    let of = |quantity: &str| found.iter().find(|own| own.quantity == quantity).unwrap();
+    assert_eq!((of("fabric deviator").held, of("coordination number").held), (1.0, 1.0));
+    let volume = of("volumetric strain");
+    assert_eq!((volume.held, volume.standard_error), (0.5, 0.5));
+    assert_eq!(
+        (volume.by_void_ratio, volume.along_path),
+        ([Some(1.0), None, None, Some(0.0)], [Some(0.5); 4])
+    );
+    let stress = of("stress deviator");
+    assert!((stress.held - 0.5 * (1.0 + 0.5 * (1.0 + 1.0 / 3.0))).abs() < 1e-12, "{stress:?}");
+    assert!(stress.along_path[0] == Some(1.0) && stress.along_path[3] < Some(0.7), "{stress:?}");
+    // Without intervals nothing is told.
+    let none: Vec<Prediction> =
+        predictions.iter().map(|_| Prediction::new(vec![Estimate::new(0.0); names.len()])).collect();
+    assert!(held("method", &runs, &places, &columns, &none).unwrap().is_empty());
 }

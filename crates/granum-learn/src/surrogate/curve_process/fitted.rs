@@ -19,6 +19,7 @@ use crate::curve::{increases, interpolated};
 use crate::dataset::RunStates;
 use crate::error::Result;
 use crate::surrogate::content::Content;
+use crate::surrogate::possible_values::possible_values;
 use crate::surrogate::prediction::{Cause, Estimate, Prediction, UnseenCombination, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
@@ -204,7 +205,8 @@ impl FittedCurves {
     fn predictions(&self, inputs: &RunInputs, factor: &dyn Fn(&Calibration) -> f64) -> Vec<Prediction> {
         let Kept { coordinate, runs, points, calibrations, .. } = &self.kept;
         let factors: Vec<f64> = calibrations.iter().map(factor).collect();
-        let is_density = self.densities();
+        let possible = self.columns.outputs.iter().map(|output| possible_values(&output.name));
+        let possible: Vec<[f64; 2]> = possible.collect();
         let all_ranges = self.ranges();
         let mut known: Option<(Vec<f64>, Vec<Curve>, Place)> = None;
         let mut predictions = Vec::with_capacity(inputs.len());
@@ -221,7 +223,7 @@ impl FittedCurves {
                 }
             };
             let at = |values: &[f64]| interpolated(x, points, values);
-            let estimate = |((curve, factor), is_density): ((&Curve, &f64), &bool)| {
+            let estimate = |((curve, factor), possible): ((&Curve, &f64), &[f64; 2])| {
                 let mean = Estimate::new(at(&curve.mean));
                 // One or two runs say nothing of their scatter.
                 if *runs < FEWEST_RUNS {
@@ -231,14 +233,9 @@ impl FittedCurves {
                     (Cause::Noise, at(&curve.noise).sqrt()),
                     (Cause::Parameters, at(&curve.parameters).sqrt()),
                 ];
-                let mut estimate = mean.by(causes, *factor);
-                // No density is negative.
-                if let Some(interval) = estimate.interval.as_mut().filter(|_| *is_density) {
-                    interval.lower = interval.lower.max(0.0);
-                }
-                estimate
+                mean.by(causes, *factor).cut(*possible)
             };
-            let estimates = curves.iter().zip(&place.factors).zip(&is_density).map(estimate).collect();
+            let estimates = curves.iter().zip(&place.factors).zip(&possible).map(estimate).collect();
             let outside = outside_of(&self.columns, &all_ranges, row);
             // An input that is outside of its own range is named already.
             let combination = place.combination.clone().filter(|_| outside.is_empty());
@@ -272,17 +269,6 @@ impl FittedCurves {
                 .collect(),
             combination: is_unseen.then(|| UnseenCombination { inputs: pair.map(input) }),
         }
-    }
-
-    /// For each output whether it is a bin of a histogram.
-    fn densities(&self) -> Vec<bool> {
-        let within = |output: usize| {
-            let own = |densities: &Densities| {
-                (densities.first..densities.first + densities.bins()).contains(&output)
-            };
-            self.kept.histograms.iter().any(own)
-        };
-        (0..self.columns.outputs.len()).map(within).collect()
     }
 
     /// The curves of all outputs for the inputs beside the coordinate.

@@ -299,6 +299,19 @@ impl Channels {
         values
     }
 
+    /// The length of the path of each run up to each row, in units of strain where it is one.
+    pub fn path(&self, inputs: &RunInputs) -> Vec<f64> {
+        let mut lengths = Vec::with_capacity(inputs.len());
+        for run in inputs.runs() {
+            let mut sum = 0.0;
+            self.each_increment(run, inputs.columns(), |increment| {
+                sum += norm(&increment);
+                lengths.push(sum);
+            });
+        }
+        lengths
+    }
+
     /// The start values of each run: tensors, the first component of each, then the second and so on; measured scalars; others.
     pub fn starts(&self, inputs: &RunInputs) -> Vec<f64> {
         let mut values = Vec::new();

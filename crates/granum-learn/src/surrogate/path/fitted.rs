@@ -5,15 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::CellSizes;
 use super::channels::Channels;
+use super::errors::PathErrors;
 use super::rotation::Rotation;
 use super::runs::PathRuns;
 use crate::error::{LearnError, Result};
 use crate::surrogate::content::Content;
-use crate::surrogate::prediction::Prediction;
+use crate::surrogate::prediction::{Estimate, Outside, Prediction, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
-use crate::surrogate::scatter_of_networks::{RunVariances, predictions};
 use crate::surrogate::spec::Columns;
 use crate::surrogate::surrogate_trait::Surrogate;
+
+/// What the length of a path is called where it is beyond that of all training runs.
+const PATH_LENGTH: &str = "length of the path";
+/// Rounding of lengths.
+const ROUNDING: f64 = 1e-9;
 
 /// What a file keeps.
 #[derive(Serialize, Deserialize)]
@@ -23,7 +28,7 @@ pub(super) struct Kept {
     pub channels: Channels,
     pub is_mean: bool,
     pub ranges: Vec<[f64; 2]>,
-    pub run_variances: Option<RunVariances>,
+    pub errors: Option<PathErrors>,
     pub networks: Vec<Vec<f64>>,
 }
 
@@ -36,7 +41,7 @@ pub(super) struct FittedPath {
     pub is_mean: bool,
     pub networks: Vec<Box<dyn Differentiable>>,
     pub ranges: Vec<[f64; 2]>,
-    pub run_variances: Option<RunVariances>,
+    pub errors: Option<PathErrors>,
 }
 
 impl FittedPath {
@@ -84,6 +89,13 @@ impl FittedPath {
         self.networks.iter().map(|network| advance(network.as_ref())).collect()
     }
 
+    /// What is said of a path that is longer than any of the training runs.
+    fn beyond(&self, path: f64) -> Option<Outside> {
+        let longest = self.errors.as_ref()?.longest();
+        let is_beyond = path > (1.0 + ROUNDING) * longest;
+        is_beyond.then(|| Outside { name: PATH_LENGTH.into(), value: path, range: [0.0, longest] })
+    }
+
     fn failed(&self, error: impl std::fmt::Display) -> LearnError {
         LearnError::Surrogate { method: self.sizes.cell.name().into(), reason: error.to_string() }
     }
@@ -106,9 +118,25 @@ impl Surrogate for FittedPath {
         if inputs.is_empty() {
             return Ok(Vec::new());
         }
-        let means = self.outputs_of_networks(inputs)?;
-        let known = self.run_variances.as_ref();
-        Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
+        let networks = self.outputs_of_networks(inputs)?;
+        let path = self.channels.path(inputs);
+        let factors = self.errors.as_ref().map(|errors| errors.factors(level));
+        let outputs = self.columns.outputs.len();
+        let mean =
+            |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
+        let estimate = |row: usize, output: usize| match (&self.errors, &factors) {
+            (Some(errors), Some(factors)) => {
+                errors.estimate(&networks, (row, output), path[row], factors[output])
+            }
+            _ => Estimate::new(mean(row * outputs + output)),
+        };
+        let predict = |(row, values): (usize, &[f64])| {
+            let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
+            let mut outside = outside_of(&self.columns, &self.ranges, values);
+            outside.extend(self.beyond(path[row]));
+            Prediction::new(estimates).with_outside(outside)
+        };
+        Ok(inputs.rows().enumerate().map(predict).collect())
     }
 
     fn content(&self) -> Result<Content> {
@@ -117,7 +145,7 @@ impl Surrogate for FittedPath {
             channels: self.channels.clone(),
             is_mean: self.is_mean,
             ranges: self.ranges.clone(),
-            run_variances: self.run_variances.clone(),
+            errors: self.errors.clone(),
             networks: self.networks.iter().map(|network| network.weights().to_vec()).collect(),
         })
     }

@@ -6,6 +6,7 @@ use granum_nets::trainer::{Adam, Options, SharedTrainer};
 
 use super::cell::{CellSizes, PathCell};
 use super::channels::Channels;
+use super::errors::PathErrors;
 use super::fitted::{FittedPath, Kept};
 use super::rotation::Rotation;
 use super::runs::PathRuns;
@@ -16,7 +17,6 @@ use crate::surrogate::content::Content;
 use crate::surrogate::networks_of_parts::networks_of_parts;
 use crate::surrogate::recurrent::ranges;
 use crate::surrogate::run_inputs::RunInputs;
-use crate::surrogate::scatter_of_networks::RunVariances;
 use crate::surrogate::spec::{Columns, FitSpec};
 use crate::surrogate::surrogate_trait::{Surrogate, SurrogateMethod};
 
@@ -78,6 +78,9 @@ pub struct PathNetworks {
 }
 
 impl PathNetworks {
+    /// Largest number of rotations of each run, all of which are in memory.
+    pub const MOST_ROTATIONS: usize = 1000;
+
     /// A method with settings that did well on random paths of sand, on runs that were kept out of the training runs.
     pub fn new(cell: PathCell) -> PathNetworks {
         let (hidden, internal, rotations) = match cell {
@@ -130,6 +133,12 @@ impl SurrogateMethod for PathNetworks {
                 self.failed("the numbers of networks and of increments in a window must be 1 or more, not 0")
             );
         }
+        if self.rotations > PathNetworks::MOST_ROTATIONS {
+            let (most, rotations) = (PathNetworks::MOST_ROTATIONS, self.rotations);
+            return Err(
+                self.failed(format!("the number of rotations must be at most {most}, not {rotations}"))
+            );
+        }
         let columns = spec.columns(dataset)?;
         let inputs = RunInputs::from_dataset(dataset, &columns)?;
         let targets = dataset.values(&columns.output_names())?;
@@ -169,11 +178,11 @@ impl SurrogateMethod for PathNetworks {
         })?;
         let ranges = ranges(&inputs);
         let is_mean = turns > 0;
-        let mut fitted =
-            FittedPath { columns, channels, sizes, is_mean, networks, ranges, run_variances: None };
+        let mut fitted = FittedPath { columns, channels, sizes, is_mean, networks, ranges, errors: None };
         if count > 1 {
             let means = fitted.outputs_of_networks(&inputs)?;
-            fitted.run_variances = Some(RunVariances::new(&means, &targets, outputs, inputs.lengths()));
+            let path = fitted.channels.path(&inputs);
+            fitted.errors = PathErrors::new(&means, &targets, outputs, (inputs.lengths(), &path));
         }
         Ok(Box::new(fitted))
     }
@@ -186,7 +195,7 @@ impl SurrogateMethod for PathNetworks {
             && kept.sizes.window > 0
             && !kept.networks.is_empty()
             && kept.ranges.len() == inputs
-            && kept.run_variances.as_ref().is_none_or(|known| known.is_whole(outputs));
+            && kept.errors.as_ref().is_none_or(|known| known.is_whole(outputs));
         if !whole {
             return Err(self.failed("the networks are not those of its columns"));
         }
@@ -195,7 +204,7 @@ impl SurrogateMethod for PathNetworks {
             kept.sizes.network(&widths, 1, Some(weights)).map_err(|error| self.failed(error))
         };
         let networks = kept.networks.into_iter().map(network).collect::<Result<_>>()?;
-        let Kept { channels, sizes, is_mean, ranges, run_variances, .. } = kept;
-        Ok(Box::new(FittedPath { columns, channels, sizes, is_mean, networks, ranges, run_variances }))
+        let Kept { channels, sizes, is_mean, ranges, errors, .. } = kept;
+        Ok(Box::new(FittedPath { columns, channels, sizes, is_mean, networks, ranges, errors }))
     }
 }

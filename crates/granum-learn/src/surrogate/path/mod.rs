@@ -6,7 +6,8 @@
 //! `X_33`, `X_23`, `X_13`, `X_12` are one tensor, if there are strains.
 //!
 //! All methods predict from the predicted state, never from a measured one; runs have any lengths and are not padded, and the first row is
-//! predicted as all others. One network is trained for each part of the runs, as by [`super::Recurrent`], with the intervals of its networks.
+//! predicted as all others. One network is trained for each part of the runs, as by [`super::Recurrent`]; their errors on
+//! the runs that they were not trained on give intervals that grow along the path (`errors.rs`).
 //!
 //! **Objectivity.** A sample without a direction of its own answers a turned path by a turned stress. `path-tensor` does so by construction, whatever its
 //! weights are. The other networks see each run in [`PathNetworks::rotations`] further random rotations, and predict the mean over the 24 rotations that
@@ -14,6 +15,7 @@
 
 mod cell;
 mod channels;
+mod errors;
 mod fitted;
 mod method;
 mod rotation;

@@ -114,7 +114,17 @@ fn every_kind_of_network_learns_paths_and_is_read_again() {
         let alone =
             RunInputs::new(inputs.values()[..7 * (length - 5)].to_vec(), 7, vec![length - 5]).unwrap();
         assert_eq!(means(fitted.as_ref(), &alone), means(fitted.as_ref(), &inputs)[..length - 5], "{name}");
-        assert!(fitted.predict(&inputs, 0.9).unwrap()[3].values[0].interval.is_some());
+        let predictions = fitted.predict(&inputs, 0.9).unwrap();
+        assert!(predictions[3].values[0].interval.is_some());
+        // The run goes no farther than those it learned from; the same ten times over does, and is flagged.
+        assert!(predictions.iter().all(|own| own.outside.iter().all(|own| own.name != "length of the path")));
+        let rows = inputs.values()[..7 * length].repeat(10);
+        let long = RunInputs::new(rows, 7, vec![10 * length]).unwrap();
+        let predictions = fitted.predict(&long, 0.9).unwrap();
+        assert!(
+            predictions[10 * length - 1].outside.iter().any(|own| own.name == "length of the path"),
+            "{name}"
+        );
     }
     // The root mean square of the outputs without their means is about 0.4.
     assert!(errors.iter().all(|error| *error < 0.25), "{errors:?}");
@@ -148,6 +158,13 @@ fn files_and_settings_that_cannot_be_are_refused() {
     let method = PathNetworks { window: usize::MAX, ..small(PathCell::Window) };
     let text = method.fit(&all, &spec(), &mut NoObserver).err().unwrap().to_string();
     assert!(text.contains("neurons; between 1 and"), "{text}");
+    let method = PathNetworks { rotations: usize::MAX, ..small(PathCell::Gru) };
+    let text = method.fit(&all, &spec(), &mut NoObserver).err().unwrap().to_string();
+    assert!(text.contains("rotations must be at most 1000"), "{text}");
+    let trainer = Adam { learning_rate: f64::NAN, ..Adam::default() }.into();
+    let method = PathNetworks { trainer, ..small(PathCell::Gru) };
+    let text = method.fit(&all, &spec(), &mut NoObserver).err().unwrap().to_string();
+    assert!(text.contains("learning_rate = NaN: a positive number"), "{text}");
     let constant = FitSpec::new(["sample.void_ratio"], ["stress_11"]);
     let text = small(PathCell::Lstm).fit(&all, &constant, &mut NoObserver).err().unwrap().to_string();
     assert!(text.contains("no input varies along a run"), "{text}");

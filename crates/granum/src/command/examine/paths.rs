@@ -7,7 +7,7 @@ use granum_core::json;
 use granum_io::check_output_file;
 use granum_io::shell::ShowPath;
 use granum_learn::LearnError;
-use granum_learn::examine::{AnyPath, PathAnswer, PathAnswers};
+use granum_learn::examine::{AnyPath, HeldStates, PathAnswer, PathAnswers};
 use granum_learn::runs::RunRole;
 
 use super::question::{RunFlags, WorkFlags, about, percent, put, table};
@@ -73,7 +73,9 @@ impl PathFlags {
         let mut lines = vec![about(&unseen)];
         lines.extend(errors(&answers));
         lines.extend(work(&answers));
+        lines.extend(intervals("states within their intervals, %", &answers.intervals));
         lines.extend(drift(&answers));
+        lines.extend(intervals("long runs: states within their intervals, %", &answers.intervals_of_long));
         let result = serde_json::json!({ "answers": answers, "out": self.out.as_deref().map(output::path) });
         output::say(context, &result, || {
             let wrote = self.out.iter().map(|file| format!("wrote {}", file.shown()));
@@ -141,4 +143,34 @@ fn drift(answers: &PathAnswers) -> Vec<String> {
     };
     let rows: Vec<Vec<String>> = answers.drift.iter().map(row).collect();
     [vec![String::new()], table(&head, &rows)].concat()
+}
+
+/// The shares of all runs that lie within their intervals, with the least of those by kind, along the path and by void ratio.
+fn intervals(title: &str, held: &[HeldStates]) -> Vec<String> {
+    let Some(level) = held.first().map(|own| own.level) else { return Vec::new() };
+    let share = |value: f64| format!("{:.1}", 100.0 * value);
+    let least = |values: &[Option<f64>; 4]| {
+        let known = values.iter().flatten().copied();
+        known.reduce(f64::min).map_or_else(|| "-".into(), share)
+    };
+    let of_all = |own: &&HeldStates| own.kind == held[0].kind;
+    let row = |own: &HeldStates| {
+        let kinds = held.iter().filter(|other| {
+            !of_all(other) && (&other.method, &other.quantity) == (&own.method, &own.quantity)
+        });
+        let least_kind = kinds.min_by(|a, b| a.held.total_cmp(&b.held));
+        vec![
+            own.method.clone(),
+            own.quantity.clone(),
+            format!("{} ± {}", share(own.held), share(own.standard_error)),
+            least_kind.map_or_else(|| "-".into(), |own| format!("{} ({})", share(own.held), own.kind)),
+            least(&own.along_path),
+            least(&own.by_void_ratio),
+        ]
+    };
+    let head =
+        ["method", "quantity", "all runs", "worst kind", "worst quarter of the path", "of the void ratio"];
+    let rows: Vec<Vec<String>> = held.iter().filter(of_all).map(row).collect();
+    let title = format!("{title} (intervals of {} %)", (100.0 * level).round());
+    [vec![String::new(), title], table(&head.map(String::from), &rows)].concat()
 }
