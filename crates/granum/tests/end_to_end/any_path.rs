@@ -64,15 +64,32 @@ fn surrogates_of_any_path_are_learned_and_judged() {
         (&"simulation".into(), &0.into(), &0.0.into())
     );
     assert_eq!(answers["drift"].as_array().unwrap().len(), 4 * methods.len());
+    // Whether intervals hold is told of the methods that have some: one network alone has none.
+    let intervals = answers["intervals"].as_array().unwrap();
+    let held =
+        |method: &str| intervals.iter().filter(|own| own["method"] == method && own["kind"] == "all").count();
+    assert_eq!(methods.map(held), [4, 4, 0]);
+    assert!(intervals.iter().all(|own| (0.0..=1.0).contains(&own["held"].as_f64().unwrap())));
+    assert!(!answers["intervals_of_long"].as_array().unwrap().is_empty());
     // The tables in words, from the same program again, are the same for any number of threads.
     let words = |threads: &str| {
         let more = ["path-tensor:networks=2,epochs=2", "--threads", threads];
         done(here, &[&asked[..5], &["--method"], &more].concat())
     };
     let told = words("1");
-    assert!(told.contains("coordination number"));
+    assert!(
+        told.contains("coordination number")
+            && told.contains("states within their intervals, % (intervals of 90 %)"),
+        "{told}"
+    );
     assert_eq!(told, words("2"));
     let refusal =
         refused(here, 1, &["examine", "paths", "paths", "--unseen", "unseen", "--method", "path-gru:size=3"]);
     assert!(refusal.contains("`size=3` is no setting"), "{refusal}");
+    let refusal = refused(
+        here,
+        1,
+        &["examine", "paths", "paths", "--unseen", "unseen", "--method", "path-gru:rate=nan"],
+    );
+    assert!(refusal.contains("`rate=nan`: it must be above 0 and at most 1"), "{refusal}");
 }

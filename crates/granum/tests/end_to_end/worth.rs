@@ -181,3 +181,51 @@ fn the_tables_of_the_book_and_the_readme_are_those_that_were_measured() {
     check(&rows_of_table(SURROGATES, of_sensors), &sensors, &each);
     check(&rows_of_table(readme, of_book), &laboratory, &[0, 1, 3, 4, 5, 9, 10, 11, 12]);
 }
+
+/// The answers along the other paths, in the order of the columns of the book.
+const OTHER_PATHS: [&str; 5] = [
+    include_str!("../../../../data/families/sand/worth-constant-p.json"),
+    include_str!("../../../../data/families/sand/worth-undrained-triaxial.json"),
+    include_str!("../../../../data/families/sand/worth-unload-reload.json"),
+    include_str!("../../../../data/families/powder/worth-constant-p.json"),
+    include_str!("../../../../data/families/powder/worth-oedometer.json"),
+];
+
+/// What a cell of a table says is what was measured.
+fn check_cell(label: &str, cell: &str, answer: &serde_json::Value) {
+    let (value, error) = cell.split_once(" ± ").expect(cell);
+    let [exact, scatter] =
+        ["relative", "standard_error"].map(|key| 100.0 * answer["error"][key].as_f64().unwrap());
+    assert!(is_printed(value, exact) && is_printed(error, scatter), "{label}: {cell} {exact} {scatter}");
+}
+
+#[test]
+fn the_tables_of_the_other_paths_are_those_that_were_measured() {
+    let paths: Vec<serde_json::Value> =
+        OTHER_PATHS.iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+    let answers = |path: &serde_json::Value, output: &serde_json::Value| -> Vec<serde_json::Value> {
+        let all = path["answers"].as_array().unwrap();
+        all.iter().filter(|answer| answer["output"] == *output).cloned().collect()
+    };
+    // Of each path what the laboratory measures: a row for each knowledge, a column for each path.
+    for (number, head) in ["| q/p from |", "| volume or mean stress from |"].into_iter().enumerate() {
+        let rows = rows_of_table(SURROGATES, head);
+        assert_eq!(rows.len(), 14, "{head}");
+        for (column, path) in paths.iter().enumerate() {
+            let own = answers(path, &path["plan"]["outputs"][number]);
+            assert_eq!(own.len(), rows.len());
+            rows.iter().zip(&own).for_each(|((label, cells), own)| check_cell(label, cells[column], own));
+        }
+    }
+    // The other way round: five rows for each path, a column for each sensor; of what is known from one quantity of the laboratory alone, q/p is shown.
+    let rows = rows_of_table(SURROGATES, "| path: known |");
+    assert_eq!(rows.len(), 5 * paths.len());
+    for (rows, path) in rows.chunks(5).zip(&paths) {
+        for (column, sensor) in path["plan"]["sensors"].as_array().unwrap().iter().enumerate() {
+            let own = answers(path, sensor);
+            for ((label, cells), number) in rows.iter().zip([0, 1, 3, 4, 5]) {
+                check_cell(label, cells[column], &own[number]);
+            }
+        }
+    }
+}

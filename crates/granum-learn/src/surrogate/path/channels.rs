@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::errors::PathPlaces;
 use super::rotation::{COMPONENTS, parts, whole};
 use crate::error::{LearnError, Result};
 use crate::surrogate::run_inputs::RunInputs;
@@ -299,17 +300,22 @@ impl Channels {
         values
     }
 
-    /// The length of the path of each run up to each row, in units of strain where it is one.
-    pub fn path(&self, inputs: &RunInputs) -> Vec<f64> {
-        let mut lengths = Vec::with_capacity(inputs.len());
+    /// How far the path of each run is at each row: its length, and the largest distance from its start so far; in units of strain where it is one.
+    pub fn path(&self, inputs: &RunInputs) -> PathPlaces {
+        let mut places = PathPlaces::default();
         for run in inputs.runs() {
-            let mut sum = 0.0;
+            let (mut length, mut farthest) = (0.0, 0.0);
+            let mut place: Vec<f64> = Vec::new();
             self.each_increment(run, inputs.columns(), |increment| {
-                sum += norm(&increment);
-                lengths.push(sum);
+                place.resize(increment.len(), 0.0);
+                place.iter_mut().zip(&increment).for_each(|(sum, c)| *sum += c);
+                length += norm(&increment);
+                farthest = f64::max(farthest, norm(&place));
+                places.length.push(length);
+                places.farthest.push(farthest);
             });
         }
-        lengths
+        places
     }
 
     /// The start values of each run: tensors, the first component of each, then the second and so on; measured scalars; others.

@@ -4,12 +4,14 @@
 //! length `s` of the path of strain since the sample, the variance of a new run is
 //!
 //! ```text
-//! v(s) = b + r(s),    r(s) = mean of e^2 - b over the training states near s, at least 0
+//! v(s, d) = b + f(s) g(d)
 //! ```
 //!
-//! in ten parts of the length, linear between their middles. Errors grow along a path, since each state follows from the one before. Beyond the longest
-//! training path `r` grows in proportion to the length, as the square of a random walk does. Half widths of intervals are `sqrt(v)` times a factor:
-//! the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
+//! with the largest distance d from the start so far: errors of independent increments add up along a path, and systematic ones grow with how far it leads,
+//! which a straight path does more than one that turns. `f` and `g` have a value in each of ten parts, linear between their middles. They are found in turns: each value
+//! of `f` is the sum of `e^2 - b` over that of `g` for the training states of its part, at least 0, and so for `g` (a multiplicative model of variances, by iterative
+//! proportional fitting). Beyond the largest `s` of training `f` grows in proportion to it, as the square of a random walk does, and `g` as the square of `d`. Half widths of
+//! intervals are `sqrt(v)` times a factor: the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
 
 use serde::{Deserialize, Serialize};
 
@@ -23,13 +25,22 @@ const PARTS: usize = 10;
 const FEWEST_RUNS: usize = 3;
 /// Share of the mean variance of an output below which variances are not told apart.
 const LEAST: f64 = 1e-6;
+/// How often both factors are found in turns.
+const TURNS: usize = 20;
+
+/// How far the path of a run is at each row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PathPlaces {
+    /// Its length.
+    pub length: Vec<f64>,
+    /// The largest distance from its start so far.
+    pub farthest: Vec<f64>,
+}
 
 /// The errors of left-out runs along paths, and their calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PathErrors {
-    /// Middles of the parts of the length.
-    at: Vec<f64>,
     /// The length of the longest path.
     longest: f64,
     outputs: Vec<OutputErrors>,
@@ -38,9 +49,96 @@ pub(super) struct PathErrors {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OutputErrors {
-    /// Variance beyond that between the networks in each part.
-    variances: Vec<f64>,
+    growth: Growth,
     calibration: Calibration,
+}
+
+/// The variance beyond that between the networks: a factor by the length of a path, and one by its farthest place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Growth {
+    by_length: Curve,
+    by_distance: Curve,
+}
+
+/// A factor in parts of a quantity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Curve {
+    /// Middles of the parts, and the value in each.
+    at: Vec<f64>,
+    values: Vec<f64>,
+    /// The largest value of the quantity.
+    most: f64,
+}
+
+impl Curve {
+    /// One everywhere, with the part of each row.
+    fn new(places: &[f64]) -> (Curve, Vec<usize>) {
+        let mut rows: Vec<usize> = (0..places.len()).collect();
+        rows.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
+        let (mut at, mut part_of_row) = (Vec::<f64>::new(), vec![0; places.len()]);
+        for part in rows.chunks(rows.len().div_ceil(PARTS).max(1)) {
+            let middle = part.iter().map(|row| places[*row]).sum::<f64>() / part.len() as f64;
+            // Paths of no length have one part.
+            if at.last().is_none_or(|last| middle > *last) {
+                at.push(middle);
+            }
+            part.iter().for_each(|row| part_of_row[*row] = at.len() - 1);
+        }
+        let values = vec![1.0; at.len()];
+        (Curve { at, values, most: places.iter().copied().fold(0.0, f64::max) }, part_of_row)
+    }
+
+    /// The value at a place, and beyond the largest one that times the share by which it is larger, to a power.
+    fn value(&self, place: f64, power: i32) -> f64 {
+        let within = interpolated(place.min(self.most), &self.at, &self.values);
+        if place > self.most && self.most > 0.0 { within * (place / self.most).powi(power) } else { within }
+    }
+
+    /// Sets each value to the sum of the excess of the rows of its part over that of the other factor.
+    fn set(&mut self, part_of_row: &[usize], excess: &[f64], other: impl Fn(usize) -> f64, least: f64) {
+        let mut sums = vec![(0.0, 0.0); self.at.len()];
+        for (row, part) in part_of_row.iter().enumerate() {
+            sums[*part].0 += excess[row];
+            sums[*part].1 += other(row);
+        }
+        let ratio =
+            |(excess, other): (f64, f64)| if other > 0.0 { (excess / other).max(least) } else { least };
+        self.values = sums.into_iter().map(ratio).collect();
+    }
+
+    fn is_sound(&self) -> bool {
+        let positive = |value: &f64| *value >= 0.0 && value.is_finite();
+        !self.at.is_empty()
+            && increases(&self.at)
+            && self.values.len() == self.at.len()
+            && self.at.iter().chain(&self.values).chain([&self.most]).all(positive)
+    }
+}
+
+impl Growth {
+    /// From the rows, for each of which it is told how far the path is, and how much larger the squared error of the network that did not learn from its run is than the
+    /// variance between networks; `mean` is that of the squared errors.
+    fn new(places: &PathPlaces, excess: &[f64], mean: f64) -> Growth {
+        let (mut by_length, of_length) = Curve::new(&places.length);
+        let (mut by_distance, of_distance) = Curve::new(&places.farthest);
+        for _ in 0..TURNS {
+            let distance = by_distance.values.clone();
+            by_length.set(&of_length, excess, |row| distance[of_distance[row]], LEAST * mean);
+            let length = by_length.values.clone();
+            by_distance.set(&of_distance, excess, |row| length[of_length[row]], LEAST);
+        }
+        Growth { by_length, by_distance }
+    }
+
+    fn variance(&self, length: f64, farthest: f64) -> f64 {
+        self.by_length.value(length, 1) * self.by_distance.value(farthest, 2)
+    }
+
+    fn is_sound(&self) -> bool {
+        self.by_length.is_sound() && self.by_distance.is_sound()
+    }
 }
 
 /// Mean of the networks' values at a place, and the variance between them.
@@ -52,65 +150,47 @@ fn mean_and_variance(networks: &[Vec<f64>], place: usize) -> (f64, f64) {
 }
 
 impl PathErrors {
-    /// From the outputs of each network in row-major order and what was measured, where run `r` was left out by network `r % networks`; `path` is the
-    /// length at each row. `None` from fewer than three runs, or if nothing is finite.
+    /// From the outputs of each network in row-major order and what was measured, where run `r` was left out by network `r % networks`. `None` from fewer
+    /// than three runs, or if nothing is finite.
     pub fn new(
         networks: &[Vec<f64>],
         targets: &[f64],
         outputs: usize,
-        (lengths, path): (&[usize], &[f64]),
+        (lengths, places): (&[usize], &PathPlaces),
     ) -> Option<PathErrors> {
         if lengths.len() < FEWEST_RUNS || networks.len() < 2 {
             return None;
         }
-        let mut run_of_row = Vec::with_capacity(path.len());
+        let rows = places.length.len();
+        let mut run_of_row = Vec::with_capacity(rows);
         lengths.iter().enumerate().for_each(|(run, length)| run_of_row.extend(vec![run; *length]));
-        let mut rows: Vec<usize> = (0..path.len()).collect();
-        rows.sort_by(|a, b| path[*a].total_cmp(&path[*b]));
-        let parts: Vec<&[usize]> = rows.chunks(rows.len().div_ceil(PARTS).max(1)).collect();
-        let middle = |part: &&[usize]| part.iter().map(|row| path[*row]).sum::<f64>() / part.len() as f64;
-        let middles: Vec<f64> = parts.iter().map(middle).collect();
-        // Paths of no length have one part.
-        let is_kept = |k: &usize| *k == 0 || middles[*k] > middles[*k - 1];
-        let kept: Vec<usize> = (0..parts.len()).filter(is_kept).collect();
-        let at: Vec<f64> = kept.iter().map(|k| middles[*k]).collect();
-        let longest = path.iter().copied().fold(0.0, f64::max);
-        let mut found = PathErrors { at, longest, outputs: Vec::with_capacity(outputs) };
-        for output in 0..outputs {
+        let of_output = |output: usize| {
             let error = |row: usize| {
                 let place = row * outputs + output;
                 networks[run_of_row[row] % networks.len()][place] - targets[place]
             };
             let between = |row: usize| mean_and_variance(networks, row * outputs + output).1;
-            let mean = (0..path.len()).map(|row| error(row) * error(row)).sum::<f64>() / path.len() as f64;
-            let least = LEAST * mean;
-            let of_part = |k: &usize| {
-                let excess = parts[*k].iter().map(|row| error(*row) * error(*row) - between(*row));
-                (excess.sum::<f64>() / parts[*k].len() as f64).max(least)
-            };
-            let variances: Vec<f64> = kept.iter().map(of_part).collect();
-            found.outputs.push(OutputErrors { variances, calibration: Calibration::default() });
+            let mean = (0..rows).map(|row| error(row) * error(row)).sum::<f64>() / rows as f64;
+            let excess: Vec<f64> = (0..rows).map(|row| error(row) * error(row) - between(row)).collect();
+            let growth = Growth::new(places, &excess, mean);
             let mut scaled: Vec<Vec<f64>> = vec![Vec::new(); lengths.len()];
-            for row in 0..path.len() {
-                let deviation = (between(row) + found.variance(output, path[row])).sqrt();
-                let over = if deviation > 0.0 { error(row) / deviation } else { 0.0 };
-                scaled[run_of_row[row]].push(over);
+            for row in 0..rows {
+                let variance = growth.variance(places.length[row], places.farthest[row]);
+                let deviation = (between(row) + variance).sqrt();
+                scaled[run_of_row[row]].push(if deviation > 0.0 { error(row) / deviation } else { 0.0 });
             }
             let most = lengths.iter().copied().max().unwrap_or(0);
-            found.outputs[output].calibration = Calibration::new(&scaled, &vec![1.0; most]).with_six_digits();
-        }
+            let calibration = Calibration::new(&scaled, &vec![1.0; most]).with_six_digits();
+            OutputErrors { growth, calibration }
+        };
+        let longest = places.length.iter().copied().fold(0.0, f64::max);
+        let found = PathErrors { longest, outputs: (0..outputs).map(of_output).collect() };
         found.is_whole(outputs).then_some(found)
     }
 
     /// The length of the longest training path.
     pub fn longest(&self) -> f64 {
         self.longest
-    }
-
-    /// The variance of a new run beyond that between the networks, at a length of the path.
-    fn variance(&self, output: usize, path: f64) -> f64 {
-        let within = interpolated(path.min(self.longest), &self.at, &self.outputs[output].variances);
-        if path > self.longest && self.longest > 0.0 { within * path / self.longest } else { within }
     }
 
     /// The factors of intervals of a level, for each output.
@@ -123,27 +203,21 @@ impl PathErrors {
         &self,
         networks: &[Vec<f64>],
         (row, output): (usize, usize),
-        path: f64,
+        places: &PathPlaces,
         factor: f64,
     ) -> Estimate {
         let (mean, between) = mean_and_variance(networks, row * self.outputs.len() + output);
-        let runs = self.variance(output, path).sqrt();
+        let growth = &self.outputs[output].growth;
+        let runs = growth.variance(places.length[row], places.farthest[row]).sqrt();
         Estimate::new(mean).by(vec![(Cause::Parameters, between.sqrt()), (Cause::Runs, runs)], factor)
     }
 
     /// True if they can be those of so many outputs.
     pub fn is_whole(&self, outputs: usize) -> bool {
-        let positive = |value: &f64| *value >= 0.0 && value.is_finite();
-        let of_output = |own: &OutputErrors| {
-            own.variances.len() == self.at.len()
-                && own.variances.iter().all(positive)
-                && own.calibration.is_sound()
-        };
-        !self.at.is_empty()
-            && increases(&self.at)
-            && self.at.iter().chain([&self.longest]).all(positive)
+        self.longest >= 0.0
+            && self.longest.is_finite()
             && self.outputs.len() == outputs
-            && self.outputs.iter().all(of_output)
+            && self.outputs.iter().all(|own| own.growth.is_sound() && own.calibration.is_sound())
     }
 }
 
@@ -151,34 +225,43 @@ impl PathErrors {
 mod tests {
     use super::*;
 
-    /// Runs whose errors grow with the path, uniform between runs; the networks are the same but for the run that they were not trained on.
-    fn errors(runs: usize) -> PathErrors {
-        let (lengths, rows) = (vec![21; runs], 21 * runs);
-        let path: Vec<f64> = (0..rows).map(|row| 0.05 * (row % 21) as f64).collect();
-        let targets: Vec<f64> = vec![1.0; rows];
-        let error = |row: usize| {
-            let run = row / 21;
-            (2.0 * run as f64 / (runs - 1) as f64 - 1.0) * (0.1 + path[row])
+    const STATES: usize = 21;
+
+    /// Runs whose errors grow as told, uniform between runs; the networks are the same but for the run that they were not trained on.
+    fn errors(
+        runs: usize,
+        growth: impl Fn(usize, usize) -> f64,
+        farthest: impl Fn(usize, usize) -> f64,
+    ) -> PathErrors {
+        let (lengths, rows) = (vec![STATES; runs], STATES * runs);
+        let at = |place: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..rows).map(|row| place(row / STATES, row % STATES)).collect()
         };
+        let places = PathPlaces { length: at(&|_, state| 0.05 * state as f64), farthest: at(&farthest) };
+        let grown = at(&growth);
         let network = |k: usize| {
-            let value = |row: usize| 1.0 + if (row / 21) % 2 == k { error(row) } else { 0.0 };
+            let error = |row: usize| (2.0 * (row / STATES) as f64 / (runs - 1) as f64 - 1.0) * grown[row];
+            let value = |row: usize| 1.0 + if (row / STATES) % 2 == k { error(row) } else { 0.0 };
             (0..rows).map(value).collect()
         };
-        PathErrors::new(&[network(0), network(1)], &targets, 1, (&lengths, &path)).unwrap()
+        PathErrors::new(&[network(0), network(1)], &vec![1.0; rows], 1, (&lengths, &places)).unwrap()
+    }
+
+    /// The half width of an interval where the path has a length and a farthest place, and two networks say something.
+    fn half(errors: &PathErrors, [length, farthest]: [f64; 2], networks: [f64; 2]) -> f64 {
+        let places = PathPlaces { length: vec![length], farthest: vec![farthest] };
+        let factor = errors.factors(0.9)[0];
+        let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), &places, factor);
+        let interval = estimate.interval.unwrap();
+        let middle = 0.5 * (interval.upper + interval.lower);
+        assert!((middle - 0.5 * (networks[0] + networks[1])).abs() < 1e-12);
+        0.5 * (interval.upper - interval.lower)
     }
 
     #[test]
     fn intervals_grow_along_the_path_and_hold_their_level() {
-        let errors = errors(101);
-        let factor = errors.factors(0.9)[0];
-        let half = |path: f64, networks: [f64; 2]| {
-            let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), path, factor);
-            let interval = estimate.interval.unwrap();
-            assert!(
-                (0.5 * (interval.upper + interval.lower) - 0.5 * (networks[0] + networks[1])).abs() < 1e-12
-            );
-            0.5 * (interval.upper - interval.lower)
-        };
+        let errors = errors(101, |_, state| 0.1 + 0.05 * state as f64, |_, _| 1.0);
+        let half = |length: f64, networks: [f64; 2]| half(&errors, [length, 1.0], networks);
         // Nine of ten runs have errors below 0.9 (0.1 + s); in such a run one network has this error and the other none.
         let ratio = half(0.9, [1.0, 1.0]) / half(0.3, [1.0, 1.0]);
         assert!((ratio - 2.5).abs() < 0.15, "{ratio}");
@@ -190,11 +273,26 @@ mod tests {
     }
 
     #[test]
+    fn errors_grow_with_the_length_and_with_the_distance() {
+        // Every third run goes straight on, the others go to and fro; errors are the root of the length times the distance.
+        let farthest = |run: usize, state: usize| {
+            let length = 0.05 * state as f64;
+            if run.is_multiple_of(3) { length } else { length.min(0.3 + 0.1 * (run % 2) as f64) }
+        };
+        let growth = |run: usize, state: usize| (0.05 * state as f64).sqrt() * (0.1 + farthest(run, state));
+        let errors = errors(100, growth, farthest);
+        let half = |length: f64, farthest: f64| half(&errors, [length, farthest], [1.0; 2]);
+        let by_distance = half(0.9, 0.85) / half(0.9, 0.35);
+        // The parts mix distances, so that the effect of one is told somewhat too small.
+        assert!(by_distance > 1.4 && by_distance < 0.95 / 0.45, "{by_distance}");
+        let by_length = half(0.9, 0.35) / half(0.5, 0.35);
+        assert!((by_length - 1.8f64.sqrt()).abs() < 0.2, "{by_length}");
+    }
+
+    #[test]
     fn two_runs_say_nothing_of_their_scatter() {
         let network = vec![0.0; 4];
-        assert!(
-            PathErrors::new(&[network.clone(), network], &[0.0; 4], 1, (&[2, 2], &[0.0, 1.0, 0.0, 1.0]))
-                .is_none()
-        );
+        let places = PathPlaces { length: vec![0.0, 1.0, 0.0, 1.0], farthest: vec![0.0, 1.0, 0.0, 1.0] };
+        assert!(PathErrors::new(&[network.clone(), network], &[0.0; 4], 1, (&[2, 2], &places)).is_none());
     }
 }

@@ -126,14 +126,14 @@ impl Surrogate for FittedPath {
             |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
         let estimate = |row: usize, output: usize| match (&self.errors, &factors) {
             (Some(errors), Some(factors)) => {
-                errors.estimate(&networks, (row, output), path[row], factors[output])
+                errors.estimate(&networks, (row, output), &path, factors[output])
             }
             _ => Estimate::new(mean(row * outputs + output)),
         };
         let predict = |(row, values): (usize, &[f64])| {
             let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
             let mut outside = outside_of(&self.columns, &self.ranges, values);
-            outside.extend(self.beyond(path[row]));
+            outside.extend(self.beyond(path.length[row]));
             Prediction::new(estimates).with_outside(outside)
         };
         Ok(inputs.rows().enumerate().map(predict).collect())
