@@ -310,7 +310,7 @@ impl Kernel for Back<'_> {
         panels(
             0,
             w.blocks,
-            if L::REGISTERS >= 32 { 4 } else { 1 },
+            if const { L::REGISTERS >= 32 } { 4 } else { 1 },
             #[inline(always)]
             |first, width| {
                 for l in (1..depth).rev() {

@@ -20,7 +20,7 @@ pub(crate) fn blocks(rows: usize) -> usize {
 /// Largest width of a panel of [`scalar_times_lanes`] with tiles of height five, in lane blocks.
 #[inline(always)]
 pub(crate) fn panel<L: Lanes>() -> usize {
-    if L::REGISTERS >= 32 { 5 } else { 1 }
+    if const { L::REGISTERS >= 32 } { 5 } else { 1 }
 }
 
 /// Splits blocks `from..to` into panels of nearly equal width, at most `widest`, and visits each with its first block and
@@ -63,16 +63,26 @@ pub(crate) fn scalar_times_lanes<L: Lanes, const J: usize, const W: usize>(
     mut finish: impl FnMut(usize, usize, L),
 ) {
     let (start, finish) = (&start, &mut finish);
-    match width {
-        5 if W >= 5 => columns::<L, J, 5>(scalars, outputs, depth, lanes, stride, first, start, finish),
-        4 if W >= 4 => columns::<L, J, 4>(scalars, outputs, depth, lanes, stride, first, start, finish),
-        3 if W >= 3 => columns::<L, J, 3>(scalars, outputs, depth, lanes, stride, first, start, finish),
-        2 if W >= 2 => columns::<L, J, 2>(scalars, outputs, depth, lanes, stride, first, start, finish),
-        _ => {
-            for block in first..first + width {
-                columns::<L, J, 1>(scalars, outputs, depth, lanes, stride, block, start, finish);
+    // Where few values fit into the registers, callers ask for one block at a time, and wider tiles need not be compiled.
+    if const { L::REGISTERS >= 32 } {
+        match width {
+            5 if W >= 5 => {
+                return columns::<L, J, 5>(scalars, outputs, depth, lanes, stride, first, start, finish);
             }
+            4 if W >= 4 => {
+                return columns::<L, J, 4>(scalars, outputs, depth, lanes, stride, first, start, finish);
+            }
+            3 if W >= 3 => {
+                return columns::<L, J, 3>(scalars, outputs, depth, lanes, stride, first, start, finish);
+            }
+            2 if W >= 2 => {
+                return columns::<L, J, 2>(scalars, outputs, depth, lanes, stride, first, start, finish);
+            }
+            _ => {}
         }
+    }
+    for block in first..first + width {
+        columns::<L, J, 1>(scalars, outputs, depth, lanes, stride, block, start, finish);
     }
 }
 
@@ -155,7 +165,7 @@ pub(crate) fn lane_dots<L: Lanes>(
 ) {
     // Tiles have nearly equal widths, at most six with a height of four, or three with a height of two if there are few
     // registers.
-    let (high, wide) = if L::REGISTERS >= 32 { (4, 6) } else { (2, 3) };
+    let (high, wide) = if const { L::REGISTERS >= 32 } { (4, 6) } else { (2, 3) };
     let tiles = rows_b.div_ceil(wide);
     let mut j = 0;
     while j < rows_a {
@@ -165,7 +175,7 @@ pub(crate) fn lane_dots<L: Lanes>(
             let width = (rows_b * (t + 1)) / tiles - i;
             if height == 1 {
                 dots_of_width::<L, 1>(a, j, b, i, width, stride, count, &mut finish);
-            } else if L::REGISTERS >= 32 {
+            } else if const { L::REGISTERS >= 32 } {
                 dots_of_width::<L, 4>(a, j, b, i, width, stride, count, &mut finish);
             } else {
                 dots_of_width::<L, 2>(a, j, b, i, width, stride, count, &mut finish);
@@ -187,7 +197,7 @@ fn dots_of_width<L: Lanes, const J: usize>(
     count: usize,
     finish: &mut impl FnMut(usize, usize, f64),
 ) {
-    if L::REGISTERS >= 32 {
+    if const { L::REGISTERS >= 32 } {
         match width {
             4 => return dots::<L, J, 4>(a, j, b, i, stride, count, finish),
             5 => return dots::<L, J, 5>(a, j, b, i, stride, count, finish),

@@ -81,7 +81,7 @@ impl Cholesky {
 /// Width of the tiles in lane blocks.
 #[inline(always)]
 pub(crate) fn widest<L: Lanes>() -> usize {
-    if L::REGISTERS >= 32 { 3 } else { 1 }
+    if const { L::REGISTERS >= 32 } { 3 } else { 1 }
 }
 
 /// As [`scalar_times_lanes`], for eight outputs and sums that start from zero.
@@ -120,7 +120,7 @@ pub(crate) fn eight_rows_from<L: Lanes>(
     start: impl Fn(usize, usize) -> L,
     finish: impl FnMut(usize, usize, L),
 ) {
-    if L::REGISTERS >= 32 {
+    if const { L::REGISTERS >= 32 } {
         scalar_times_lanes::<L, 8, 3>(scalars, LANES, depth, lanes, stride, first, width, start, finish);
     } else {
         scalar_times_lanes::<L, 4, 1>(scalars, LANES, depth, lanes, stride, first, width, start, finish);

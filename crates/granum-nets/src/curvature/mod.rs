@@ -358,7 +358,7 @@ fn eight_kernel_rows<L: Lanes>(
     panels(
         from,
         to,
-        if L::REGISTERS >= 32 { 3 } else { 1 },
+        if const { L::REGISTERS >= 32 } { 3 } else { 1 },
         #[inline(always)]
         |first, width| {
             for (l, layer) in right.layers.iter().enumerate() {
