@@ -1,5 +1,8 @@
 //! Which values a quantity can have: no share of contacts is negative, and none is larger than one.
 
+use super::prediction::Prediction;
+use super::spec::Columns;
+
 /// Numbers of contacts per grain, and other columns that are not negative.
 const NOT_NEGATIVE: [&str; 10] = [
     "coordination_number",
@@ -51,6 +54,17 @@ pub fn possible_values(column: &str) -> [f64; 2] {
         return [1.0, f64::INFINITY];
     }
     [f64::NEG_INFINITY, f64::INFINITY]
+}
+
+/// Cuts the intervals of predictions to the values that their outputs can have.
+pub(crate) fn cut_to_possible(columns: &Columns, predictions: Vec<Prediction>) -> Vec<Prediction> {
+    let possible: Vec<[f64; 2]> =
+        columns.outputs.iter().map(|output| possible_values(&output.name)).collect();
+    let cut = |prediction: Prediction| {
+        let values = prediction.values.into_iter().zip(&possible).map(|(own, possible)| own.cut(*possible));
+        Prediction { values: values.collect(), ..prediction }
+    };
+    predictions.into_iter().map(cut).collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use granum_core::observer::{Flow, Observer, Progress};
 
 use super::content::Content;
-use super::possible_values::possible_values;
+use super::possible_values::cut_to_possible;
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
@@ -169,14 +169,7 @@ pub trait Surrogate: Any + Send + Sync {
         let predictions = self.evaluate(inputs, level)?;
         let values = predictions.iter().map(|prediction| prediction.values.len());
         check_answer(self.method(), self.columns(), inputs, values)?;
-        let possible: Vec<[f64; 2]> =
-            self.columns().outputs.iter().map(|output| possible_values(&output.name)).collect();
-        let cut = |prediction: Prediction| {
-            let values =
-                prediction.values.into_iter().zip(&possible).map(|(own, possible)| own.cut(*possible));
-            Prediction { values: values.collect(), ..prediction }
-        };
-        Ok(predictions.into_iter().map(cut).collect())
+        Ok(cut_to_possible(self.columns(), predictions))
     }
 
     /// Predicts rows, given in row-major order with a value for every input in order. For a surrogate with memory, each row

@@ -19,7 +19,7 @@ use crate::curve::{increases, interpolated};
 use crate::dataset::RunStates;
 use crate::error::Result;
 use crate::surrogate::content::Content;
-use crate::surrogate::possible_values::possible_values;
+use crate::surrogate::possible_values::cut_to_possible;
 use crate::surrogate::prediction::{Cause, Estimate, Prediction, UnseenCombination, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
@@ -119,7 +119,8 @@ impl FittedCurves {
     pub fn bands(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         // Checks the inputs and the level.
         self.predict(inputs, level)?;
-        Ok(self.predictions(inputs, &|calibration| calibration.band(level)))
+        let bands = self.predictions(inputs, &|calibration| calibration.band(level));
+        Ok(cut_to_possible(&self.columns, bands))
     }
 
     /// The points of the coordinate at which curves are learned; between them they are straight.
@@ -205,8 +206,6 @@ impl FittedCurves {
     fn predictions(&self, inputs: &RunInputs, factor: &dyn Fn(&Calibration) -> f64) -> Vec<Prediction> {
         let Kept { coordinate, runs, points, calibrations, .. } = &self.kept;
         let factors: Vec<f64> = calibrations.iter().map(factor).collect();
-        let possible = self.columns.outputs.iter().map(|output| possible_values(&output.name));
-        let possible: Vec<[f64; 2]> = possible.collect();
         let all_ranges = self.ranges();
         let mut known: Option<(Vec<f64>, Vec<Curve>, Place)> = None;
         let mut predictions = Vec::with_capacity(inputs.len());
@@ -223,7 +222,7 @@ impl FittedCurves {
                 }
             };
             let at = |values: &[f64]| interpolated(x, points, values);
-            let estimate = |((curve, factor), possible): ((&Curve, &f64), &[f64; 2])| {
+            let estimate = |(curve, factor): (&Curve, &f64)| {
                 let mean = Estimate::new(at(&curve.mean));
                 // One or two runs say nothing of their scatter.
                 if *runs < FEWEST_RUNS {
@@ -233,9 +232,9 @@ impl FittedCurves {
                     (Cause::Noise, at(&curve.noise).sqrt()),
                     (Cause::Parameters, at(&curve.parameters).sqrt()),
                 ];
-                mean.by(causes, *factor).cut(*possible)
+                mean.by(causes, *factor)
             };
-            let estimates = curves.iter().zip(&place.factors).zip(&possible).map(estimate).collect();
+            let estimates = curves.iter().zip(&place.factors).map(estimate).collect();
             let outside = outside_of(&self.columns, &all_ranges, row);
             // An input that is outside of its own range is named already.
             let combination = place.combination.clone().filter(|_| outside.is_empty());
