@@ -54,5 +54,5 @@ pub fn by_name(name: &str, path: Option<&str>) -> crate::Result<&'static FamilyD
     };
     let Some(path) = path else { return Ok(first) };
     let found = own.iter().copied().find(|family| family.path == path);
-    found.ok_or_else(|| unknown("path of the family", path, own.iter().map(|family| family.path).collect()))
+    found.ok_or_else(|| unknown("path", path, own.iter().map(|family| family.path).collect()))
 }
