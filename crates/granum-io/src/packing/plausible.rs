@@ -151,15 +151,14 @@ pub(crate) fn find_long(
 }
 
 fn check_numbers((k, grain): (usize, &Found)) -> std::result::Result<(), Implausible> {
-    let help = "a finite number is needed";
     if let Some(axis) = (0..3).find(|axis| !grain.position[*axis].is_finite()) {
         let message = format!("{} = {}", ["x", "y", "z"][axis], grain.position[axis]);
-        return Err(Implausible::new(ImplausiblePlace::Position(k), message, help));
+        return Err(Implausible::new(ImplausiblePlace::Position(k), message, "a finite number is needed"));
     }
     match grain.radius {
         Some(radius) if !(radius.is_finite() && radius > 0.0) => {
             let message = format!("radius = {radius} must be positive");
-            Err(Implausible::new(ImplausiblePlace::Radius(k), message, help))
+            Err(Implausible::new(ImplausiblePlace::Radius(k), message, "a finite length in m is needed"))
         }
         _ => Ok(()),
     }
