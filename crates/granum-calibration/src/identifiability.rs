@@ -6,7 +6,7 @@
 //! Directions are the eigenvectors of F: combinations of parameters that curves fix, and those that they leave free.
 
 use granum_learn::regression::cholesky::Cholesky;
-use granum_learn::regression::eigenvectors::eigenvectors;
+use granum_nets::eigenvectors;
 use serde::{Deserialize, Serialize};
 
 use crate::curve::{ForwardModel, MeasuredCurve, PredictedCurve};

@@ -24,6 +24,15 @@ impl Symmetric {
         Symmetric { size, blocks: count, stride, values: vec![Row8::default(); count * LANES * stride] }
     }
 
+    /// The whole matrix in row-major order, without the padding of rows.
+    pub(crate) fn full(&self) -> Vec<f64> {
+        let at = |p: usize, s: usize| self.values[p * self.stride + s / LANES].0[s % LANES];
+        (0..self.size * self.size)
+            .map(|k| (k / self.size, k % self.size))
+            .map(|(p, s)| at(p.min(s), p.max(s)))
+            .collect()
+    }
+
     /// Memory of a matrix of this size, bytes.
     pub(crate) fn bytes(size: usize) -> usize {
         blocks(size) * LANES * odd(blocks(size)) * size_of::<Row8>()
@@ -95,35 +104,14 @@ pub(crate) fn eight_rows<L: Lanes>(
     width: usize,
     finish: impl FnMut(usize, usize, L),
 ) {
-    eight_rows_from(
-        scalars,
-        depth,
-        lanes,
-        stride,
-        first,
-        width,
-        #[inline(always)]
-        |_, _| L::zero(),
-        finish,
-    );
-}
-
-/// As [`eight_rows`], for sums that start from given values.
-#[inline(always)]
-pub(crate) fn eight_rows_from<L: Lanes>(
-    scalars: Scalars,
-    depth: usize,
-    lanes: &[Row8],
-    stride: usize,
-    first: usize,
-    width: usize,
-    start: impl Fn(usize, usize) -> L,
-    finish: impl FnMut(usize, usize, L),
-) {
+    #[inline(always)]
+    fn zero<L: Lanes>(_: usize, _: usize) -> L {
+        L::zero()
+    }
     if const { L::REGISTERS >= 32 } {
-        scalar_times_lanes::<L, 8, 3>(scalars, LANES, depth, lanes, stride, first, width, start, finish);
+        scalar_times_lanes::<L, 8, 3>(scalars, LANES, depth, lanes, stride, first, width, zero::<L>, finish);
     } else {
-        scalar_times_lanes::<L, 4, 1>(scalars, LANES, depth, lanes, stride, first, width, start, finish);
+        scalar_times_lanes::<L, 4, 1>(scalars, LANES, depth, lanes, stride, first, width, zero::<L>, finish);
     }
 }
 

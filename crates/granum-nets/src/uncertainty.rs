@@ -8,13 +8,13 @@
 //! 1 / beta + g^T (beta J^T J + alpha I)^-1 g  =  1 / beta + (g . g - k^T (K + a I)^-1 k) / alpha
 //! ```
 //!
-//! with `a = alpha / beta`, `K = J J^T` and `k = J g`, which are computed from small Gram matrices (see `curvature.rs`).
+//! with `a = alpha / beta`, `K = J J^T` and `k = J g`, which are computed along the few directions that the rows determine (see `curvature/determined.rs`).
 
 use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
 
 use crate::backprop::Workspace;
-use crate::curvature::Curvature;
+use crate::curvature::{Curvature, Determined};
 use crate::data::Data;
 use crate::network::Network;
 use crate::trainer::report::Evidence;
@@ -74,13 +74,11 @@ fn needed(network: &Network, data: &Data) -> usize {
     curvature.saturating_add(Workspace::bytes(network, rows))
 }
 
-/// The factorised curvature of a trained network.
+/// What the training rows of a network determine of its weights.
 #[derive(Clone)]
 pub(crate) struct Laplace {
     isa: Isa,
-    curvature: Curvature,
-    /// The shift with which the curvature was factorised, `alpha / beta`.
-    shift: f64,
+    determined: Determined,
     alpha: f64,
     beta: f64,
 }
@@ -95,8 +93,8 @@ impl std::fmt::Debug for Laplace {
 }
 
 impl Laplace {
-    /// Factorises the curvature at the weights of the network; `None` if the rows do not match the network, if there are
-    /// too many of them, or if the curvature is too ill-conditioned.
+    /// Forms the curvature at the weights of the network; `None` if the rows do not match the network, if there are
+    /// too many of them, or if the curvature is not finite.
     pub(crate) fn new(
         isa: Isa,
         network: &Network,
@@ -110,21 +108,9 @@ impl Laplace {
         let mut training = Workspace::new(isa, network, &data);
         training.squared_error(network.weights());
         training.sensitivities(network.weights());
-        let mut curvature = Curvature::new(&training, network.weights().len());
-        if !curvature.form(&training) {
-            return None;
-        }
-        // For data without noise the regularisation nearly vanishes. Increasing it slightly makes the factorisation
-        // possible and only changes uncertainties that are already very small.
-        let mut shift = evidence.alpha / evidence.beta;
-        for _ in 0..16 {
-            if curvature.factorise(shift) {
-                let (alpha, beta) = (shift * evidence.beta, evidence.beta);
-                return Some(Laplace { isa, curvature, shift, alpha, beta });
-            }
-            shift *= 10.0;
-        }
-        None
+        let shift = evidence.alpha / evidence.beta;
+        let (determined, shift) = Determined::new(&training, network.weights().len(), shift)?;
+        Some(Laplace { isa, determined, alpha: shift * evidence.beta, beta: evidence.beta })
     }
 
     /// The noise part of the variance of an observation.
@@ -167,7 +153,7 @@ impl Laplace {
             };
             asked.squared_error(network.weights());
             asked.sensitivities(network.weights());
-            let unknown = self.curvature.uncertainties(asked, self.shift);
+            let unknown = self.determined.uncertainties(asked);
             variances.extend(unknown.iter().map(|u| 1.0 / self.beta + u / self.alpha));
         }
         variances

@@ -12,11 +12,11 @@ use super::turn::Turn;
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 use crate::pooled_error::PooledError;
-use crate::regression::eigenvectors::eigenvectors;
 use crate::regression::independent::{independent_rotation, projected};
 use crate::study::thinned;
 use crate::surrogate::{FitSpec, GaussianProcessOfCurves, SurrogateMethod, SurrogateMethods};
 use crate::worth::properties;
+use granum_nets::eigenvectors;
 
 /// Beginning of the names of the columns that stand for a histogram.
 const COMPONENT: &str = "component_";

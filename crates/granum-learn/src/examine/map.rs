@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 use super::turn::Turn;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
-use crate::regression::eigenvectors::eigenvectors;
 use crate::study::thinned;
+use granum_nets::eigenvectors;
 
 /// Number of steps.
 const STEPS: usize = 40;

@@ -9,7 +9,7 @@
 //! Source: Hyvarinen, Fast and robust fixed-point algorithms for independent component analysis, IEEE Transactions on Neural Networks 10
 //! (1999), 626 to 634.
 
-use super::eigenvectors::eigenvectors;
+use granum_nets::eigenvectors;
 
 /// Most steps.
 const STEPS: usize = 400;

@@ -3,6 +3,5 @@
 pub mod boosting;
 pub mod cholesky;
 pub mod deviations;
-pub mod eigenvectors;
 pub mod independent;
 pub mod spline;

@@ -24,7 +24,9 @@
 //! The cost of a step is proportional to the number of rows times the number of chosen rows instead of the cube of the
 //! number of rows or weights. If all rows are chosen, there is no approximation.
 
-mod uncertainties;
+mod determined;
+
+pub(crate) use determined::Determined;
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
@@ -83,7 +85,11 @@ fn choose(rows: usize, most: usize) -> Vec<usize> {
 impl Curvature {
     /// Memory for the matrix of a network with so many weights and a table in the layout of `workspace`.
     pub(crate) fn new(workspace: &Workspace, weights: usize) -> Curvature {
-        let chosen = choose(workspace.rows, most_chosen(weights));
+        Curvature::of(workspace, choose(workspace.rows, most_chosen(weights)))
+    }
+
+    /// Memory for the matrix that is approximated by means of these rows.
+    fn of(workspace: &Workspace, chosen: Vec<usize>) -> Curvature {
         let (square, observations) = (blocks(chosen.len()), blocks(workspace.observations()));
         let stride = odd(square + observations);
         let size = square * LANES;

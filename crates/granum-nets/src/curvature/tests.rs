@@ -5,12 +5,12 @@ use crate::data::Data;
 use crate::network::Network;
 use proptest::prelude::*;
 
-struct Example {
-    workspace: Workspace,
+pub(super) struct Example {
+    pub workspace: Workspace,
     /// Jacobian of the residuals of the observations, by finite differences.
-    jacobian: Vec<Vec<f64>>,
+    pub jacobian: Vec<Vec<f64>>,
     residuals: Vec<Row8>,
-    network: Network,
+    pub network: Network,
 }
 
 fn residuals(workspace: &mut Workspace, weights: &[f64]) -> Vec<Row8> {
@@ -20,7 +20,7 @@ fn residuals(workspace: &mut Workspace, weights: &[f64]) -> Vec<Row8> {
     residuals
 }
 
-fn example(isa: Isa, layers: &[usize], observations: usize, points: usize, seed: u64) -> Example {
+pub(super) fn example(isa: Isa, layers: &[usize], observations: usize, points: usize, seed: u64) -> Example {
     let network = Network::new(layers, seed).unwrap();
     let rows = observations * points;
     let inputs = (0..rows * layers[0]).map(|k| (k as f64 * 1.7 + seed as f64 % 10.0).sin()).collect();
@@ -47,7 +47,7 @@ fn example(isa: Isa, layers: &[usize], observations: usize, points: usize, seed:
 }
 
 /// Solves a dense system by Gaussian elimination.
-fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+pub(super) fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for p in 0..n {
         for s in p + 1..n {

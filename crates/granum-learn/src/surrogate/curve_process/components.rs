@@ -1,8 +1,8 @@
 //! Principal components of curves: the directions in which they differ most, with each point weighted by the part of the coordinate
 //! that it stands for.
 
-use crate::regression::eigenvectors::eigenvectors;
 use crate::regression::independent::{independent_rotation, projected};
+use granum_nets::eigenvectors;
 
 /// Components with less than this share of the variance are left out.
 const LEAST_SHARE: f64 = 1e-7;
