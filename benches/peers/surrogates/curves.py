@@ -5,7 +5,7 @@
     cargo run --release -p granum --example judge_curves -- \\
       data/families/sand/drained,data/families/sand/drained-further,data/families/sand/drained-rest data/families/sand/unseen 24 48 96 191 340 all
 
-For each number of runs the first so many are learned from. The error is that of the prediction for the mean sample of a material against the mean of
+For each number of runs the first so many are learned from, for `24x20` twenty sets of 24 runs, one after another. The error is that of the prediction for the mean sample of a material against the mean of
 its samples, less what this mean scatters itself, over the scatter of single runs. Needs numpy, pyarrow and scikit-learn.
 """
 
@@ -87,18 +87,43 @@ def judge(training, unseen, model_of=Curves):
             predicted = model.predict([np.mean([sample for sample, _ in samples], axis=0)])[0]
             within.append(variance)
             net.append(((predicted - centre) ** 2).mean() - variance / len(samples))
-        square, scatter = np.mean(net), np.sqrt(np.mean(within))
+        yield output, np.array(net), np.sqrt(np.mean(within))
+
+
+def root(square):
+    return np.sign(square) * np.sqrt(abs(square))
+
+
+def show(training, unseen, model_of):
+    for output, net, scatter in judge(training, unseen, model_of):
+        square = np.mean(net)
         error = 0.5 * np.std(net) / np.sqrt(len(net) - 1) / np.sqrt(abs(square)) / scatter
-        print(f"  {output:32} {np.sign(square) * np.sqrt(abs(square)) / scatter:.2f} +- {error:.2f}", flush=True)
+        print(f"  {output:32} {root(square) / scatter:.2f} +- {error:.2f}", flush=True)
+
+
+def show_sets(training, unseen, model_of, count, sets):
+    """The root of the mean of the squared errors of the sets, with its standard error over them, and the error of each."""
+    squares = {output: [] for output in OUTPUTS}
+    for k in range(min(sets, len(training) // count)):
+        for output, net, scatter in judge(training[k * count : (k + 1) * count], unseen, model_of):
+            squares[output].append(np.mean(net) / scatter**2)
+    for output, own in squares.items():
+        error = 0.5 * np.std(own) / np.sqrt(len(own) - 1) / np.sqrt(abs(np.mean(own)))
+        print(f"  {output:32} {root(np.mean(own)):.3f} +- {error:.3f}  " + " ".join(f"{root(square):.2f}" for square in own), flush=True)
 
 
 def main(model_of=Curves):
     training, unseen = read(sys.argv[1]), read(sys.argv[2])
     print(f"{len(training)} training runs, {len(unseen)} unseen ones")
     for count in sys.argv[3:]:
+        if "x" in count:
+            number, sets = map(int, count.split("x"))
+            print(f"{sets} sets of {number} runs: output, mean, and of each set", flush=True)
+            show_sets(training, unseen, model_of, number, sets)
+            continue
         number = len(training) if count == "all" else int(count)
         print(f"{number} runs: output, error over the scatter of a run", flush=True)
-        judge(training[:number], unseen, model_of)
+        show(training[:number], unseen, model_of)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,9 @@
 //! cargo run --release -p granum --example judge_curves -- TRAINING UNSEEN 24 48 96 all
 //! ```
 //!
-//! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets, several of them separated by commas. For each number of runs the first so many are fitted.
+//! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets, several of them separated by commas. For each number of runs the first so many are fitted;
+//! `24x20` fits twenty sets of 24 runs, one after another in the training runs, and prints the root of the mean of their squared errors (`mean`) with its standard error
+//! over the sets, and the error of each.
 //! `run` is the root mean square error over single unseen runs, each predicted for its own sample; `mean` that of the prediction for the
 //! mean sample of a point against the mean of its replicates, less what that mean scatters itself, with its standard error over the points.
 //! Both are divided by the standard deviation between replicates, pooled over points and states. `noise` is what the surrogate says
@@ -165,6 +167,10 @@ fn main() -> Result<(), Failure> {
     println!("{} training runs, {} unseen ones", training.len(), unseen.len());
     let methods = SurrogateMethods::standard();
     for count in counts {
+        if let Some((count, sets)) = count.split_once('x') {
+            judge_sets(&methods, &training, &unseen, (count.parse()?, sets.parse()?))?;
+            continue;
+        }
         let count = if count == "all" { training.len() } else { count.parse()? };
         let dataset = Dataset::new(training[..count.min(training.len())].to_vec())?;
         println!(
@@ -179,6 +185,33 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Errors over sets of training runs, one after another.
+fn judge_sets(
+    methods: &SurrogateMethods,
+    training: &[RunStates],
+    unseen: &[RunStates],
+    (count, sets): (usize, usize),
+) -> Result<(), Failure> {
+    println!("{sets} sets of {count} runs: output, mean, and of each set");
+    for output in OUTPUTS {
+        let spec = spec(output);
+        let mut squares = Vec::new();
+        for set in training.chunks_exact(count).take(sets) {
+            let dataset = Dataset::new(set.to_vec())?;
+            let fitted = methods.by_name("gaussian-process")?.fit(&dataset, &spec, &mut NoObserver)?;
+            let (scatter, net) = against_means(fitted.as_ref(), &of_runs(fitted.as_ref(), &spec, unseen)?)?;
+            squares.push(mean(net.into_iter()) / (scatter * scatter));
+        }
+        let square = mean(squares.iter().copied());
+        let variance = mean_square(squares.iter().map(|own| own - square)) / (squares.len() as f64 - 1.0);
+        let root = |square: f64| square.signum() * square.abs().sqrt();
+        let each: Vec<String> = squares.iter().map(|own| format!("{:.2}", root(*own))).collect();
+        let uncertainty = 0.5 * variance.sqrt() / square.abs().sqrt();
+        println!("  {output:32} {:.3} +- {uncertainty:.3}  {}", root(square), each.join(" "));
+    }
+    Ok(())
+}
+
 fn spec(output: &str) -> FitSpec {
     let mut inputs = INPUTS.map(String::from).to_vec();
     if output == "deviator_fabric" {
@@ -187,7 +220,7 @@ fn spec(output: &str) -> FitSpec {
     FitSpec::new(inputs, [output]).with_coordinate(COORDINATE)
 }
 
-fn judge(fitted: &dyn Surrogate, spec: &FitSpec, output: &str, unseen: &[RunStates]) -> Result<(), Failure> {
+fn of_runs(fitted: &dyn Surrogate, spec: &FitSpec, unseen: &[RunStates]) -> Result<Vec<Unseen>, Failure> {
     let columns = fitted.columns().output_names();
     let of_run = |run: &RunStates| -> Result<Unseen, Failure> {
         let first = |name: &String| run.column(name).map(|values| values[0]);
@@ -197,7 +230,12 @@ fn judge(fitted: &dyn Surrogate, spec: &FitSpec, output: &str, unseen: &[RunStat
             columns.iter().map(|name| curve(run, name)).collect::<Result<_, Failure>>()?;
         Ok(Unseen { point, inputs, curves: curves.concat() })
     };
-    let runs: Vec<Unseen> = unseen.iter().map(of_run).collect::<Result<_, _>>()?;
+    unseen.iter().map(of_run).collect()
+}
+
+fn judge(fitted: &dyn Surrogate, spec: &FitSpec, output: &str, unseen: &[RunStates]) -> Result<(), Failure> {
+    let columns = fitted.columns().output_names();
+    let runs = of_runs(fitted, spec, unseen)?;
     let (scatter, net) = against_means(fitted, &runs)?;
     let count = net.len() as f64;
     let square = mean(net.iter().copied());

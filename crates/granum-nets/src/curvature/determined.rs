@@ -44,7 +44,7 @@ impl Determined {
     /// been computed. `None` if they are not finite.
     pub(crate) fn new(training: &Workspace, weights: usize, shift: f64) -> Option<(Determined, f64)> {
         let isa = training.isa;
-        let mut curvature = Curvature::of(training, independent_rows(training, weights));
+        let mut curvature = Curvature::from_rows(training, independent_rows(training, weights));
         if curvature.chosen.is_empty() || !curvature.form(training) {
             return None;
         }

@@ -85,11 +85,11 @@ fn choose(rows: usize, most: usize) -> Vec<usize> {
 impl Curvature {
     /// Memory for the matrix of a network with so many weights and a table in the layout of `workspace`.
     pub(crate) fn new(workspace: &Workspace, weights: usize) -> Curvature {
-        Curvature::of(workspace, choose(workspace.rows, most_chosen(weights)))
+        Curvature::from_rows(workspace, choose(workspace.rows, most_chosen(weights)))
     }
 
     /// Memory for the matrix that is approximated by means of these rows.
-    fn of(workspace: &Workspace, chosen: Vec<usize>) -> Curvature {
+    fn from_rows(workspace: &Workspace, chosen: Vec<usize>) -> Curvature {
         let (square, observations) = (blocks(chosen.len()), blocks(workspace.observations()));
         let stride = odd(square + observations);
         let size = square * LANES;

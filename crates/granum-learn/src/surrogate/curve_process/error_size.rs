@@ -25,14 +25,14 @@ const LEAST_SIZE: f64 = 0.25;
 /// The size of errors as a function of the inputs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ErrorSize {
+pub(in crate::surrogate) struct ErrorSize {
     /// Two for each input; none if errors are equally large everywhere.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     coefficients: Vec<f64>,
 }
 
 /// A fit with what it says of each run without it.
-pub(super) struct FittedErrorSize {
+pub(in crate::surrogate) struct FittedErrorSize {
     pub size: ErrorSize,
     /// The size at each training run, by a fit to the others.
     pub left_out: Vec<f64>,

@@ -42,6 +42,7 @@ mod run_curves;
 mod tests;
 
 pub(super) use calibration::Calibration;
+pub(super) use error_size::ErrorSize;
 pub use fitted::{CorrelatedCurve, FittedCurves};
 pub use further_run::FurtherRun;
 pub(super) use groups::{Group, groups_of};

@@ -302,8 +302,8 @@ impl Channels {
 
     /// How far the path of each run is at each row: its length, and the largest distance from its start so far; in units of strain where it is one.
     pub fn path(&self, inputs: &RunInputs) -> PathPlaces {
-        let mut places = PathPlaces::default();
-        for run in inputs.runs() {
+        let mut places = PathPlaces { samples: self.samples(inputs), ..PathPlaces::default() };
+        for (number, run) in inputs.runs().enumerate() {
             let (mut length, mut farthest) = (0.0, 0.0);
             let mut place: Vec<f64> = Vec::new();
             self.each_increment(run, inputs.columns(), |increment| {
@@ -311,11 +311,19 @@ impl Channels {
                 place.iter_mut().zip(&increment).for_each(|(sum, c)| *sum += c);
                 length += norm(&increment);
                 farthest = f64::max(farthest, norm(&place));
+                places.run.push(number);
                 places.length.push(length);
                 places.farthest.push(farthest);
             });
         }
         places
+    }
+
+    /// The values that describe the sample of each run, without directions: the scalars among its start values.
+    fn samples(&self, inputs: &RunInputs) -> Vec<Vec<f64>> {
+        let widths = self.widths();
+        let scalars = |starts: &[f64]| starts[COMPONENTS * widths.tensors..].to_vec();
+        self.starts(inputs).chunks_exact(widths.starts().max(1)).map(scalars).collect()
     }
 
     /// The start values of each run: tensors, the first component of each, then the second and so on; measured scalars; others.

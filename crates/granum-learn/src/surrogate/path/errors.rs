@@ -11,12 +11,15 @@
 //! which a straight path does more than one that turns. `f` and `g` have a value in each of ten parts, linear between their middles. They are found in turns: each value
 //! of `f` is the sum of `e^2 - b` over that of `g` for the training states of its part, at least 0, and so for `g` (a multiplicative model of variances, by iterative
 //! proportional fitting). Beyond the largest `s` of training `f` grows in proportion to it, as the square of a random walk does, and `g` as the square of `d`. Half widths of
-//! intervals are `sqrt(v)` times a factor: the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
+//! intervals are `s(u) sqrt(v)` times a factor: the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
+//! `s(u)` is the size of errors for samples at the place `u` among those of the training runs, a function as for curves ([`ErrorSize`]), fitted to the root mean square
+//! of `e / sqrt(v)` of each training run: dense and loose samples do not scatter alike.
 
 use serde::{Deserialize, Serialize};
 
+use super::sample_places::SamplePlaces;
 use crate::curve::{increases, interpolated};
-use crate::surrogate::curve_process::Calibration;
+use crate::surrogate::curve_process::{Calibration, ErrorSize};
 use crate::surrogate::prediction::{Cause, Estimate};
 
 /// Number of parts of the length of paths.
@@ -35,6 +38,10 @@ pub(super) struct PathPlaces {
     pub length: Vec<f64>,
     /// The largest distance from its start so far.
     pub farthest: Vec<f64>,
+    /// The run of each row.
+    pub run: Vec<usize>,
+    /// For each run the values that describe its sample.
+    pub samples: Vec<Vec<f64>>,
 }
 
 /// The errors of left-out runs along paths, and their calibration.
@@ -43,6 +50,7 @@ pub(super) struct PathPlaces {
 pub(super) struct PathErrors {
     /// The length of the longest path.
     longest: f64,
+    samples: SamplePlaces,
     outputs: Vec<OutputErrors>,
 }
 
@@ -50,6 +58,8 @@ pub(super) struct PathErrors {
 #[serde(deny_unknown_fields)]
 struct OutputErrors {
     growth: Growth,
+    /// How large errors are for one sample and for another.
+    size: ErrorSize,
     calibration: Calibration,
 }
 
@@ -141,6 +151,10 @@ impl Growth {
     }
 }
 
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
 /// Mean of the networks' values at a place, and the variance between them.
 fn mean_and_variance(networks: &[Vec<f64>], place: usize) -> (f64, f64) {
     let count = networks.len() as f64;
@@ -156,14 +170,14 @@ impl PathErrors {
         networks: &[Vec<f64>],
         targets: &[f64],
         outputs: usize,
-        (lengths, places): (&[usize], &PathPlaces),
+        places: &PathPlaces,
     ) -> Option<PathErrors> {
-        if lengths.len() < FEWEST_RUNS || networks.len() < 2 {
+        let (rows, runs, run_of_row) = (places.length.len(), places.samples.len(), &places.run);
+        if runs < FEWEST_RUNS || networks.len() < 2 {
             return None;
         }
-        let rows = places.length.len();
-        let mut run_of_row = Vec::with_capacity(rows);
-        lengths.iter().enumerate().for_each(|(run, length)| run_of_row.extend(vec![run; *length]));
+        let samples = SamplePlaces::new(&places.samples);
+        let place_of_run: Vec<Vec<f64>> = places.samples.iter().map(|sample| samples.place(sample)).collect();
         let of_output = |output: usize| {
             let error = |row: usize| {
                 let place = row * outputs + output;
@@ -173,18 +187,25 @@ impl PathErrors {
             let mean = (0..rows).map(|row| error(row) * error(row)).sum::<f64>() / rows as f64;
             let excess: Vec<f64> = (0..rows).map(|row| error(row) * error(row) - between(row)).collect();
             let growth = Growth::new(places, &excess, mean);
-            let mut scaled: Vec<Vec<f64>> = vec![Vec::new(); lengths.len()];
+            let mut scaled: Vec<Vec<f64>> = vec![Vec::new(); runs];
             for row in 0..rows {
                 let variance = growth.variance(places.length[row], places.farthest[row]);
                 let deviation = (between(row) + variance).sqrt();
                 scaled[run_of_row[row]].push(if deviation > 0.0 { error(row) / deviation } else { 0.0 });
             }
-            let most = lengths.iter().copied().max().unwrap_or(0);
+            let fitted = ErrorSize::fit(
+                &place_of_run,
+                &scaled.iter().map(|errors| root_mean_square(errors)).collect::<Vec<_>>(),
+            );
+            for (errors, size) in scaled.iter_mut().zip(&fitted.left_out) {
+                errors.iter_mut().for_each(|error| *error /= size);
+            }
+            let most = scaled.iter().map(Vec::len).max().unwrap_or(0);
             let calibration = Calibration::new(&scaled, &vec![1.0; most]).with_six_digits();
-            OutputErrors { growth, calibration }
+            OutputErrors { growth, size: fitted.size, calibration }
         };
         let longest = places.length.iter().copied().fold(0.0, f64::max);
-        let found = PathErrors { longest, outputs: (0..outputs).map(of_output).collect() };
+        let found = PathErrors { longest, outputs: (0..outputs).map(of_output).collect(), samples };
         found.is_whole(outputs).then_some(found)
     }
 
@@ -207,9 +228,11 @@ impl PathErrors {
         factor: f64,
     ) -> Estimate {
         let (mean, between) = mean_and_variance(networks, row * self.outputs.len() + output);
-        let growth = &self.outputs[output].growth;
+        let OutputErrors { growth, size, .. } = &self.outputs[output];
+        let size = size.at(&self.samples.place(&places.samples[places.run[row]]));
         let runs = growth.variance(places.length[row], places.farthest[row]).sqrt();
-        Estimate::new(mean).by(vec![(Cause::Parameters, between.sqrt()), (Cause::Runs, runs)], factor)
+        let causes = vec![(Cause::Parameters, size * between.sqrt()), (Cause::Runs, size * runs)];
+        Estimate::new(mean).by(causes, factor)
     }
 
     /// True if they can be those of so many outputs.
@@ -217,7 +240,12 @@ impl PathErrors {
         self.longest >= 0.0
             && self.longest.is_finite()
             && self.outputs.len() == outputs
-            && self.outputs.iter().all(|own| own.growth.is_sound() && own.calibration.is_sound())
+            && self.samples.is_sound()
+            && self.outputs.iter().all(|own| {
+                own.growth.is_sound()
+                    && own.size.is_sound(self.samples.values())
+                    && own.calibration.is_sound()
+            })
     }
 }
 
@@ -227,29 +255,45 @@ mod tests {
 
     const STATES: usize = 21;
 
+    /// Samples in an order of their own.
+    fn sample(run: usize) -> f64 {
+        (0.618 * run as f64).fract()
+    }
+
     /// Runs whose errors grow as told, uniform between runs; the networks are the same but for the run that they were not trained on.
     fn errors(
         runs: usize,
         growth: impl Fn(usize, usize) -> f64,
         farthest: impl Fn(usize, usize) -> f64,
     ) -> PathErrors {
-        let (lengths, rows) = (vec![STATES; runs], STATES * runs);
+        let rows = STATES * runs;
         let at = |place: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..rows).map(|row| place(row / STATES, row % STATES)).collect()
         };
-        let places = PathPlaces { length: at(&|_, state| 0.05 * state as f64), farthest: at(&farthest) };
+        let places = PathPlaces {
+            length: at(&|_, state| 0.05 * state as f64),
+            farthest: at(&farthest),
+            run: (0..rows).map(|row| row / STATES).collect(),
+            samples: (0..runs).map(|run| vec![sample(run)]).collect(),
+        };
         let grown = at(&growth);
         let network = |k: usize| {
             let error = |row: usize| (2.0 * (row / STATES) as f64 / (runs - 1) as f64 - 1.0) * grown[row];
             let value = |row: usize| 1.0 + if (row / STATES) % 2 == k { error(row) } else { 0.0 };
             (0..rows).map(value).collect()
         };
-        PathErrors::new(&[network(0), network(1)], &vec![1.0; rows], 1, (&lengths, &places)).unwrap()
+        PathErrors::new(&[network(0), network(1)], &vec![1.0; rows], 1, &places).unwrap()
     }
 
     /// The half width of an interval where the path has a length and a farthest place, and two networks say something.
     fn half(errors: &PathErrors, [length, farthest]: [f64; 2], networks: [f64; 2]) -> f64 {
-        let places = PathPlaces { length: vec![length], farthest: vec![farthest] };
+        half_of(errors, [length, farthest], 0.5, networks)
+    }
+
+    /// The same for a sample of its own.
+    fn half_of(errors: &PathErrors, [length, farthest]: [f64; 2], sample: f64, networks: [f64; 2]) -> f64 {
+        let (length, farthest, samples) = (vec![length], vec![farthest], vec![vec![sample]]);
+        let places = PathPlaces { length, farthest, run: vec![0], samples };
         let factor = errors.factors(0.9)[0];
         let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), &places, factor);
         let interval = estimate.interval.unwrap();
@@ -290,9 +334,27 @@ mod tests {
     }
 
     #[test]
+    fn loose_samples_with_larger_errors_have_wider_intervals() {
+        let errors = errors(200, |run, _| libm::exp(sample(run)), |_, _| 1.0);
+        let half = |sample: f64| half_of(&errors, [0.5, 1.0], sample, [1.0; 2]);
+        let ratio = half(0.95) / half(0.05);
+        // The errors of single runs scatter, so that less than the whole factor of 2.46 is told.
+        assert!(ratio > 1.4 && ratio < 2.6, "{ratio}");
+        // Where errors are alike for all samples, intervals are.
+        let alike = self::errors(200, |_, _| 1.0, |_, _| 1.0);
+        let half = |sample: f64| half_of(&alike, [0.5, 1.0], sample, [1.0; 2]);
+        assert_eq!(half(0.95), half(0.05));
+    }
+
+    #[test]
     fn two_runs_say_nothing_of_their_scatter() {
         let network = vec![0.0; 4];
-        let places = PathPlaces { length: vec![0.0, 1.0, 0.0, 1.0], farthest: vec![0.0, 1.0, 0.0, 1.0] };
-        assert!(PathErrors::new(&[network.clone(), network], &[0.0; 4], 1, (&[2, 2], &places)).is_none());
+        let places = PathPlaces {
+            length: vec![0.0, 1.0, 0.0, 1.0],
+            farthest: vec![0.0, 1.0, 0.0, 1.0],
+            run: vec![0, 0, 1, 1],
+            samples: vec![vec![0.5], vec![0.7]],
+        };
+        assert!(PathErrors::new(&[network.clone(), network], &[0.0; 4], 1, &places).is_none());
     }
 }

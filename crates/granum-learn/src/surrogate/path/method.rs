@@ -182,7 +182,7 @@ impl SurrogateMethod for PathNetworks {
         if count > 1 {
             let means = fitted.outputs_of_networks(&inputs)?;
             let path = fitted.channels.path(&inputs);
-            fitted.errors = PathErrors::new(&means, &targets, outputs, (inputs.lengths(), &path));
+            fitted.errors = PathErrors::new(&means, &targets, outputs, &path);
         }
         Ok(Box::new(fitted))
     }

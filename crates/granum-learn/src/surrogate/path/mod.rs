@@ -20,6 +20,7 @@ mod fitted;
 mod method;
 mod rotation;
 mod runs;
+mod sample_places;
 #[cfg(test)]
 mod tests;
 
