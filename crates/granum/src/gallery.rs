@@ -121,6 +121,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/powder-paths-unseen.toml"),
     },
     ReadyPlan {
+        name: "powder-paths-score",
+        case: "powder-oedometer",
+        text: include_str!("../gallery/plans/powder-paths-score.toml"),
+    },
+    ReadyPlan {
         name: "random-paths",
         case: "rolling-resistance",
         text: include_str!("../gallery/plans/random-paths.toml"),
@@ -129,6 +134,11 @@ pub const PLANS: &[ReadyPlan] = &[
         name: "random-paths-unseen",
         case: "rolling-resistance",
         text: include_str!("../gallery/plans/random-paths-unseen.toml"),
+    },
+    ReadyPlan {
+        name: "random-paths-score",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/random-paths-score.toml"),
     },
     ReadyPlan {
         name: "random-paths-cycles",
