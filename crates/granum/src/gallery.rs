@@ -101,6 +101,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-drained-score.toml"),
     },
     ReadyPlan {
+        name: "sand-drained-quarters",
+        case: "drained-dense",
+        text: include_str!("../gallery/plans/sand-drained-quarters.toml"),
+    },
+    ReadyPlan {
         name: "sand-paths",
         case: "undrained-dense",
         text: include_str!("../gallery/plans/sand-paths.toml"),

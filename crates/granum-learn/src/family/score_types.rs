@@ -69,8 +69,16 @@ pub struct QuarterCoverage {
     pub input: String,
     /// The share in each quarter, from the lowest; `None` where there is no run.
     pub held: [Option<f64>; 4],
+    /// The standard error of each share over the materials: runs that are alike but for their seeds are one. `None` with fewer than two materials, and in
+    /// files of earlier versions.
+    #[serde(default, skip_serializing_if = "is_unknown")]
+    pub standard_errors: [Option<f64>; 4],
     /// Number of runs in each quarter.
     pub runs: [usize; 4],
+}
+
+fn is_unknown(errors: &[Option<f64>; 4]) -> bool {
+    errors.iter().all(Option::is_none)
 }
 
 fn null_is_nan<'d, D: serde::Deserializer<'d>>(from: D) -> std::result::Result<f64, D::Error> {

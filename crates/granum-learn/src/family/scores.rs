@@ -136,11 +136,11 @@ impl FamilyModel {
             held: of_runs.iter().sum::<f64>() / runs.len() as f64,
             held_within: is_part.then(|| within.iter().sum::<f64>() / within.len() as f64),
             whole_curves: whole as f64 / (runs.len() * columns.len()) as f64,
-            quarters: self.quarters(runs, &of_runs),
+            quarters: self.quarters(runs, groups, &of_runs),
         }
     }
 
-    fn quarters(&self, runs: &[ScoredRun], held: &[f64]) -> Vec<QuarterCoverage> {
+    fn quarters(&self, runs: &[ScoredRun], groups: &[Vec<usize>], held: &[f64]) -> Vec<QuarterCoverage> {
         let of_input = |(number, [low, high]): (usize, [f64; 2])| {
             let scaled = |value: f64| {
                 let part = match low > 0.0 && high > WIDE * low {
@@ -149,26 +149,59 @@ impl FamilyModel {
                 };
                 ((4.0 * part) as usize).min(3)
             };
-            let (mut sums, mut counts) = ([0.0; 4], [0; 4]);
-            for (run, held) in runs.iter().zip(held) {
-                let quarter = scaled(run.inputs[number]);
-                sums[quarter] += held;
-                counts[quarter] += 1;
-            }
-            let share =
-                |quarter: usize| (counts[quarter] > 0).then(|| sums[quarter] / counts[quarter] as f64);
+            // The shares of the runs of each material in a quarter.
+            let of_materials = |quarter: usize| -> Vec<Vec<f64>> {
+                let is_in = |run: &&usize| scaled(runs[**run].inputs[number]) == quarter;
+                let of_material =
+                    |group: &Vec<usize>| group.iter().filter(is_in).map(|run| held[*run]).collect();
+                groups.iter().map(of_material).filter(|own: &Vec<f64>| !own.is_empty()).collect()
+            };
+            let quarters = [0, 1, 2, 3].map(of_materials);
             QuarterCoverage {
                 input: self.definition.inputs[number].name.into(),
-                held: [share(0), share(1), share(2), share(3)],
-                runs: counts,
+                held: quarters.each_ref().map(|own| share_and_error(own).map(|(share, _)| share)),
+                standard_errors: quarters
+                    .each_ref()
+                    .map(|own| share_and_error(own).and_then(|(_, error)| error)),
+                runs: quarters.each_ref().map(|own| own.iter().map(Vec::len).sum()),
             }
         };
         self.ranges().into_iter().enumerate().filter(|(_, [low, high])| high > low).map(of_input).collect()
     }
 }
 
+/// The mean over all runs, and its standard error over the materials, whose runs are not independent of each other.
+fn share_and_error(materials: &[Vec<f64>]) -> Option<(f64, Option<f64>)> {
+    let runs = materials.iter().map(Vec::len).sum::<usize>() as f64;
+    if runs == 0.0 {
+        return None;
+    }
+    let share = materials.iter().flatten().sum::<f64>() / runs;
+    let count = materials.len() as f64;
+    let squares: f64 =
+        materials.iter().map(|own| own.iter().map(|held| held - share).sum::<f64>().powi(2)).sum();
+    let error = (materials.len() > 1).then(|| (count / (count - 1.0) * squares).sqrt() / runs);
+    Some((share, error))
+}
+
 fn holds(prediction: &Prediction, column: usize, exact: f64) -> bool {
     let slight = SLIGHT * (1.0 + exact.abs());
     let within = |lower: f64, upper: f64| lower - slight <= exact && exact <= upper + slight;
     prediction.values[column].interval.as_ref().is_some_and(|interval| within(interval.lower, interval.upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: three materials, of which the first has two runs that are held or not together.
+    #[test]
+    fn runs_of_a_material_are_not_independent() {
+        let (share, error) = share_and_error(&[vec![1.0, 1.0], vec![0.4], vec![0.6]]).unwrap();
+        assert!((share - 0.75).abs() < 1e-15);
+        let squares = 0.5f64.powi(2) + 0.35f64.powi(2) + 0.15f64.powi(2);
+        assert!((error.unwrap() - (1.5 * squares).sqrt() / 4.0).abs() < 1e-15);
+        assert_eq!(share_and_error(&[vec![0.5, 0.7]]).unwrap().1, None);
+        assert!(share_and_error(&[]).is_none());
+    }
 }

@@ -60,7 +60,10 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
         let worst = output
             .quarters
             .iter()
-            .flat_map(|quarter| quarter.held.iter().flatten().map(|held| (quarter.input.as_str(), *held)))
+            .flat_map(|quarter| {
+                let each = quarter.held.iter().zip(&quarter.standard_errors);
+                each.filter_map(|(held, error)| Some((quarter.input.as_str(), (*held)?, *error)))
+            })
             .min_by(|a, b| a.1.total_cmp(&b.1));
         vec![
             output.output.clone(),
@@ -70,7 +73,13 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
             ratio(output.standard_error),
             percent(output.held),
             percent(output.whole_curves),
-            worst.map_or_else(|| "-".into(), |(input, held)| format!("{} ({input})", percent(held))),
+            worst.map_or_else(
+                || "-".into(),
+                |(input, held, error)| match error {
+                    Some(error) => format!("{:.1} ± {:.1} % ({input})", 100.0 * held, 100.0 * error),
+                    None => format!("{} ({input})", percent(held)),
+                },
+            ),
         ]
     };
     let heads = [
@@ -87,7 +96,7 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
     lines.push(format!(
         "\nError: root mean square for a single run, over that of its values. Scatter: of runs that differ in their seed alone. Net error: \
          the mean error over such runs, less what chance leaves of it, over the scatter of one run; one more run would have 1. Held: within \
-         intervals, or bands for whole curves, of {:.0} %. Worst quarter: of the range of an input.",
+         intervals, or bands for whole curves, of {:.0} %. Worst quarter: of the range of an input, with the standard error over materials.",
         100.0 * level
     ));
     if *outside > 0 {
