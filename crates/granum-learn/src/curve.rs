@@ -45,6 +45,23 @@ pub fn interpolated(x: f64, xs: &[f64], ys: &[f64]) -> f64 {
     }
 }
 
+/// Ratio of the largest to the smallest value beyond which the logarithm may be taken.
+const WIDE: f64 = 10.0;
+
+/// True if values vary by more than a factor of ten and are spread more evenly by their logarithm.
+pub(crate) fn is_logarithmic(values: &[f64]) -> bool {
+    let [least, most] = range(values.iter().copied());
+    let logarithms = || values.iter().map(|v| libm::log(*v)).collect::<Vec<_>>();
+    least > 0.0 && most > WIDE * least && lopsidedness(&logarithms()) < lopsidedness(values)
+}
+
+/// How far the mean is from the middle of the range, in parts of the range.
+fn lopsidedness(values: &[f64]) -> f64 {
+    let [least, most] = range(values.iter().copied());
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (mean - 0.5 * (least + most)).abs() / (most - least)
+}
+
 /// Some columns of a run along its coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunCurves {

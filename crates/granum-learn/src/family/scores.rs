@@ -4,12 +4,11 @@ use super::definition::FamilyOutput;
 use super::model::{FamilyModel, inputs_of, unfit, with_columns};
 use super::replicates::{PointSums, net_error, replicates, standard_error};
 use super::score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
+use crate::curve::is_logarithmic;
 use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
 use crate::surrogate::{Prediction, RunInputs};
 
-/// Ratio of the largest to the smallest value beyond which the range of an input is divided on a logarithmic scale.
-const WIDE: f64 = 10.0;
 /// Level of the intervals.
 const LEVEL: f64 = 0.9;
 /// Rounding error of a state that is known exactly, such as the first.
@@ -142,8 +141,10 @@ impl FamilyModel {
 
     fn quarters(&self, runs: &[ScoredRun], groups: &[Vec<usize>], held: &[f64]) -> Vec<QuarterCoverage> {
         let of_input = |(number, [low, high]): (usize, [f64; 2])| {
+            let values: Vec<f64> = runs.iter().map(|run| run.inputs[number]).collect();
+            let logarithmic = low > 0.0 && is_logarithmic(&values);
             let scaled = |value: f64| {
-                let part = match low > 0.0 && high > WIDE * low {
+                let part = match logarithmic {
                     true => libm::log(value.max(low) / low) / libm::log(high / low),
                     false => (value - low) / (high - low),
                 };

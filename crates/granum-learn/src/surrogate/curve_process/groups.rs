@@ -9,10 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::curve::range;
+use crate::curve::{is_logarithmic, range};
 
-/// Ratio of the largest to the smallest value beyond which the logarithm may be taken.
-const WIDE: f64 = 10.0;
 /// Ratio beyond which a coefficient of friction comes close to zero.
 const CLOSE_TO_ZERO: f64 = 50.0;
 /// The end of the names of coefficients of friction.
@@ -45,22 +43,8 @@ impl Spread {
     }
 
     fn from_values(values: &[f64]) -> Spread {
-        let [least, most] = range(values.iter().copied());
-        let is_wide = least > 0.0 && most > WIDE * least;
-        let logarithms = || values.iter().map(|v| libm::log(*v)).collect::<Vec<_>>();
-        if is_wide && lopsidedness(&logarithms()) < lopsidedness(values) {
-            Spread::Logarithmic
-        } else {
-            Spread::Linear
-        }
+        if is_logarithmic(values) { Spread::Logarithmic } else { Spread::Linear }
     }
-}
-
-/// How far the mean is from the middle of the range, in parts of the range.
-fn lopsidedness(values: &[f64]) -> f64 {
-    let [least, most] = range(values.iter().copied());
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (mean - 0.5 * (least + most)).abs() / (most - least)
 }
 
 /// A group: an input, divided by another one or not, spread and scaled.
