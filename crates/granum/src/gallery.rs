@@ -116,6 +116,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-paths-unseen.toml"),
     },
     ReadyPlan {
+        name: "sand-paths-quarters",
+        case: "undrained-dense",
+        text: include_str!("../gallery/plans/sand-paths-quarters.toml"),
+    },
+    ReadyPlan {
         name: "powder-paths",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths.toml"),
@@ -129,6 +134,11 @@ pub const PLANS: &[ReadyPlan] = &[
         name: "powder-paths-score",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths-score.toml"),
+    },
+    ReadyPlan {
+        name: "powder-paths-quarters",
+        case: "powder-oedometer",
+        text: include_str!("../gallery/plans/powder-paths-quarters.toml"),
     },
     ReadyPlan {
         name: "random-paths",
