@@ -50,6 +50,8 @@ pub(super) struct PathPlaces {
 pub(super) struct PathErrors {
     /// The length of the longest path.
     longest: f64,
+    /// Absent in files of earlier versions, as the size of errors is.
+    #[serde(default)]
     samples: SamplePlaces,
     outputs: Vec<OutputErrors>,
 }
@@ -59,6 +61,7 @@ pub(super) struct PathErrors {
 struct OutputErrors {
     growth: Growth,
     /// How large errors are for one sample and for another.
+    #[serde(default)]
     size: ErrorSize,
     calibration: Calibration,
 }
