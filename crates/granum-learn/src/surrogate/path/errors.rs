@@ -349,6 +349,19 @@ mod tests {
         assert_eq!(half(0.95), half(0.05));
     }
 
+    /// Files that were written before intervals knew the sample are read, and say the same for each.
+    #[test]
+    fn errors_of_earlier_files_are_alike_for_all_samples() {
+        let errors = errors(200, |run, _| libm::exp(sample(run)), |_, _| 1.0);
+        let mut kept = serde_json::to_value(&errors).unwrap();
+        kept.as_object_mut().unwrap().remove("samples").unwrap();
+        kept["outputs"][0].as_object_mut().unwrap().remove("size").unwrap();
+        let earlier: PathErrors = serde_json::from_value(kept).unwrap();
+        assert!(earlier.is_whole(1));
+        let half = |sample: f64| half_of(&earlier, [0.5, 1.0], sample, [1.0; 2]);
+        assert_eq!(half(0.95), half(0.05));
+    }
+
     #[test]
     fn two_runs_say_nothing_of_their_scatter() {
         let network = vec![0.0; 4];
