@@ -89,6 +89,12 @@ impl Workspace {
         across_lanes(inputs, inputs.len() / self.rows, &mut self.outputs[0], self.stride);
     }
 
+    /// The first output of the network for each row, from the last forward pass.
+    pub(crate) fn first_outputs(&self) -> impl Iterator<Item = f64> {
+        let last = &self.outputs[self.layers.len()];
+        (0..self.rows).map(|row| last[row / LANES].0[row % LANES])
+    }
+
     /// Number of observations.
     pub(crate) fn observations(&self) -> usize {
         self.rows / self.points

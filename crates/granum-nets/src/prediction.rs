@@ -147,33 +147,64 @@ impl Model {
     /// # Errors
     /// As [`Model::standard_deviations_of`].
     pub fn deviations_of(&self, rows: &[f64], points: usize) -> Result<Option<Vec<Deviation>>, ModelError> {
-        self.check_rows(rows)?;
-        if points == 0 || !(rows.len() / self.inputs.len()).is_multiple_of(points) {
-            let found = rows.len() / self.inputs.len();
-            return Err(ModelError::Columns(format!(
-                "{found} rows are not a whole number of observations of {points} points"
-            )));
-        }
+        self.check_observations(rows, points)?;
+        Ok(self.values_and_deviations(rows, points).map(|(_, deviations)| deviations))
+    }
+
+    /// [`Model::predict_batch`] and [`Model::deviations_of`] for the same rows, to the bit, in less time than one after the other.
+    ///
+    /// # Errors
+    /// As [`Model::standard_deviations_of`].
+    pub fn predict_batch_with_deviations(
+        &self,
+        rows: &[f64],
+        points: usize,
+    ) -> Result<(BatchPrediction, Option<Vec<Deviation>>), ModelError> {
+        self.check_observations(rows, points)?;
+        let Some((values, deviations)) = self.values_and_deviations(rows, points) else {
+            return Ok((self.predict_batch(rows)?, None));
+        };
+        Ok((BatchPrediction { values, outside: self.outside_of(rows) }, Some(deviations)))
+    }
+
+    /// Values of rows that have been checked, and deviations of their observations; `None` if there are no deviations.
+    fn values_and_deviations(&self, rows: &[f64], points: usize) -> Option<(Vec<f64>, Vec<Deviation>)> {
         let laplace = self.laplace.get_or_init(|| {
             let (rows, evidence) = (self.training_rows.as_ref()?, self.fit.evidence?);
             Laplace::new(Isa::detect(), &self.network, rows, evidence)
         });
-        let Some(laplace) = laplace else { return Ok(None) };
+        let laplace = laplace.as_ref()?;
+        let (mut values, variances) = laplace.outputs_and_variances(&self.network, self.scaled(rows), points);
+        granum_simd::fused(|| {
+            let (offset, minimum) = (self.output_scaler.offset(), self.output_scaler.minimum);
+            let unit = self.output_scaler.inverse_factor();
+            values.iter_mut().for_each(|value| *value = (*value - offset).mul_add(unit, minimum));
+        });
+        let columns = self.inputs.len();
+        for (row, value) in rows.chunks_exact(columns).zip(&mut values).filter(|(_, value)| value.is_nan()) {
+            self.values_of(row, std::slice::from_mut(value));
+        }
+        let (unit, noise) = (self.output_scaler.inverse_factor(), laplace.noise());
+        let factors = self.factors(rows, points);
+        let each = variances.iter().zip(&factors);
+        let deviations =
+            each.map(|(variance, factor)| Deviation::new(*variance, noise, *factor, unit)).collect();
+        Some((values, deviations))
+    }
+
+    fn scaled(&self, rows: &[f64]) -> Vec<f64> {
         // The factors of the scalers take divisions, which are done once.
         let scalers: Vec<_> =
             self.input_scalers.iter().map(|s| (s.minimum, s.factor(), s.offset())).collect();
         let mut scaled = rows.to_vec();
-        for row in scaled.chunks_exact_mut(scalers.len()) {
-            for (value, (minimum, factor, offset)) in row.iter_mut().zip(&scalers) {
-                *value = (*value - minimum).mul_add(*factor, *offset);
+        granum_simd::fused(|| {
+            for row in scaled.chunks_exact_mut(scalers.len()) {
+                for (value, (minimum, factor, offset)) in row.iter_mut().zip(&scalers) {
+                    *value = (*value - minimum).mul_add(*factor, *offset);
+                }
             }
-        }
-        let unit = self.output_scaler.inverse_factor();
-        let variances = laplace.variances(&self.network, scaled, points);
-        let factors = self.factors(rows, points);
-        let noise = laplace.noise();
-        let each = variances.iter().zip(&factors);
-        Ok(Some(each.map(|(variance, factor)| Deviation::new(*variance, noise, *factor, unit)).collect()))
+        });
+        scaled
     }
 
     /// The factor on the standard deviation of each observation from left-out blocks, see `Intervals`.
@@ -194,6 +225,17 @@ impl Model {
     fn row_length(&self, given: usize) -> ModelError {
         let names: Vec<&str> = self.inputs.iter().map(|c| c.name.as_str()).collect();
         ModelError::RowLength { expected: self.inputs.len(), names: names.join(", "), given }
+    }
+
+    fn check_observations(&self, rows: &[f64], points: usize) -> Result<(), ModelError> {
+        self.check_rows(rows)?;
+        let found = rows.len() / self.inputs.len();
+        if points == 0 || !found.is_multiple_of(points) {
+            return Err(ModelError::Columns(format!(
+                "{found} rows are not a whole number of observations of {points} points"
+            )));
+        }
+        Ok(())
     }
 
     pub(crate) fn check_rows(&self, rows: &[f64]) -> Result<(), ModelError> {

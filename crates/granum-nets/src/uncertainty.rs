@@ -118,24 +118,29 @@ impl Laplace {
         1.0 / self.beta
     }
 
-    /// Variances of observations, given by rows in scaled units with so many points each; infinite if a scaled input is
-    /// not finite.
-    pub(crate) fn variances(&self, network: &Network, mut inputs: Vec<f64>, points: usize) -> Vec<f64> {
+    /// The outputs of the network for rows in scaled units, and the variances of observations with so many points each. For a scaled input that is
+    /// not finite the variance is infinite, and the outputs are not a number.
+    pub(crate) fn outputs_and_variances(
+        &self,
+        network: &Network,
+        mut inputs: Vec<f64>,
+        points: usize,
+    ) -> (Vec<f64>, Vec<f64>) {
         let width = network.inputs() * points;
         let beyond: Vec<bool> =
             inputs.chunks(width).map(|point| point.iter().any(|x| !x.is_finite())).collect();
         inputs.iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
-        let mut variances = self.variances_of_numbers(network, &inputs, points);
-        for (variance, beyond) in variances.iter_mut().zip(beyond) {
-            if beyond {
-                *variance = f64::INFINITY;
-            }
+        let (mut outputs, mut variances) = self.of_numbers(network, &inputs, points);
+        for (k, _) in beyond.iter().enumerate().filter(|(_, beyond)| **beyond) {
+            variances[k] = f64::INFINITY;
+            outputs[k * points..(k + 1) * points].fill(f64::NAN);
         }
-        variances
+        (outputs, variances)
     }
 
-    fn variances_of_numbers(&self, network: &Network, inputs: &[f64], points: usize) -> Vec<f64> {
-        let mut variances = Vec::with_capacity(inputs.len() / (network.inputs() * points));
+    fn of_numbers(&self, network: &Network, inputs: &[f64], points: usize) -> (Vec<f64>, Vec<f64>) {
+        let count = inputs.len() / network.inputs();
+        let (mut outputs, mut variances) = (Vec::with_capacity(count), Vec::with_capacity(count / points));
         let mut workspace: Option<Workspace> = None;
         for chunk in inputs.chunks(CHUNK.div_ceil(points) * network.inputs() * points) {
             let rows = chunk.len() / network.inputs();
@@ -153,10 +158,11 @@ impl Laplace {
             };
             asked.squared_error(network.weights());
             asked.sensitivities(network.weights());
+            outputs.extend(asked.first_outputs());
             let unknown = self.determined.uncertainties(asked);
             variances.extend(unknown.iter().map(|u| 1.0 / self.beta + u / self.alpha));
         }
-        variances
+        (outputs, variances)
     }
 }
 
@@ -224,7 +230,7 @@ mod tests {
         let evidence = Evidence { alpha: 0.3, beta: 50.0, gamma: 10.0 };
         let laplace = Laplace::new(Isa::detect(), &network, &rows, evidence).unwrap();
         let asked = vec![0.2, -0.4, 1.5, 0.9, -2.0, 3.0];
-        let variances = laplace.variances(&network, asked.clone(), 1);
+        let variances = laplace.outputs_and_variances(&network, asked.clone(), 1).1;
         for (r, input) in asked.chunks(2).enumerate() {
             let expected = explicit(&network, &rows, evidence, [input[0], input[1]]);
             assert!((variances[r] / expected - 1.0).abs() < 1e-6, "{} {expected}", variances[r]);
@@ -236,9 +242,9 @@ mod tests {
         let (network, rows) = network_and_rows();
         let evidence = Evidence { alpha: 0.3, beta: 50.0, gamma: 10.0 };
         let laplace = Laplace::new(Isa::detect(), &network, &rows, evidence).unwrap();
-        let alone = laplace.variances(&network, vec![0.2, -0.4], 1);
+        let alone = laplace.outputs_and_variances(&network, vec![0.2, -0.4], 1).1;
         let asked = vec![f64::INFINITY, 0.0, 0.2, -0.4, 1.0, f64::NEG_INFINITY];
-        let found = laplace.variances(&network, asked, 1);
+        let found = laplace.outputs_and_variances(&network, asked, 1).1;
         assert_eq!(found, [f64::INFINITY, alone[0], f64::INFINITY]);
     }
 

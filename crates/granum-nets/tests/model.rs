@@ -202,6 +202,15 @@ fn standard_deviations_are_split_by_cause() {
     for model in [alone, several] {
         let totals = model.standard_deviations(&rows).unwrap().unwrap();
         let split = model.deviations_of(&rows, 1).unwrap().unwrap();
+        // Many rows, and one that is beyond all numbers when it is scaled.
+        let mut many: Vec<f64> = (0..700).flat_map(|k| [0.001 * k as f64, 2e4, 1e-4]).collect();
+        many[3 * 350 + 1] = f64::MAX;
+        for points in [1, 7] {
+            let (together, deviations) = model.predict_batch_with_deviations(&many, points).unwrap();
+            assert_eq!(together, model.predict_batch(&many).unwrap());
+            assert_eq!(deviations, model.deviations_of(&many, points).unwrap());
+        }
+        assert!(model.predict_batch_with_deviations(&many, 3).is_err());
         for (total, split) in totals.iter().zip(&split) {
             assert_eq!(*total, split.total);
             let squares = split.noise.powi(2) + split.weights.powi(2) + split.blocks.powi(2);

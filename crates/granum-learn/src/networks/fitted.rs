@@ -211,11 +211,10 @@ impl SubModelNetworks {
         let network = &self.networks[sub_model];
         let failed = |error: ModelError| self.failed(sub_model, &error);
         let points = self.mapping.points_of_value();
-        let batch = network.predict_batch(inputs).map_err(failed)?.values;
-        let deviations = network.deviations_of(inputs, points).map_err(failed)?;
+        let (batch, deviations) = network.predict_batch_with_deviations(inputs, points).map_err(failed)?;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / points as f64;
         Ok(Spread {
-            values: batch.chunks(points).map(mean).collect(),
+            values: batch.values.chunks(points).map(mean).collect(),
             deviations,
             quantile: network.quantile(level),
         })

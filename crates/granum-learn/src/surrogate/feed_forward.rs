@@ -197,10 +197,9 @@ impl Surrogate for FittedNetworks {
         let flat = inputs.values();
         let mut predictions = vec![Prediction::default(); inputs.len()];
         for model in &self.models {
-            let means = model.predict_batch(flat).map_err(failed)?.values;
-            let deviations = model.deviations_of(flat, 1).map_err(failed)?;
+            let (batch, deviations) = model.predict_batch_with_deviations(flat, 1).map_err(failed)?;
             let quantile = model.quantile(level);
-            for (k, (prediction, mean)) in predictions.iter_mut().zip(means).enumerate() {
+            for (k, (prediction, mean)) in predictions.iter_mut().zip(batch.values).enumerate() {
                 let estimate = Estimate::new(mean);
                 prediction.values.push(match &deviations {
                     None => estimate,

@@ -123,8 +123,7 @@ fn intervals(context: &Context, isa: Isa, seconds: f64, hidden: usize, members: 
     }
     let model = Model::fit(&definition, &data, &rule, &mut NoObserver)?.0;
     let each = best(context, seconds, || {
-        black_box(model.predict_batch(&asked)?);
-        black_box(model.standard_deviations(&asked)?);
+        black_box(model.predict_batch_with_deviations(&asked, 1)?);
         Ok(())
     })?;
     Ok(ASKED as f64 / each)
