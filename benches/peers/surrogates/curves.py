@@ -87,7 +87,7 @@ def judge(training, unseen, model_of=Curves):
             predicted = model.predict([np.mean([sample for sample, _ in samples], axis=0)])[0]
             within.append(variance)
             net.append(((predicted - centre) ** 2).mean() - variance / len(samples))
-        yield output, np.array(net), np.sqrt(np.mean(within))
+        yield output, np.array(net), np.sqrt(np.mean(within)), model
 
 
 def root(square):
@@ -95,21 +95,26 @@ def root(square):
 
 
 def show(training, unseen, model_of):
-    for output, net, scatter in judge(training, unseen, model_of):
+    for output, net, scatter, _ in judge(training, unseen, model_of):
         square = np.mean(net)
         error = 0.5 * np.std(net) / np.sqrt(len(net) - 1) / np.sqrt(abs(square)) / scatter
         print(f"  {output:32} {root(square) / scatter:.2f} +- {error:.2f}", flush=True)
 
 
 def show_sets(training, unseen, model_of, count, sets):
-    """The root of the mean of the squared errors of the sets, with its standard error over them, and the error of each."""
-    squares = {output: [] for output in OUTPUTS}
+    """The root of the mean of the squared errors of the sets, with its standard error over them, and the error of each; on the materials of
+    `unseen`, and on the single runs of all others of the training data."""
+    squares = {(output, on): [] for output in OUTPUTS for on in ("mean", "others")}
     for k in range(min(sets, len(training) // count)):
-        for output, net, scatter in judge(training[k * count : (k + 1) * count], unseen, model_of):
-            squares[output].append(np.mean(net) / scatter**2)
-    for output, own in squares.items():
+        own = training[k * count : (k + 1) * count]
+        others = training[: k * count] + training[(k + 1) * count :]
+        for number, (output, net, scatter, model) in enumerate(judge(own, unseen, model_of)):
+            squares[output, "mean"].append(np.mean(net) / scatter**2)
+            apart = model.predict([run[1] for run in others]) - np.array([run[2][number] for run in others])
+            squares[output, "others"].append((apart**2).mean() / scatter**2)
+    for (output, on), own in squares.items():
         error = 0.5 * np.std(own) / np.sqrt(len(own) - 1) / np.sqrt(abs(np.mean(own)))
-        print(f"  {output:32} {root(np.mean(own)):.3f} +- {error:.3f}  " + " ".join(f"{root(square):.2f}" for square in own), flush=True)
+        print(f"  {output:32} {on:6} {root(np.mean(own)):.3f} +- {error:.3f}  " + " ".join(f"{root(square):.2f}" for square in own), flush=True)
 
 
 def main(model_of=Curves):
@@ -118,7 +123,7 @@ def main(model_of=Curves):
     for count in sys.argv[3:]:
         if "x" in count:
             number, sets = map(int, count.split("x"))
-            print(f"{sets} sets of {number} runs: output, mean, and of each set", flush=True)
+            print(f"{sets} sets of {number} runs: output, error, and of each set", flush=True)
             show_sets(training, unseen, model_of, number, sets)
             continue
         number = len(training) if count == "all" else int(count)

@@ -7,14 +7,14 @@
 //!
 //! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets, several of them separated by commas. For each number of runs the first so many are fitted;
 //! `24x20` fits twenty sets of 24 runs, one after another in the training runs, and prints the root of the mean of their squared errors (`mean`) with its standard error
-//! over the sets, and the error of each.
+//! over the sets, and the error of each; then the same for the error on the single runs of all the other materials of `TRAINING` (`others`), of which there are more.
 //! `run` is the root mean square error over single unseen runs, each predicted for its own sample; `mean` that of the prediction for the
 //! mean sample of a point against the mean of its replicates, less what that mean scatters itself, with its standard error over the points.
 //! Both are divided by the standard deviation between replicates, pooled over points and states. `noise` is what the surrogate says
 //! of this standard deviation. A histogram is judged over all of its bins.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use granum_campaign::data_set::DataSet;
@@ -192,24 +192,45 @@ fn judge_sets(
     unseen: &[RunStates],
     (count, sets): (usize, usize),
 ) -> Result<(), Failure> {
-    println!("{sets} sets of {count} runs: output, mean, and of each set");
+    println!("{sets} sets of {count} runs: output, error, and of each set");
     for output in OUTPUTS {
         let spec = spec(output);
-        let mut squares = Vec::new();
+        let (mut squares, mut others) = (Vec::new(), Vec::new());
         for set in training.chunks_exact(count).take(sets) {
             let dataset = Dataset::new(set.to_vec())?;
             let fitted = methods.by_name("gaussian-process")?.fit(&dataset, &spec, &mut NoObserver)?;
             let (scatter, net) = against_means(fitted.as_ref(), &of_runs(fitted.as_ref(), &spec, unseen)?)?;
             squares.push(mean(net.into_iter()) / (scatter * scatter));
+            let own: BTreeSet<&str> = set.iter().map(|run| run.name()).collect();
+            let other = training.iter().filter(|run| !own.contains(run.name())).cloned().collect::<Vec<_>>();
+            others.push(
+                on_runs(fitted.as_ref(), &of_runs(fitted.as_ref(), &spec, &other)?)? / (scatter * scatter),
+            );
         }
-        let square = mean(squares.iter().copied());
-        let variance = mean_square(squares.iter().map(|own| own - square)) / (squares.len() as f64 - 1.0);
-        let root = |square: f64| square.signum() * square.abs().sqrt();
-        let each: Vec<String> = squares.iter().map(|own| format!("{:.2}", root(*own))).collect();
-        let uncertainty = 0.5 * variance.sqrt() / square.abs().sqrt();
-        println!("  {output:32} {:.3} +- {uncertainty:.3}  {}", root(square), each.join(" "));
+        println!("  {output:32} mean   {}", of_sets(&squares));
+        println!("  {output:32} others {}", of_sets(&others));
     }
     Ok(())
+}
+
+/// The root of the mean of squares with its standard error, and the root of each.
+fn of_sets(squares: &[f64]) -> String {
+    let square = mean(squares.iter().copied());
+    let variance = mean_square(squares.iter().map(|own| own - square)) / (squares.len() as f64 - 1.0);
+    let root = |square: f64| square.signum() * square.abs().sqrt();
+    let each: Vec<String> = squares.iter().map(|own| format!("{:.2}", root(*own))).collect();
+    let uncertainty = 0.5 * variance.sqrt() / square.abs().sqrt();
+    format!("{:.3} +- {uncertainty:.3}  {}", root(square), each.join(" "))
+}
+
+/// The mean square error over single runs.
+fn on_runs(fitted: &dyn Surrogate, runs: &[Unseen]) -> Result<f64, Failure> {
+    let inputs: Vec<Vec<f64>> = runs.iter().map(|run| run.inputs.clone()).collect();
+    let states = predict(fitted, &inputs, false)?;
+    let error = |(run, predicted): (&Unseen, &Vec<Said>)| {
+        mean_square(run.curves.iter().zip(predicted).map(|(y, said)| said.mean - y))
+    };
+    Ok(mean(runs.iter().zip(&states).map(error)))
 }
 
 fn spec(output: &str) -> FitSpec {

@@ -8,9 +8,6 @@
 //! that is, a sum of straight lines, smooth functions of one input each, of two inputs each (Duvenaud, Nickisch and Rasmussen 2011), and
 //! of all inputs together. The first terms are learned from few rows, the last can be anything if there are many. All parameters are
 //! positive and are varied by their logarithms.
-//!
-//! Each logarithm has a normal prior, for inputs and outputs with a standard deviation of one. It decides what few rows cannot, and
-//! keeps terms small that rows do not support.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch, exp};
 
@@ -18,9 +15,9 @@ use super::rows::RowLanes;
 use crate::symmetric::Symmetric;
 
 /// Parameters beside those of each input: pairs, product, constant, noise.
-const SHARED: usize = 4;
+pub(super) const SHARED: usize = 4;
 /// Parameters of each input: length, weight of its function, slope.
-const EACH: usize = 3;
+pub(super) const EACH: usize = 3;
 
 /// Places of the shared parameters after those of the inputs.
 const PAIRS: usize = 0;
@@ -28,30 +25,9 @@ const PRODUCT: usize = 1;
 const CONSTANT: usize = 2;
 const NOISE: usize = 3;
 
-/// Mean and standard deviation of the prior of the logarithm of a parameter, as the parameter and its factor.
-struct Prior {
-    typical: f64,
-    deviation: f64,
-}
-
-const LENGTH: Prior = Prior { typical: 1.098_612_288_668_11, deviation: 1.3 }; // ln 3
-const WEIGHT: Prior = Prior { typical: -1.203_972_804_325_936, deviation: 1.5 }; // ln 0.3
-const SLOPE: Prior = Prior { typical: -std::f64::consts::LN_10, deviation: 1.5 }; // ln 0.1
-const OF_PAIRS: Prior = Prior { typical: 0.0, deviation: 1.5 }; // ln 1
-const OF_PRODUCT: Prior = Prior { typical: -1.203_972_804_325_936, deviation: 1.5 }; // ln 0.3
-const OF_CONSTANT: Prior = Prior { typical: -1.203_972_804_325_936, deviation: 1.0 }; // ln 0.3
-const OF_NOISE: Prior = Prior { typical: -2.995_732_273_553_991, deviation: 2.5 }; // ln 0.05
-
 /// Number of parameters for so many inputs.
 pub(super) fn parameter_count(inputs: usize) -> usize {
     EACH * inputs + SHARED
-}
-
-/// Mean and standard deviation of the prior of each logarithm.
-pub(super) fn prior(inputs: usize) -> Vec<[f64; 2]> {
-    let each = |prior: &Prior| std::iter::repeat_n([prior.typical, prior.deviation], inputs);
-    let shared = [OF_PAIRS, OF_PRODUCT, OF_CONSTANT, OF_NOISE].map(|prior| [prior.typical, prior.deviation]);
-    each(&LENGTH).chain(each(&WEIGHT)).chain(each(&SLOPE)).chain(shared).collect()
 }
 
 /// A covariance with its parameters.

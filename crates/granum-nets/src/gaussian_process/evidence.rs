@@ -9,7 +9,7 @@
 
 use granum_simd::{Isa, LANES, Row8};
 
-use super::covariance::{Covariance, prior};
+use super::covariance::Covariance;
 use super::rows::RowLanes;
 use crate::minimise::Slope;
 use crate::symmetric::{Cholesky, Symmetric};
@@ -84,8 +84,13 @@ impl Factorised {
     }
 }
 
-/// Minus the logarithm of the posterior, but for a constant, and its gradient; `None` if the covariance is not positive definite.
-pub(super) fn posterior(rows: &RowLanes, targets: &[f64], logarithms: &[f64]) -> Option<Slope> {
+/// Minus the logarithm of the posterior, with the mean and the standard deviation of the prior of each logarithm, but for a constant, and its gradient; `None` if the covariance is not positive definite.
+pub(super) fn posterior(
+    rows: &RowLanes,
+    targets: &[f64],
+    prior: &[[f64; 2]],
+    logarithms: &[f64],
+) -> Option<Slope> {
     let moderate = |l: &f64| l.abs() < MOST_LOGARITHM;
     if !logarithms.iter().all(moderate) {
         return None;
@@ -98,7 +103,7 @@ pub(super) fn posterior(rows: &RowLanes, targets: &[f64], logarithms: &[f64]) ->
     let solved = factorised.packed(&solved);
     let inverse = factorised.factor.inverse();
     let mut gradient = covariance.weighted_gradient(Isa::detect(), rows, &inverse, &solved);
-    let terms = gradient.iter_mut().zip(logarithms).zip(prior(rows.columns));
+    let terms = gradient.iter_mut().zip(logarithms).zip(prior);
     for ((slope, l), [mean, deviation]) in terms {
         let distance = (l - mean) / deviation;
         *slope = 0.5 * *slope + distance / deviation;

@@ -21,6 +21,7 @@ mod error;
 mod evidence;
 mod left_out_blocks;
 mod observations;
+mod prior;
 mod process;
 mod rows;
 #[cfg(test)]
@@ -29,5 +30,6 @@ mod tests;
 pub use error::GaussianProcessError;
 pub use left_out_blocks::LeftOutBlocks;
 pub use observations::{Observations, PosteriorCovariance};
+pub use prior::Prior;
 pub use process::{FitOptions, FurtherRow, GaussianProcess, LeftOut, ProcessPrediction};
 pub use rows::Rows;

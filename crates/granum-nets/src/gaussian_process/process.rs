@@ -6,9 +6,10 @@ use granum_simd::{Isa, Row8};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::covariance::{Covariance, parameter_count, prior};
+use super::covariance::{Covariance, parameter_count};
 use super::error::GaussianProcessError;
 use super::evidence::{Factorised, posterior};
+use super::prior::Prior;
 use super::rows::{RowLanes, Rows};
 use crate::initialisation::uniform;
 use crate::minimise::minimise;
@@ -28,11 +29,13 @@ pub struct FitOptions {
     pub most_rows: usize,
     /// Seed of the drawn parameters (1).
     pub seed: u64,
+    /// What is thought of the parameters before the rows are seen ([`Prior::Wide`]).
+    pub prior: Prior,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        FitOptions { starts: 2, iterations: 60, most_rows: 300, seed: 1 }
+        FitOptions { starts: 2, iterations: 60, most_rows: 300, seed: 1, prior: Prior::Wide }
     }
 }
 
@@ -93,7 +96,7 @@ impl GaussianProcess {
         targets: &[f64],
         options: &FitOptions,
     ) -> Result<GaussianProcess, GaussianProcessError> {
-        let prior = prior(rows.columns());
+        let prior = options.prior.of_logarithms(rows.columns());
         let mut random = ChaCha8Rng::seed_from_u64(options.seed);
         let mut start = |k: usize| {
             let drawn = |[mean, deviation]: &[f64; 2]| match k {
@@ -132,9 +135,10 @@ impl GaussianProcess {
         let chosen: Vec<f64> = used.iter().map(|&k| targets[k]).collect();
         let [mean, deviation] = mean_and_deviation(&chosen);
         let chosen: Vec<f64> = chosen.iter().map(|y| (y - mean) / deviation).collect();
+        let prior = options.prior.of_logarithms(rows.columns());
         let mut best: Option<(f64, Vec<f64>)> = None;
         for start in starts {
-            let mut value = |logarithms: &[f64]| posterior(&some, &chosen, logarithms);
+            let mut value = |logarithms: &[f64]| posterior(&some, &chosen, &prior, logarithms);
             let found = minimise(start, options.iterations, TOLERANCE, &mut value);
             if let Some(found) = found
                 && best.as_ref().is_none_or(|(least, _)| found.value < *least)

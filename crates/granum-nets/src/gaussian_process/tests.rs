@@ -5,7 +5,6 @@ use std::sync::Arc;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::covariance::prior;
 use super::evidence::posterior;
 use super::rows::RowLanes;
 use super::*;
@@ -32,13 +31,14 @@ fn the_gradient_of_the_posterior_is_that_by_differences() {
     let (rows, inputs) = (rows(13, 3, 1), 3);
     let targets = observed(&rows, 2);
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    let at: Vec<f64> = prior(inputs).iter().map(|[mean, _]| mean + 0.5 * uniform(&mut random)).collect();
-    let (_, gradient) = posterior(&RowLanes::new(&rows), &targets, &at).unwrap();
+    let prior = Prior::Narrow.of_logarithms(inputs);
+    let at: Vec<f64> = prior.iter().map(|[mean, _]| mean + 0.5 * uniform(&mut random)).collect();
+    let (_, gradient) = posterior(&RowLanes::new(&rows), &targets, &prior, &at).unwrap();
     for k in 0..at.len() {
         let moved = |by: f64| {
             let mut at = at.clone();
             at[k] += by;
-            posterior(&RowLanes::new(&rows), &targets, &at).unwrap().0
+            posterior(&RowLanes::new(&rows), &targets, &prior, &at).unwrap().0
         };
         let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
         assert!((gradient[k] - slope).abs() < 1e-6 * (1.0 + slope.abs()), "{k}: {} {slope}", gradient[k]);

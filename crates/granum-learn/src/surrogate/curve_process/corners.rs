@@ -120,7 +120,7 @@ impl<'a> Corners<'a> {
             let mut left = self.left_out.iter().map(|corners| corners[corner][place]);
             let curve = |curve: &KeptCurve| {
                 let weights: Vec<_> = curve.components.iter().zip(left.by_ref()).collect();
-                Curve::new(curve.mean.clone(), curve.rest.clone(), &weights)
+                curve.output(Curve::new(curve.mean.clone(), curve.rest.clone(), &weights))
             };
             let curves: Vec<Curve> = self.curves.iter().map(curve).collect();
             let run = self.used[self.corners[corner].runs[place]];

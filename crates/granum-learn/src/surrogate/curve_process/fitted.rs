@@ -274,11 +274,13 @@ impl FittedCurves {
     fn curves(&self, inputs: &[f64]) -> Vec<Curve> {
         let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
         let curve = |(kept, processes): (&KeptCurve, &Vec<GaussianProcess>)| {
-            let start = kept.start.map_or(0.0, |input| inputs[input]);
+            let points = &self.kept.points;
+            let from_start = points.iter().map(|x| kept.start_at(inputs, x - points[0]));
             let each = kept.components.iter().zip(processes);
             let weights: Vec<_> =
                 each.map(|(component, process)| (component, process.predict(&row))).collect();
-            Curve::new(kept.mean.iter().map(|mean| start + mean).collect(), kept.rest.clone(), &weights)
+            let mean = from_start.zip(&kept.mean).map(|(start, mean)| start + mean).collect();
+            kept.output(Curve::new(mean, kept.rest.clone(), &weights))
         };
         let curves = self.kept.curves.iter().zip(&self.processes).map(curve);
         curves_of_outputs(curves, &self.kept.histograms, self.columns.outputs.len())
@@ -293,6 +295,7 @@ fn is_sound(columns: &Columns, kept: &Kept) -> bool {
     let outputs = columns.outputs.len();
     let curve = |curve: &KeptCurve| {
         curve.start.is_none_or(|start| start + 1 < inputs)
+            && curve.memory.is_none_or(|memory| memory.is_sound())
             && is_curve(&curve.mean)
             && is_curve(&curve.rest)
             && curve.rest.iter().all(|variance| *variance >= 0.0)

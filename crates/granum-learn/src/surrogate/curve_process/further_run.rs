@@ -32,7 +32,7 @@ impl FittedCurves {
     /// As [`FittedCurves::correlated_curve`].
     pub fn reducible_variance(&self, inputs: &[f64], output: usize, at: &[f64]) -> Result<Vec<f64>> {
         let row = self.row(inputs)?;
-        self.along(output, at, |component| self.processes[output][component].predict(&row).variance)
+        self.along(&row, output, at, |component| self.processes[output][component].predict(&row).variance)
     }
 
     /// By how much a further run would reduce the [reducible variance](FittedCurves::reducible_variance), whatever it turned out to give.
@@ -47,23 +47,39 @@ impl FittedCurves {
         further: &FurtherRun,
     ) -> Result<Vec<f64>> {
         let row = self.row(inputs)?;
-        self.along(output, at, |component| {
+        self.along(&row, output, at, |component| {
             let own = further.rows.get(output).and_then(|rows| rows.get(component));
             own.map_or(0.0, |further| self.processes[output][component].reduction(&row, further))
         })
     }
 
     /// The variance at each value of the coordinate, from that of the weight of each component.
-    fn along(&self, output: usize, at: &[f64], variance: impl Fn(usize) -> f64) -> Result<Vec<f64>> {
+    fn along(
+        &self,
+        row: &[f64],
+        output: usize,
+        at: &[f64],
+        variance: impl Fn(usize) -> f64,
+    ) -> Result<Vec<f64>> {
         let (kept, factor) = self.normal_output(output)?;
-        let mut sum = vec![0.0; at.len()];
+        let points = &self.kept.points;
+        let (mut sum, mut root) = (vec![0.0; at.len()], Vec::new());
+        if kept.root {
+            root = at.iter().map(|x| interpolated(*x, points, &kept.mean)).collect();
+        }
         for (j, component) in kept.components.iter().enumerate() {
             let own = factor * factor * variance(j);
             for (sum, x) in sum.iter_mut().zip(at) {
-                let value = interpolated(*x, &self.kept.points, component);
+                let value = interpolated(*x, points, component);
                 *sum += own * value * value;
             }
+            let weight = if kept.root { self.processes[output][j].predict(row).mean } else { 0.0 };
+            for (root, x) in root.iter_mut().zip(at) {
+                *root += weight * interpolated(*x, points, component);
+            }
         }
+        // To first order the variance of a square is that of its root times the square of the slope.
+        sum.iter_mut().zip(&root).for_each(|(sum, root)| *sum *= 4.0 * root * root);
         Ok(sum)
     }
 }

@@ -2,6 +2,7 @@
 //! correlated from one output to another.
 
 use super::fitted::{CorrelatedCurve, FittedCurves};
+use super::root::square_jointly;
 use crate::curve::interpolated;
 use crate::error::Result;
 
@@ -100,12 +101,15 @@ impl FittedCurves {
         let row = self.row(inputs)?;
         let count: usize = asked.iter().map(|(_, at)| at.len()).sum();
         let (mut mean, mut covariance) = (Vec::with_capacity(count), vec![0.0; count * count]);
-        let mut all: Vec<Deviations> = Vec::new();
+        let (mut all, mut roots): (Vec<Deviations>, Vec<Option<f64>>) =
+            (Vec::new(), Vec::with_capacity(count));
         for (output, at) in asked {
             let (kept, factor) = self.normal_output(*output)?;
             let from = mean.len();
-            let start = kept.start.map_or(0.0, |input| inputs[input]);
-            mean.extend(at.iter().map(|x| start + interpolated(*x, points, &kept.mean)));
+            roots.extend(at.iter().map(|_| kept.root.then_some(factor)));
+            let starts: Vec<f64> = points.iter().map(|x| kept.start_at(inputs, x - points[0])).collect();
+            let value = |x: &f64| interpolated(*x, points, &starts) + interpolated(*x, points, &kept.mean);
+            mean.extend(at.iter().map(value));
             let mut rows = vec![Vec::with_capacity(kept.components.len()); at.len()];
             for (values, process) in kept.components.iter().zip(&self.processes[*output]) {
                 let weight = process.predict(&row);
@@ -145,6 +149,7 @@ impl FittedCurves {
                 }
             }
         }
+        square_jointly(&mut mean, &mut covariance, &roots);
         Ok(CorrelatedCurve { mean, covariance })
     }
 }

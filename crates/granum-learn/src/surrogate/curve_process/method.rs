@@ -1,27 +1,25 @@
 //! The method that fits processes to curves.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use granum_core::observer::{Event, Flow, Observer, Progress, SharedObserver};
-use granum_core::parallel;
-use granum_nets::gaussian_process::{FitOptions, GaussianProcess, Rows};
+use granum_core::observer::{Event, Observer};
+use granum_nets::gaussian_process::Rows;
 
-use super::components::Components;
-use super::densities::{Densities, histograms_among};
+use super::densities::Densities;
 use super::failure::{NAME, failed};
 use super::fitted::{FittedCurves, Kept};
+use super::fitting::Fitting;
 use super::groups::groups_of;
 use super::kept_curve::KeptCurve;
-use super::left_out::{Curves, PARTS};
 use super::left_out_curves::LeftOutCurves;
 use super::local_calibration::{Calibrated, LeftOutRuns};
 use super::predicted_curve::{Curve, curves_of_outputs};
+use super::prepared::Shared;
 use super::reach::{Reach, within_reach};
 use super::run_curves::{RunCurve, common_points, shares};
 use crate::curve::range;
-use crate::dataset::{ColumnGroup, Dataset, RunStates, Variable};
-use crate::error::{LearnError, Result};
+use crate::dataset::{Dataset, RunStates, Variable};
+use crate::error::Result;
 use crate::surrogate::content::Content;
 use crate::surrogate::spec::{Columns, FitSpec};
 use crate::surrogate::surrogate_trait::{Surrogate, SurrogateMethod};
@@ -67,24 +65,13 @@ pub struct GaussianProcessOfCurves {
 
 impl Default for GaussianProcessOfCurves {
     fn default() -> Self {
-        GaussianProcessOfCurves { components: 8, independent: false, starts: 2, most_runs: 300 }
+        GaussianProcessOfCurves {
+            components: 8,
+            independent: false,
+            starts: std::env::var("STARTS").map(|s| s.parse().unwrap_or(2)).unwrap_or(2),
+            most_runs: 300,
+        }
     }
-}
-
-/// What the fits of all outputs share.
-struct Shared {
-    runs: Vec<RunCurve>,
-    points: Vec<f64>,
-    shares: Vec<f64>,
-    rows: Option<Arc<Rows>>,
-}
-
-/// An output, or a coefficient of a histogram, before its processes are fitted.
-struct Prepared {
-    /// The input that is its value on the sample.
-    start: Option<usize>,
-    curves: Vec<Vec<f64>>,
-    components: Components,
 }
 
 impl SurrogateMethod for GaussianProcessOfCurves {
@@ -162,35 +149,20 @@ impl GaussianProcessOfCurves {
             false => Some(Arc::new(Rows::new(values.clone(), groups.len()).map_err(failed)?)),
         };
         let points = common_points(&runs)?;
-        let shared = Shared { shares: shares(&points), points, rows, runs };
+        let most = if rows.is_some() { self.components } else { 0 };
+        let independent = self.independent;
+        let shared = Shared { shares: shares(&points), points, rows, runs, most, independent };
         let starts: Vec<Option<usize>> =
             columns.outputs.iter().map(|output| start_of(output, &names)).collect();
         let histograms = shared.histograms(dataset, &columns.output_names());
-        let prepared = self.prepared(&shared, &starts, &histograms);
-        let fits: Vec<(usize, usize)> = prepared
-            .iter()
-            .enumerate()
-            .flat_map(|(output, prepared)| {
-                (0..prepared.components.components.len()).map(move |j| (output, j))
-            })
-            .collect();
-        let processes = match &shared.rows {
-            Some(rows) => self.processes(rows, &prepared, &fits, spec, observer)?,
-            None => Vec::new(),
-        };
-        let mut rest = processes.iter().map(|process| process.parameters().to_vec());
-        let parameters: Vec<Vec<Vec<f64>>> = prepared
-            .iter()
-            .map(|prepared| rest.by_ref().take(prepared.components.components.len()).collect())
-            .collect();
-        let predicted = self.left_out(&shared, &prepared, &parameters, spec, observer)?;
+        let fits = Fitting { starts: self.starts, most_runs: self.most_runs, spec, shared: &shared }.fitted(
+            &starts,
+            &histograms,
+            observer,
+        )?;
+        let (curves, predicted): (Vec<KeptCurve>, Vec<Vec<Curve>>) = fits.into_iter().unzip();
         let predicted = of_outputs(predicted, &histograms, starts.len());
-        let curves = prepared.into_iter().zip(parameters).map(|(prepared, parameters)| {
-            let Prepared { start, components: Components { mean, components, weights, rest }, .. } = prepared;
-            KeptCurve { start, mean, components, rest, parameters, weights }
-        });
-        let curves: Vec<KeptCurve> = curves.collect();
-        let measured = measured(&shared, &starts);
+        let measured = shared.measured(&starts);
         let left_out_runs =
             LeftOutRuns { measured: &measured, predicted: &predicted, shares: &shared.shares };
         let Calibrated { calibrations, local, limit } =
@@ -221,132 +193,6 @@ impl GaussianProcessOfCurves {
     }
 }
 
-impl Shared {
-    /// The histograms of which all bins are outputs.
-    fn histograms(&self, dataset: &Dataset, outputs: &[String]) -> Vec<Densities> {
-        let Some(first) = dataset.runs().first() else { return Vec::new() };
-        let histogram = |(output, group): (usize, &ColumnGroup)| {
-            let of_run = |run: &RunCurve| self.states(run, output, group.centres.len());
-            let states: Vec<Vec<f64>> = self.runs.iter().flat_map(of_run).collect();
-            Densities::new(group, output, &states, &self.shares.repeat(self.runs.len()))
-        };
-        histograms_among(first, outputs).into_iter().map(histogram).collect()
-    }
-
-    /// The densities of the bins at each point.
-    fn states(&self, run: &RunCurve, first: usize, bins: usize) -> Vec<Vec<f64>> {
-        let curves: Vec<Vec<f64>> =
-            (first..first + bins).map(|output| run.at(&self.points, output, None)).collect();
-        (0..self.points.len()).map(|k| curves.iter().map(|curve| curve[k]).collect()).collect()
-    }
-}
-
-impl GaussianProcessOfCurves {
-    /// The curves that are fitted: of each output, and in the place of the bins of a histogram of its coefficients.
-    fn prepared(&self, shared: &Shared, starts: &[Option<usize>], histograms: &[Densities]) -> Vec<Prepared> {
-        let most = if shared.rows.is_some() { self.components } else { 0 };
-        let with = |start: Option<usize>, curves: Vec<Vec<f64>>| {
-            let components = Components::new(&curves, &shared.shares, most);
-            let components = if self.independent { components.independent() } else { components };
-            Prepared { start, curves, components }
-        };
-        let (mut prepared, mut output) = (Vec::new(), 0);
-        while output < starts.len() {
-            let Some(densities) = histograms.iter().find(|densities| densities.first == output) else {
-                let start = starts[output];
-                let curve = |run: &RunCurve| run.at(&shared.points, output, start);
-                prepared.push(with(start, shared.runs.iter().map(curve).collect()));
-                output += 1;
-                continue;
-            };
-            let coefficients = |run: &RunCurve| -> Vec<Vec<f64>> {
-                let states = shared.states(run, output, densities.bins());
-                states.iter().map(|state| densities.coefficients(state)).collect()
-            };
-            let of_runs: Vec<Vec<Vec<f64>>> = shared.runs.iter().map(coefficients).collect();
-            for k in 0..densities.directions.len() {
-                let curve = |states: &Vec<Vec<f64>>| states.iter().map(|state| state[k]).collect();
-                prepared.push(with(None, of_runs.iter().map(curve).collect()));
-            }
-            output += densities.bins();
-        }
-        prepared
-    }
-
-    /// The processes of all components of all outputs.
-    fn processes(
-        &self,
-        rows: &Arc<Rows>,
-        prepared: &[Prepared],
-        fits: &[(usize, usize)],
-        spec: &FitSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<GaussianProcess>> {
-        let shared = SharedObserver::new(observer);
-        let done = AtomicUsize::new(0);
-        parallel::map(fits.len(), spec.threads, |k| {
-            let mut part = shared.part(format!("process {}", k + 1));
-            let (complete, total) = (done.load(Ordering::Relaxed), fits.len());
-            let progress = Progress::new("training", "processes", complete as u64).out_of(total as u64);
-            if part.progress(&progress) == Flow::Stop {
-                return Err(LearnError::Stopped { done: complete, total });
-            }
-            let (output, component) = fits[k];
-            let mut options = FitOptions::default();
-            (options.starts, options.most_rows) = (self.starts, self.most_runs);
-            options.seed = spec.seed.wrapping_add(k as u64);
-            let targets = &prepared[output].components.weights[component];
-            let process = GaussianProcess::fit(rows.clone(), targets, &options).map_err(failed)?;
-            done.fetch_add(1, Ordering::Relaxed);
-            part.completed();
-            Ok(process)
-        })
-    }
-}
-
-impl GaussianProcessOfCurves {
-    /// For each curve that is fitted those of the runs, in order, each as predicted from other runs.
-    fn left_out(
-        &self,
-        shared: &Shared,
-        prepared: &[Prepared],
-        parameters: &[Vec<Vec<f64>>],
-        spec: &FitSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<Vec<Curve>>> {
-        let follower = SharedObserver::new(observer);
-        let (done, total) = (AtomicUsize::new(0), prepared.len() * PARTS);
-        let found = parallel::map(total, spec.threads, |k| {
-            let (curve, part) = (k / PARTS, k % PARTS);
-            let complete = done.load(Ordering::Relaxed);
-            let progress = Progress::new("calibration", "parts", complete as u64).out_of(total as u64);
-            if follower.part(format!("curve {}", curve + 1)).progress(&progress) == Flow::Stop {
-                return Err(LearnError::Stopped { done: complete, total });
-            }
-            let mut options = FitOptions::default();
-            options.most_rows = self.most_runs;
-            let curves = Curves {
-                curves: &prepared[curve].curves,
-                shares: &shared.shares,
-                rows: shared.rows.as_deref(),
-                parameters: &parameters[curve],
-                independent: self.independent,
-                options,
-            };
-            let predicted = curves.predicted(part)?;
-            done.fetch_add(1, Ordering::Relaxed);
-            Ok(predicted)
-        })?;
-        let mut found = found.into_iter();
-        let mut of_curve = || {
-            let mut runs: Vec<(usize, Curve)> = found.by_ref().take(PARTS).flatten().collect();
-            runs.sort_by_key(|(run, _)| *run);
-            runs.into_iter().map(|(_, curve)| curve).collect()
-        };
-        Ok(prepared.iter().map(|_| of_curve()).collect())
-    }
-}
-
 /// For each run the curves of its outputs, from the curves that are fitted with those of all runs.
 fn of_outputs(left_out: Vec<Vec<Curve>>, histograms: &[Densities], outputs: usize) -> Vec<Vec<Curve>> {
     let known = left_out.iter().map(Vec::len).min().unwrap_or(0);
@@ -355,14 +201,6 @@ fn of_outputs(left_out: Vec<Vec<Curve>>, histograms: &[Densities], outputs: usiz
         of_runs.iter_mut().zip(curves).for_each(|(run, curve)| run.push(curve));
     }
     of_runs.into_iter().map(|run| curves_of_outputs(run, histograms, outputs)).collect()
-}
-
-/// For each output the curves of the runs, from their starts.
-fn measured(shared: &Shared, starts: &[Option<usize>]) -> Vec<Vec<Vec<f64>>> {
-    let of_output = |(output, start): (usize, &Option<usize>)| {
-        shared.runs.iter().map(|run| run.at(&shared.points, output, *start)).collect()
-    };
-    starts.iter().enumerate().map(of_output).collect()
 }
 
 /// The input that is the value of an output on the sample.

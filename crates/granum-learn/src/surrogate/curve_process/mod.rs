@@ -25,6 +25,7 @@ mod densities;
 mod error_size;
 mod failure;
 mod fitted;
+mod fitting;
 mod further_run;
 mod groups;
 mod joint;
@@ -36,8 +37,11 @@ mod method;
 mod next_runs;
 mod orthogonal_hull;
 mod predicted_curve;
+mod prepared;
 mod reach;
+mod root;
 mod run_curves;
+mod start_memory;
 #[cfg(test)]
 mod tests;
 
