@@ -121,6 +121,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-paths-quarters.toml"),
     },
     ReadyPlan {
+        name: "sand-undrained-score",
+        case: "undrained-dense",
+        text: include_str!("../gallery/plans/sand-undrained-score.toml"),
+    },
+    ReadyPlan {
         name: "powder-paths",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths.toml"),
