@@ -232,7 +232,8 @@ impl FittedCurves {
                     (Cause::Noise, at(&curve.noise).sqrt()),
                     (Cause::Parameters, at(&curve.parameters).sqrt()),
                 ];
-                mean.by(causes, *factor)
+                let estimate = mean.by(causes, *factor);
+                if curve.is_square { estimate.cut([0.0, f64::INFINITY]) } else { estimate }
             };
             let estimates = curves.iter().zip(&place.factors).map(estimate).collect();
             let outside = outside_of(&self.columns, &all_ranges, row);

@@ -299,6 +299,8 @@ mod tests {
             let interval = prediction.values[0].interval.as_ref().unwrap();
             (interval.lower..=interval.upper).contains(y)
         });
+        let lower = |prediction: &crate::Prediction| prediction.values[0].interval.as_ref().unwrap().lower;
+        assert!(predicted.iter().all(|prediction| lower(prediction) >= 0.0));
         let share = held.count() as f64 / predicted.len() as f64;
         assert!((0.85..=0.98).contains(&share), "{share}");
         for strength in [0.1, 0.5, 0.9] {

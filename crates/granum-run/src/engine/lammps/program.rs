@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::time::Duration;
 
 use granum_io::Error;
 
@@ -18,6 +19,9 @@ pub const NAME: &str = "lammps";
 const PACKAGE: &str = "GRANULAR";
 /// Number of lines of a log that are shown.
 const LINES_SHOWN: usize = 12;
+
+/// How long to wait before a program that failed is asked again.
+const PAUSES: [Duration; 2] = [Duration::from_millis(200), Duration::from_millis(1000)];
 
 /// What `lmp -h` says.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +49,7 @@ pub(super) fn about(command: &[String]) -> Result<About, EngineError> {
         return Err(refused("its command is empty; give one, e.g. --command \"mpirun -np 4 lmp\"".into()));
     };
     let name = shown(command);
-    let output = Command::new(program).args(arguments).arg("-h").stdin(Stdio::null()).output();
-    let output = output.map_err(|error| match error.kind() {
+    let output = asked(program, arguments).map_err(|error| match error.kind() {
         ErrorKind::NotFound => refused(format!(
             "there is no program {program:?} on the PATH. Install LAMMPS with its package {PACKAGE}, on Debian and Ubuntu with `apt \
              install lammps`, with conda with `conda install -c conda-forge lammps`; or say how it is started here, e.g. --command \
@@ -69,6 +72,20 @@ pub(super) fn about(command: &[String]) -> Result<About, EngineError> {
         )));
     }
     Ok(about)
+}
+
+/// The help of a program. MPI of several processes that begin at the same moment can fail to start, so that a program that fails is asked again.
+fn asked(program: &str, arguments: &[String]) -> std::io::Result<Output> {
+    let ask = || Command::new(program).args(arguments).arg("-h").stdin(Stdio::null()).output();
+    let mut output = ask()?;
+    for pause in PAUSES {
+        if output.status.success() {
+            break;
+        }
+        std::thread::sleep(pause);
+        output = ask()?;
+    }
+    Ok(output)
 }
 
 /// Reads what `lmp -h` prints.
@@ -212,6 +229,17 @@ mod tests {
         let error = about_nothing(&["true"]);
         assert!(error.contains("`true -h` does not say that it is LAMMPS"), "{error}");
         assert!(about_nothing(&[]).contains("its command is empty"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_program_that_fails_once_is_asked_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let (seen, help) = (folder.path().join("seen"), folder.path().join("help"));
+        fs::write(&help, HELP).unwrap();
+        let script = format!("[ -e {0:?} ] && exec cat {1:?}; touch {0:?}; exit 1", seen, help);
+        let command = ["sh", "-c", &script].map(String::from);
+        assert_eq!(super::about(&command).unwrap().version, "29 Sep 2021 - Update 2");
     }
 
     fn about_nothing(command: &[&str]) -> String {
