@@ -3,7 +3,7 @@
 use super::model::{FamilyModel, unfit};
 use super::typical::{TypicalValue, typical_value};
 use crate::error::{LearnError, Result};
-use crate::surrogate::{Outside, RunInputs, UnseenCombination, possible_values};
+use crate::surrogate::{Outside, RunInputs, UnseenCombination};
 
 /// Where the value of an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,10 +115,11 @@ impl FamilyModel {
         }
         let points = self.points()?.to_vec();
         let columns = &self.surrogate.columns().outputs;
-        let curves = columns.iter().zip(plain.curves).zip(variances).map(|((column, plain), variance)| {
+        let curves = columns.iter().enumerate().zip(plain.curves).zip(variances);
+        let curves = curves.map(|(((output, column), plain), variance)| {
             let [mean, lower, upper] = plain;
             let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
-            let [lowest, highest] = possible_values(&column.name);
+            let [lowest, highest] = self.surrogate.possible_values(output);
             let wider = |k: usize, end: f64, sign: f64| {
                 let half = end - mean[k];
                 let end = mean[k] + sign * (half * half + quantile * quantile * variance[k]).sqrt();

@@ -1,7 +1,6 @@
 //! Which values a quantity can have: no share of contacts is negative, and none is larger than one.
 
 use super::prediction::Prediction;
-use super::spec::Columns;
 
 /// Numbers of contacts per grain, and other columns that are not negative.
 const NOT_NEGATIVE: [&str; 10] = [
@@ -57,9 +56,12 @@ pub fn possible_values(column: &str) -> [f64; 2] {
 }
 
 /// Cuts the intervals of predictions to the values that their outputs can have.
-pub(crate) fn cut_to_possible(columns: &Columns, predictions: Vec<Prediction>) -> Vec<Prediction> {
-    let possible: Vec<[f64; 2]> =
-        columns.outputs.iter().map(|output| possible_values(&output.name)).collect();
+pub(crate) fn cut_to_possible(
+    predictions: Vec<Prediction>,
+    possible: impl Fn(usize) -> [f64; 2],
+) -> Vec<Prediction> {
+    let outputs = predictions.first().map_or(0, |prediction| prediction.values.len());
+    let possible: Vec<[f64; 2]> = (0..outputs).map(possible).collect();
     let cut = |prediction: Prediction| {
         let values = prediction.values.into_iter().zip(&possible).map(|(own, possible)| own.cut(*possible));
         Prediction { values: values.collect(), ..prediction }

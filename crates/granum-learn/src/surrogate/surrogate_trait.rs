@@ -6,7 +6,7 @@ use std::sync::Arc;
 use granum_core::observer::{Flow, Observer, Progress};
 
 use super::content::Content;
-use super::possible_values::cut_to_possible;
+use super::possible_values::{cut_to_possible, possible_values};
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
@@ -169,7 +169,15 @@ pub trait Surrogate: Any + Send + Sync {
         let predictions = self.evaluate(inputs, level)?;
         let values = predictions.iter().map(|prediction| prediction.values.len());
         check_answer(self.method(), self.columns(), inputs, values)?;
-        Ok(cut_to_possible(self.columns(), predictions))
+        Ok(cut_to_possible(predictions, |output| self.possible_values(output)))
+    }
+
+    /// The range of the values that an output, given by its number, can have; by default what its name says ([`possible_values`](super::possible_values)).
+    fn possible_values(&self, output: usize) -> [f64; 2] {
+        self.columns()
+            .outputs
+            .get(output)
+            .map_or([f64::NEG_INFINITY, f64::INFINITY], |own| possible_values(&own.name))
     }
 
     /// Predicts rows, given in row-major order with a value for every input in order. For a surrogate with memory, each row

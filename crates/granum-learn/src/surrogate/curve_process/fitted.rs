@@ -19,7 +19,7 @@ use crate::curve::{increases, interpolated};
 use crate::dataset::RunStates;
 use crate::error::Result;
 use crate::surrogate::content::Content;
-use crate::surrogate::possible_values::cut_to_possible;
+use crate::surrogate::possible_values::{cut_to_possible, possible_values};
 use crate::surrogate::prediction::{Cause, Estimate, Prediction, UnseenCombination, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
@@ -120,7 +120,7 @@ impl FittedCurves {
         // Checks the inputs and the level.
         self.predict(inputs, level)?;
         let bands = self.predictions(inputs, &|calibration| calibration.band(level));
-        Ok(cut_to_possible(&self.columns, bands))
+        Ok(cut_to_possible(bands, |output| self.possible_values(output)))
     }
 
     /// The points of the coordinate at which curves are learned; between them they are straight.
@@ -232,8 +232,7 @@ impl FittedCurves {
                     (Cause::Noise, at(&curve.noise).sqrt()),
                     (Cause::Parameters, at(&curve.parameters).sqrt()),
                 ];
-                let estimate = mean.by(causes, *factor);
-                if curve.is_square { estimate.cut([0.0, f64::INFINITY]) } else { estimate }
+                mean.by(causes, *factor)
             };
             let estimates = curves.iter().zip(&place.factors).map(estimate).collect();
             let outside = outside_of(&self.columns, &all_ranges, row);
@@ -338,6 +337,15 @@ impl Surrogate for FittedCurves {
 
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         Ok(self.predictions(inputs, &|calibration| calibration.interval(level)))
+    }
+
+    fn possible_values(&self, output: usize) -> [f64; 2] {
+        let [low, high] = possible_values(&self.columns.outputs[output].name);
+        // The curve of the output, if the bins of no histogram stand before it.
+        let before = self.kept.histograms.iter().filter(|densities| densities.first < output);
+        let curve = before.fold(output, |curve, own| curve - own.bins().min(curve) + own.directions.len());
+        let root = self.kept.curves.get(curve).is_some_and(|kept| kept.root);
+        [if root { low.max(0.0) } else { low }, high]
     }
 
     fn content(&self) -> Result<Content> {

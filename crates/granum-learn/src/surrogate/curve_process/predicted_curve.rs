@@ -12,14 +12,12 @@ pub(super) struct Curve {
     pub parameters: Vec<f64>,
     /// Variance of a single run about it.
     pub noise: Vec<f64>,
-    /// It is a square, and so are the values of runs.
-    pub is_square: bool,
 }
 
 impl Curve {
     /// A mean curve, about which runs have the variance `rest` at each point, and components with their weights.
     pub fn new(mean: Vec<f64>, rest: Vec<f64>, weights: &[(&Vec<f64>, ProcessPrediction)]) -> Curve {
-        let mut curve = Curve { parameters: vec![0.0; mean.len()], mean, noise: rest, is_square: false };
+        let mut curve = Curve { parameters: vec![0.0; mean.len()], mean, noise: rest };
         for (component, weight) in weights {
             for (k, value) in component.iter().enumerate() {
                 curve.mean[k] += weight.mean * value;

@@ -31,7 +31,6 @@ pub(super) fn squared(mut curve: Curve) -> Curve {
         curve.parameters[k] *= factor;
         curve.noise[k] *= factor;
     }
-    curve.is_square = true;
     curve
 }
 
@@ -96,7 +95,7 @@ mod tests {
             }
             assert_eq!(matrix[1], matrix[2]);
         }
-        let root = Curve { mean: vec![0.7], parameters: vec![0.3], noise: vec![0.1], is_square: false };
+        let root = Curve { mean: vec![0.7], parameters: vec![0.3], noise: vec![0.1] };
         let (first, variance, _) = moments(square, same);
         let found = squared(root);
         assert!((found.mean[0] - first).abs() < 1e-12);
