@@ -161,6 +161,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/random-paths-score.toml"),
     },
     ReadyPlan {
+        name: "random-paths-further",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/random-paths-further.toml"),
+    },
+    ReadyPlan {
         name: "random-paths-cycles",
         case: "rolling-resistance",
         text: include_str!("../gallery/plans/random-paths-cycles.toml"),

@@ -90,6 +90,7 @@ pub(crate) mod mean_curve;
 mod memory_tests;
 mod method_words;
 mod nearest_run;
+mod neighbours;
 mod networks_of_parts;
 mod path;
 mod possible_values;

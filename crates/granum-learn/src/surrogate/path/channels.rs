@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::errors::PathPlaces;
+use super::growth::PathPlaces;
 use super::rotation::{COMPONENTS, parts, whole};
 use crate::error::{LearnError, Result};
 use crate::surrogate::run_inputs::RunInputs;

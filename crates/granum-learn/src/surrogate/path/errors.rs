@@ -7,42 +7,22 @@
 //! v(s, d) = b + f(s) g(d)
 //! ```
 //!
-//! with the largest distance d from the start so far: errors of independent increments add up along a path, and systematic ones grow with how far it leads,
-//! which a straight path does more than one that turns. `f` and `g` have a value in each of ten parts, linear between their middles. They are found in turns: each value
-//! of `f` is the sum of `e^2 - b` over that of `g` for the training states of its part, at least 0, and so for `g` (a multiplicative model of variances, by iterative
-//! proportional fitting). Beyond the largest `s` of training `f` grows in proportion to it, as the square of a random walk does, and `g` as the square of `d`. Half widths of
-//! intervals are `s(u) sqrt(v)` times a factor: the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
+//! with the largest distance d from the start so far ([`super::growth`]).
+//! Half widths of intervals are `s(u) sqrt(v)` times a factor: the one with which the share of the states of training runs that hold is the level (conformal calibration by whole runs).
 //! `s(u)` is the size of errors for samples at the place `u` among those of the training runs, a function as for curves ([`ErrorSize`]), fitted to the root mean square
-//! of `e / sqrt(v)` of each training run: dense and loose samples do not scatter alike.
+//! of `e / sqrt(v)` of each training run, times the size of what is left in the runs whose samples are most alike ([`neighbours`]): dense and loose samples do not scatter
+//! alike. What is said of a training run is said without it.
 
 use serde::{Deserialize, Serialize};
 
+use super::growth::{Growth, PathPlaces};
 use super::sample_places::SamplePlaces;
-use crate::curve::{increases, interpolated};
 use crate::surrogate::curve_process::{Calibration, ErrorSize};
+use crate::surrogate::neighbours;
 use crate::surrogate::prediction::{Cause, Estimate};
 
-/// Number of parts of the length of paths.
-const PARTS: usize = 10;
 /// Fewest runs for intervals.
 const FEWEST_RUNS: usize = 3;
-/// Share of the mean variance of an output below which variances are not told apart.
-const LEAST: f64 = 1e-6;
-/// How often both factors are found in turns.
-const TURNS: usize = 20;
-
-/// How far the path of a run is at each row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct PathPlaces {
-    /// Its length.
-    pub length: Vec<f64>,
-    /// The largest distance from its start so far.
-    pub farthest: Vec<f64>,
-    /// The run of each row.
-    pub run: Vec<usize>,
-    /// For each run the values that describe its sample.
-    pub samples: Vec<Vec<f64>>,
-}
 
 /// The errors of left-out runs along paths, and their calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,9 +30,15 @@ pub(super) struct PathPlaces {
 pub(super) struct PathErrors {
     /// The length of the longest path.
     longest: f64,
+    /// The largest ratio of the length to the farthest distance; zero in files of earlier versions, which say nothing of it.
+    #[serde(default)]
+    largest_ratio: f64,
     /// Absent in files of earlier versions, as the size of errors is.
     #[serde(default)]
     samples: SamplePlaces,
+    /// The places of the training runs among themselves; empty in files of earlier versions.
+    #[serde(default)]
+    places: Vec<Vec<f64>>,
     outputs: Vec<OutputErrors>,
 }
 
@@ -63,94 +49,16 @@ struct OutputErrors {
     /// How large errors are for one sample and for another.
     #[serde(default)]
     size: ErrorSize,
+    /// For each training run the mean square of its errors over their deviations and this size; empty in files of earlier versions.
+    #[serde(default)]
+    squares: Vec<f64>,
     calibration: Calibration,
 }
 
-/// The variance beyond that between the networks: a factor by the length of a path, and one by its farthest place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Growth {
-    by_length: Curve,
-    by_distance: Curve,
-}
-
-/// A factor in parts of a quantity.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Curve {
-    /// Middles of the parts, and the value in each.
-    at: Vec<f64>,
-    values: Vec<f64>,
-    /// The largest value of the quantity.
-    most: f64,
-}
-
-impl Curve {
-    /// One everywhere, with the part of each row.
-    fn new(places: &[f64]) -> (Curve, Vec<usize>) {
-        let mut rows: Vec<usize> = (0..places.len()).collect();
-        rows.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
-        let (mut at, mut part_of_row) = (Vec::<f64>::new(), vec![0; places.len()]);
-        for part in rows.chunks(rows.len().div_ceil(PARTS).max(1)) {
-            let middle = part.iter().map(|row| places[*row]).sum::<f64>() / part.len() as f64;
-            // Paths of no length have one part.
-            if at.last().is_none_or(|last| middle > *last) {
-                at.push(middle);
-            }
-            part.iter().for_each(|row| part_of_row[*row] = at.len() - 1);
-        }
-        let values = vec![1.0; at.len()];
-        (Curve { at, values, most: places.iter().copied().fold(0.0, f64::max) }, part_of_row)
-    }
-
-    /// The value at a place, and beyond the largest one that times the share by which it is larger, to a power.
-    fn value(&self, place: f64, power: i32) -> f64 {
-        let within = interpolated(place.min(self.most), &self.at, &self.values);
-        if place > self.most && self.most > 0.0 { within * (place / self.most).powi(power) } else { within }
-    }
-
-    /// Sets each value to the sum of the excess of the rows of its part over that of the other factor.
-    fn set(&mut self, part_of_row: &[usize], excess: &[f64], other: impl Fn(usize) -> f64, least: f64) {
-        let mut sums = vec![(0.0, 0.0); self.at.len()];
-        for (row, part) in part_of_row.iter().enumerate() {
-            sums[*part].0 += excess[row];
-            sums[*part].1 += other(row);
-        }
-        let ratio =
-            |(excess, other): (f64, f64)| if other > 0.0 { (excess / other).max(least) } else { least };
-        self.values = sums.into_iter().map(ratio).collect();
-    }
-
-    fn is_sound(&self) -> bool {
-        let positive = |value: &f64| *value >= 0.0 && value.is_finite();
-        !self.at.is_empty()
-            && increases(&self.at)
-            && self.values.len() == self.at.len()
-            && self.at.iter().chain(&self.values).chain([&self.most]).all(positive)
-    }
-}
-
-impl Growth {
-    /// From the rows, for each of which it is told how far the path is, and how much larger the squared error of the network that did not learn from its run is than the
-    /// variance between networks; `mean` is that of the squared errors.
-    fn new(places: &PathPlaces, excess: &[f64], mean: f64) -> Growth {
-        let (mut by_length, of_length) = Curve::new(&places.length);
-        let (mut by_distance, of_distance) = Curve::new(&places.farthest);
-        for _ in 0..TURNS {
-            let distance = by_distance.values.clone();
-            by_length.set(&of_length, excess, |row| distance[of_distance[row]], LEAST * mean);
-            let length = by_length.values.clone();
-            by_distance.set(&of_distance, excess, |row| length[of_length[row]], LEAST);
-        }
-        Growth { by_length, by_distance }
-    }
-
-    fn variance(&self, length: f64, farthest: f64) -> f64 {
-        self.by_length.value(length, 1) * self.by_distance.value(farthest, 2)
-    }
-
-    fn is_sound(&self) -> bool {
-        self.by_length.is_sound() && self.by_distance.is_sound()
+/// Divides the errors of each run by its size.
+fn divide(errors: &mut [Vec<f64>], sizes: &[f64]) {
+    for (errors, size) in errors.iter_mut().zip(sizes) {
+        errors.iter_mut().for_each(|error| *error /= size);
     }
 }
 
@@ -181,6 +89,8 @@ impl PathErrors {
         }
         let samples = SamplePlaces::new(&places.samples);
         let place_of_run: Vec<Vec<f64>> = places.samples.iter().map(|sample| samples.place(sample)).collect();
+        let weights: Vec<Vec<f64>> =
+            (0..runs).map(|run| neighbours::weights(&place_of_run, &place_of_run[run], Some(run))).collect();
         let of_output = |output: usize| {
             let error = |row: usize| {
                 let place = row * outputs + output;
@@ -200,15 +110,19 @@ impl PathErrors {
                 &place_of_run,
                 &scaled.iter().map(|errors| root_mean_square(errors)).collect::<Vec<_>>(),
             );
-            for (errors, size) in scaled.iter_mut().zip(&fitted.left_out) {
-                errors.iter_mut().for_each(|error| *error /= size);
-            }
+            divide(&mut scaled, &fitted.left_out);
+            let squares: Vec<f64> = scaled.iter().map(|errors| root_mean_square(errors).powi(2)).collect();
+            let alike: Vec<f64> = weights.iter().map(|weights| neighbours::size(weights, &squares)).collect();
+            divide(&mut scaled, &alike);
             let most = scaled.iter().map(Vec::len).max().unwrap_or(0);
             let calibration = Calibration::new(&scaled, &vec![1.0; most]).with_six_digits();
-            OutputErrors { growth, size: fitted.size, calibration }
+            OutputErrors { growth, size: fitted.size, squares, calibration }
         };
         let longest = places.length.iter().copied().fold(0.0, f64::max);
-        let found = PathErrors { longest, outputs: (0..outputs).map(of_output).collect(), samples };
+        let outputs_errors = (0..outputs).map(of_output).collect();
+        let largest_ratio = (0..rows).filter_map(|row| places.ratio(row)).fold(0.0, f64::max);
+        let found =
+            PathErrors { longest, largest_ratio, outputs: outputs_errors, samples, places: place_of_run };
         found.is_whole(outputs).then_some(found)
     }
 
@@ -217,23 +131,44 @@ impl PathErrors {
         self.longest
     }
 
+    /// The largest ratio of the length of a training path to its farthest distance from the start so far; zero if it is not known.
+    pub fn largest_ratio(&self) -> f64 {
+        self.largest_ratio
+    }
+
+    /// The distance of training paths that turn as often as others do.
+    fn farthest(&self, places: &PathPlaces, row: usize) -> f64 {
+        let least = if self.largest_ratio > 0.0 { places.length[row] / self.largest_ratio } else { 0.0 };
+        places.farthest[row].max(least)
+    }
+
     /// The factors of intervals of a level, for each output.
     pub fn factors(&self, level: f64) -> Vec<f64> {
         self.outputs.iter().map(|own| own.calibration.interval(level)).collect()
     }
 
-    /// The estimate of an output in a row; `factor` is that of its intervals.
+    /// For each sample by how much the errors of each output are larger than those of all samples.
+    pub fn sizes(&self, samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let of_sample = |sample: &Vec<f64>| {
+            let place = self.samples.place(sample);
+            let weights = neighbours::weights(&self.places, &place, None);
+            let size = |own: &OutputErrors| own.size.at(&place) * neighbours::size(&weights, &own.squares);
+            self.outputs.iter().map(size).collect()
+        };
+        samples.iter().map(of_sample).collect()
+    }
+
+    /// The estimate of an output in a row; the size is that for its sample, and the factor that of its intervals.
     pub fn estimate(
         &self,
         networks: &[Vec<f64>],
         (row, output): (usize, usize),
         places: &PathPlaces,
-        factor: f64,
+        [size, factor]: [f64; 2],
     ) -> Estimate {
         let (mean, between) = mean_and_variance(networks, row * self.outputs.len() + output);
-        let OutputErrors { growth, size, .. } = &self.outputs[output];
-        let size = size.at(&self.samples.place(&places.samples[places.run[row]]));
-        let runs = growth.variance(places.length[row], places.farthest[row]).sqrt();
+        let growth = &self.outputs[output].growth;
+        let runs = growth.variance(places.length[row], self.farthest(places, row)).sqrt();
         let causes = vec![(Cause::Parameters, size * between.sqrt()), (Cause::Runs, size * runs)];
         Estimate::new(mean).by(causes, factor)
     }
@@ -242,10 +177,16 @@ impl PathErrors {
     pub fn is_whole(&self, outputs: usize) -> bool {
         self.longest >= 0.0
             && self.longest.is_finite()
+            && self.largest_ratio >= 0.0
+            && self.largest_ratio.is_finite()
             && self.outputs.len() == outputs
             && self.samples.is_sound()
+            && self.places.iter().all(|place| place.len() == self.samples.values())
+            && self.places.iter().flatten().all(|share| (0.0..=1.0).contains(share))
             && self.outputs.iter().all(|own| {
                 own.growth.is_sound()
+                    && own.squares.len() == self.places.len()
+                    && own.squares.iter().all(|square| *square >= 0.0 && square.is_finite())
                     && own.size.is_sound(self.samples.values())
                     && own.calibration.is_sound()
             })
@@ -297,8 +238,8 @@ mod tests {
     fn half_of(errors: &PathErrors, [length, farthest]: [f64; 2], sample: f64, networks: [f64; 2]) -> f64 {
         let (length, farthest, samples) = (vec![length], vec![farthest], vec![vec![sample]]);
         let places = PathPlaces { length, farthest, run: vec![0], samples };
-        let factor = errors.factors(0.9)[0];
-        let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), &places, factor);
+        let by = [errors.sizes(&places.samples)[0][0], errors.factors(0.9)[0]];
+        let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), &places, by);
         let interval = estimate.interval.unwrap();
         let middle = 0.5 * (interval.upper + interval.lower);
         assert!((middle - 0.5 * (networks[0] + networks[1])).abs() < 1e-12);
@@ -316,7 +257,7 @@ mod tests {
         assert!((of_training(0.5) / (0.9 * 0.6) - 1.0).abs() < 0.1, "{}", of_training(0.5));
         // Where networks differ it is wider, and beyond the longest path it grows.
         assert!(half(0.5, [0.0, 2.0]) > 1.4);
-        assert!((half(4.0, [1.0, 1.0]) / half(1.0, [1.0, 1.0]) - 2.0).abs() < 1e-9);
+        assert!((half(4.0, [1.0, 1.0]) / half(1.0, [1.0, 1.0]) - 4.0).abs() < 1e-9);
     }
 
     #[test]
@@ -336,6 +277,16 @@ mod tests {
         assert!((by_length - 1.8f64.sqrt()).abs() < 0.2, "{by_length}");
     }
 
+    /// Errors of training paths grow with the distance alone; one that turns more often is taken as one that leads farther.
+    #[test]
+    fn errors_grow_where_a_path_turns_more_often_than_any_training_path() {
+        let errors = errors(101, |_, state| state as f64, |_, state| 0.01 * state as f64);
+        assert!((errors.largest_ratio() - 5.0).abs() < 1e-9);
+        let half = |place: [f64; 2]| half(&errors, place, [1.0; 2]);
+        assert_eq!(half([0.5, 0.02]), half([0.5, 0.1]));
+        assert!(half([0.5, 0.1]) > 2.0 * half([0.1, 0.02]));
+    }
+
     #[test]
     fn loose_samples_with_larger_errors_have_wider_intervals() {
         let errors = errors(200, |run, _| libm::exp(sample(run)), |_, _| 1.0);
@@ -346,7 +297,8 @@ mod tests {
         // Where errors are alike for all samples, intervals are.
         let alike = self::errors(200, |_, _| 1.0, |_, _| 1.0);
         let half = |sample: f64| half_of(&alike, [0.5, 1.0], sample, [1.0; 2]);
-        assert_eq!(half(0.95), half(0.05));
+        let ratio = half(0.95) / half(0.05);
+        assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
     }
 
     /// Files that were written before intervals knew the sample are read, and say the same for each.
@@ -355,7 +307,9 @@ mod tests {
         let errors = errors(200, |run, _| libm::exp(sample(run)), |_, _| 1.0);
         let mut kept = serde_json::to_value(&errors).unwrap();
         kept.as_object_mut().unwrap().remove("samples").unwrap();
+        kept.as_object_mut().unwrap().remove("places").unwrap();
         kept["outputs"][0].as_object_mut().unwrap().remove("size").unwrap();
+        kept["outputs"][0].as_object_mut().unwrap().remove("squares").unwrap();
         let earlier: PathErrors = serde_json::from_value(kept).unwrap();
         assert!(earlier.is_whole(1));
         let half = |sample: f64| half_of(&earlier, [0.5, 1.0], sample, [1.0; 2]);

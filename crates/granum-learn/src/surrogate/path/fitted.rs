@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::CellSizes;
 use super::channels::Channels;
 use super::errors::PathErrors;
+use super::growth::PathPlaces;
 use super::rotation::Rotation;
 use super::runs::PathRuns;
 use crate::error::{LearnError, Result};
@@ -17,6 +18,8 @@ use crate::surrogate::surrogate_trait::Surrogate;
 
 /// What the length of a path is called where it is beyond that of all training runs.
 const PATH_LENGTH: &str = "length of the path";
+/// What the ratio of that length to the farthest distance from the start is called where it is beyond that of all training runs.
+const PATH_RATIO: &str = "length of the path over its farthest distance from the start";
 /// Rounding of lengths.
 const ROUNDING: f64 = 1e-9;
 
@@ -89,11 +92,17 @@ impl FittedPath {
         self.networks.iter().map(|network| advance(network.as_ref())).collect()
     }
 
-    /// What is said of a path that is longer than any of the training runs.
-    fn beyond(&self, path: f64) -> Option<Outside> {
-        let longest = self.errors.as_ref()?.longest();
-        let is_beyond = path > (1.0 + ROUNDING) * longest;
-        is_beyond.then(|| Outside { name: PATH_LENGTH.into(), value: path, range: [0.0, longest] })
+    /// What is said of a path that is longer than any of the training runs, or turns more often.
+    fn beyond(&self, path: &PathPlaces, row: usize) -> Vec<Outside> {
+        let Some(errors) = &self.errors else { return Vec::new() };
+        let outside = |name: &str, value: f64, low: f64, most: f64| {
+            let is_beyond = value > (1.0 + ROUNDING) * most;
+            is_beyond.then(|| Outside { name: name.into(), value, range: [low, most] })
+        };
+        let length = outside(PATH_LENGTH, path.length[row], 0.0, errors.longest());
+        let most = Some(errors.largest_ratio()).filter(|most| *most > 0.0);
+        let ratio = most.zip(path.ratio(row)).and_then(|(most, ratio)| outside(PATH_RATIO, ratio, 1.0, most));
+        length.into_iter().chain(ratio).collect()
     }
 
     fn failed(&self, error: impl std::fmt::Display) -> LearnError {
@@ -120,20 +129,21 @@ impl Surrogate for FittedPath {
         }
         let networks = self.outputs_of_networks(inputs)?;
         let path = self.channels.path(inputs);
-        let factors = self.errors.as_ref().map(|errors| errors.factors(level));
+        let factors = self.errors.as_ref().map(|errors| (errors.factors(level), errors.sizes(&path.samples)));
         let outputs = self.columns.outputs.len();
         let mean =
             |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
         let estimate = |row: usize, output: usize| match (&self.errors, &factors) {
-            (Some(errors), Some(factors)) => {
-                errors.estimate(&networks, (row, output), &path, factors[output])
+            (Some(errors), Some((factors, sizes))) => {
+                let by = [sizes[path.run[row]][output], factors[output]];
+                errors.estimate(&networks, (row, output), &path, by)
             }
             _ => Estimate::new(mean(row * outputs + output)),
         };
         let predict = |(row, values): (usize, &[f64])| {
             let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
             let mut outside = outside_of(&self.columns, &self.ranges, values);
-            outside.extend(self.beyond(path.length[row]));
+            outside.extend(self.beyond(&path, row));
             Prediction::new(estimates).with_outside(outside)
         };
         Ok(inputs.rows().enumerate().map(predict).collect())

@@ -17,6 +17,7 @@ mod cell;
 mod channels;
 mod errors;
 mod fitted;
+mod growth;
 mod method;
 mod rotation;
 mod runs;
