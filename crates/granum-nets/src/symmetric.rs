@@ -64,6 +64,14 @@ impl Cholesky {
         factorise_panel(self.isa, values, stride, (blocks, blocks), shift, &mut self.reciprocal)
     }
 
+    /// The factor of a matrix, in its memory; `None` if it is not positive definite to working precision.
+    pub(crate) fn of_matrix(isa: Isa, matrix: Symmetric) -> Option<Cholesky> {
+        let reciprocal = vec![0.0; matrix.blocks * LANES];
+        let mut factor = Cholesky { isa, upper: matrix, reciprocal, inverse: Vec::new() };
+        let Symmetric { blocks, stride, ref mut values, .. } = factor.upper;
+        factorise_panel(isa, values, stride, (blocks, blocks), 0.0, &mut factor.reciprocal).then_some(factor)
+    }
+
     /// Solves `(A + shift I) x = b` in place.
     pub(crate) fn solve(&self, vector: &mut [Row8]) {
         dispatch(self.isa, SolveTransposed { upper: self.upper(), vector: &mut *vector });

@@ -40,8 +40,8 @@ impl Factorised {
             let diagonal = &mut matrix.values[k * stride + k / LANES].0[k % LANES];
             *diagonal = if k < size { *diagonal + covariance.noise() + SLIGHT } else { 1.0 };
         }
-        let mut factor = Cholesky::new(isa, size);
-        factor.factorise(&matrix, 0.0).then_some(Factorised { factor, size, blocks })
+        let factor = Cholesky::of_matrix(isa, matrix)?;
+        Some(Factorised { factor, size, blocks })
     }
 
     /// `A^-1 b`.

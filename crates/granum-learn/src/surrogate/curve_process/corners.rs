@@ -24,6 +24,7 @@ use super::failure::failed;
 use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::{Curve, curves_of_outputs};
+use super::prepared::Shared;
 use crate::error::{LearnError, Result};
 
 /// Most runs, evenly spread, from which corners are left out.
@@ -49,6 +50,7 @@ pub(super) struct Corners<'a> {
     /// The runs that are used, of all.
     used: Vec<usize>,
     corners: Vec<Corner>,
+    shared: &'a Shared,
     curves: &'a [KeptCurve],
     histograms: &'a [Densities],
     outputs: usize,
@@ -66,14 +68,15 @@ pub(super) struct CornerRun {
 }
 
 impl<'a> Corners<'a> {
-    /// Leaves corners out of the processes of curves; `rows` are the inputs of all runs as the processes see them.
+    /// Leaves corners out of the processes of curves. There are none without inputs.
     pub fn new(
-        rows: &Rows,
+        shared: &'a Shared,
         curves: &'a [KeptCurve],
         (histograms, outputs): (&'a [Densities], usize),
         threads: usize,
         observer: &mut dyn Observer,
     ) -> Result<Corners<'a>> {
+        let rows = shared.rows.as_ref().ok_or_else(|| failed("there are no inputs"))?;
         let (count, kept) = (rows.count(), rows.count().min(MOST_RUNS));
         let used: Vec<usize> = (0..kept).map(|k| k * count / kept).collect();
         let inputs = rows.columns();
@@ -102,7 +105,7 @@ impl<'a> Corners<'a> {
             done.fetch_add(1, Ordering::Relaxed);
             Ok(left)
         })?;
-        Ok(Corners { used, corners, curves, histograms, outputs, left_out })
+        Ok(Corners { used, corners, shared, curves, histograms, outputs, left_out })
     }
 
     /// The runs that are farther from the hull of the others than the limit, of corners that have a few of them.
@@ -118,12 +121,14 @@ impl<'a> Corners<'a> {
         parallel::map(outside.len(), threads, |k| {
             let (corner, place, distance) = outside[k];
             let mut left = self.left_out.iter().map(|corners| corners[corner][place]);
-            let curve = |curve: &KeptCurve| {
-                let weights: Vec<_> = curve.components.iter().zip(left.by_ref()).collect();
-                curve.output(Curve::new(curve.mean.clone(), curve.rest.clone(), &weights))
+            let run = self.used[self.corners[corner].runs[place]];
+            let curve = |kept: &KeptCurve| {
+                let weights: Vec<_> = kept.components.iter().zip(left.by_ref()).collect();
+                let mut curve = kept.output(Curve::new(kept.mean.clone(), kept.rest.clone(), &weights));
+                self.shared.take_whole_start(&mut curve.mean, (kept.start, kept.memory), run);
+                curve
             };
             let curves: Vec<Curve> = self.curves.iter().map(curve).collect();
-            let run = self.used[self.corners[corner].runs[place]];
             let curves = curves_of_outputs(curves, self.histograms, self.outputs);
             Ok(CornerRun { corner, run, distance, curves })
         })

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use granum_core::parallel;
 use granum_nets::gaussian_process::{GaussianProcess, Rows};
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +92,7 @@ struct Place {
 }
 
 impl FittedCurves {
-    pub(super) fn new(columns: Columns, kept: Kept) -> Result<FittedCurves> {
+    pub(super) fn new(columns: Columns, kept: Kept, threads: usize) -> Result<FittedCurves> {
         let bad = || failed("the content is not that of its columns");
         if !is_sound(&columns, &kept) {
             return Err(bad());
@@ -99,11 +100,22 @@ impl FittedCurves {
         let mut processes: Vec<Vec<GaussianProcess>> = kept.curves.iter().map(|_| Vec::new()).collect();
         if !kept.groups.is_empty() {
             let rows = Arc::new(Rows::new(kept.rows.clone(), kept.groups.len()).map_err(failed)?);
-            for (curve, own) in kept.curves.iter().zip(&mut processes) {
-                for (targets, parameters) in curve.weights.iter().zip(&curve.parameters) {
-                    let process = GaussianProcess::with_parameters(rows.clone(), targets, parameters.clone());
-                    own.push(process.map_err(failed)?);
-                }
+            let parts: Vec<(usize, usize)> = (0..kept.curves.len())
+                .flat_map(|curve| {
+                    (0..kept.curves[curve].weights.len()).map(move |component| (curve, component))
+                })
+                .collect();
+            let found = parallel::map(parts.len(), threads, |k| {
+                let (curve, component) = parts[k];
+                let KeptCurve { weights, parameters, .. } = &kept.curves[curve];
+                GaussianProcess::with_parameters(
+                    rows.clone(),
+                    &weights[component],
+                    parameters[component].clone(),
+                )
+            });
+            for ((curve, _), process) in parts.iter().zip(found.map_err(failed)?) {
+                processes[*curve].push(process);
             }
         }
         let hull = (!kept.groups.is_empty() && !kept.local.is_empty())
@@ -169,7 +181,8 @@ impl FittedCurves {
     /// An output of a run at increasing values of the coordinate, from the inputs beside the coordinate in their order: the mean, and the
     /// covariance of a run about it, `f^2 (sum_j s_j^2 v_j(a) v_j(b) + r(a) [a = b])` with the variance `s_j^2` of the weight of each
     /// component `v_j`, the variance r that the components do not contain, and the factor f by which intervals of one standard deviation that are
-    /// equal everywhere were calibrated on training runs left out.
+    /// equal everywhere were calibrated on training runs left out. For an output that is learned by its square root this is the covariance `C` of
+    /// the root, with the mean `m`, and that of the output is `C (4 m(a) m(b) + 2 C)`.
     ///
     /// # Errors
     /// If there is no such output, it is a bin of a histogram, whose values are not normal, or there are other inputs.
@@ -341,10 +354,12 @@ impl Surrogate for FittedCurves {
 
     fn possible_values(&self, output: usize) -> [f64; 2] {
         let [low, high] = possible_values(&self.columns.outputs[output].name);
-        // The curve of the output, if the bins of no histogram stand before it.
-        let before = self.kept.histograms.iter().filter(|densities| densities.first < output);
-        let curve = before.fold(output, |curve, own| curve - own.bins().min(curve) + own.directions.len());
-        let root = self.kept.curves.get(curve).is_some_and(|kept| kept.root);
+        let end = |densities: &&Densities| densities.first + densities.bins();
+        let is_bin = self.kept.histograms.iter().any(|own| own.first <= output && output < end(&own));
+        // In the place of the bins of each histogram before the output are its directions.
+        let before = self.kept.histograms.iter().filter(|own| end(own) <= output);
+        let curve = before.fold(output, |curve, own| curve + own.directions.len() - own.bins());
+        let root = !is_bin && self.kept.curves.get(curve).is_some_and(|kept| kept.root);
         [if root { low.max(0.0) } else { low }, high]
     }
 

@@ -20,7 +20,7 @@ use crate::surrogate::spec::FitSpec;
 /// Below so many runs the prior of the processes is narrow, and a short memory of the start is tried.
 const FEW_RUNS: usize = 64;
 
-/// Left-out runs are few as well: the start is taken to be forgotten unless the squares of their errors say so by more than this factor.
+/// Left-out runs are few as well: the start is taken to be forgotten unless the mean square of their errors is then larger by this factor or more.
 const DOUBT: f64 = 2.0;
 
 /// By so much the surprise must be less, on average over points and runs: a root that is hardly more probable misses the largest values by more.
@@ -223,6 +223,7 @@ mod tests {
     use granum_core::observer::NoObserver;
     use granum_core::{Column, Table};
 
+    use super::super::local_calibration::LocalFactor;
     use super::super::{FittedCurves, GaussianProcessOfCurves};
     use super::*;
     use crate::dataset::{Dataset, RunStates};
@@ -270,6 +271,15 @@ mod tests {
             let read = SurrogateMethods::standard().from_json(&to_json(&few).unwrap(), "file").unwrap();
             assert_eq!(read.predict_rows(&[x, 0.4, 0.3, 0.3], 0.9).unwrap()[0], predicted);
         }
+    }
+
+    /// What is not remembered of a start is no error of runs that were left out in corners.
+    #[test]
+    fn intervals_outside_of_the_runs_do_not_know_a_start_that_is_forgotten() {
+        let curves = fitted(48);
+        assert!(curves.kept.curves[0].memory.is_some());
+        let growth: Vec<f64> = curves.kept.local.iter().map(LocalFactor::growth).collect();
+        assert!(growth.iter().all(|growth| *growth < 20.0), "{growth:?}");
     }
 
     /// Heights from 0.01 to 100 that scatter by a tenth of themselves: intervals hold, are not negative, and are the same with a covariance.

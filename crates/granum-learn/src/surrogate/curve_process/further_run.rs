@@ -26,7 +26,8 @@ impl FittedCurves {
     }
 
     /// The part of the variance of [`FittedCurves::correlated_curve`] at each value of the coordinate that more runs would reduce:
-    /// `f^2 sum_j s_j^2 v_j(a)^2` with the variances `s_j^2` of the means of the processes alone.
+    /// `f^2 sum_j s_j^2 v_j(a)^2` with the variances `s_j^2` of the means of the processes alone; for an output that is
+    /// learned by its square root times `4 m(a)^2` with the mean m of the root, to first order.
     ///
     /// # Errors
     /// As [`FittedCurves::correlated_curve`].

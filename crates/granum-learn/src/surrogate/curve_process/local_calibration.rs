@@ -13,7 +13,6 @@
 use std::collections::BTreeMap;
 
 use granum_core::observer::Observer;
-use granum_nets::gaussian_process::Rows;
 use serde::{Deserialize, Serialize};
 
 use super::calibration::Calibration;
@@ -23,6 +22,7 @@ use super::error_size::ErrorSize;
 use super::kept_curve::KeptCurve;
 use super::orthogonal_hull::OrthogonalHull;
 use super::predicted_curve::Curve;
+use super::prepared::Shared;
 use crate::error::{LearnError, Result};
 
 /// The level of the intervals for which the growth is found.
@@ -49,6 +49,12 @@ impl LocalFactor {
         self.deviation
     }
 
+    /// The growth of intervals with the distance from the hull of the runs.
+    #[cfg(test)]
+    pub fn growth(&self) -> f64 {
+        self.growth
+    }
+
     /// True if it can be that of so many inputs.
     pub fn is_sound(&self, inputs: usize) -> bool {
         let positive = |value: f64| value >= 0.0 && value.is_finite();
@@ -62,8 +68,8 @@ pub(super) struct LeftOutRuns<'a> {
     pub measured: &'a [Vec<Vec<f64>>],
     /// For each run the curve of each output.
     pub predicted: &'a [Vec<Curve>],
-    /// Share of each point.
-    pub shares: &'a [f64],
+    /// What was fitted.
+    pub shared: &'a Shared,
 }
 
 /// The calibrations of all outputs.
@@ -91,13 +97,13 @@ impl LeftOutRuns<'_> {
 
     /// The calibration of an output whose errors are equally large everywhere.
     fn plain(&self, output: usize) -> Calibration {
-        Calibration::new(&self.errors(output), &self.shares[self.first(output)..])
+        Calibration::new(&self.errors(output), &self.shared.shares[self.first(output)..])
             .with_root_mean_square(self.root_mean_square(output))
     }
 
     fn root_mean_square(&self, output: usize) -> f64 {
         let square = |(run, measured): (&Vec<Curve>, &Vec<f64>)| -> f64 {
-            let apart = measured.iter().zip(&run[output].mean).zip(self.shares);
+            let apart = measured.iter().zip(&run[output].mean).zip(&self.shared.shares);
             apart.map(|((measured, mean), share)| share * (measured - mean) * (measured - mean)).sum()
         };
         let squares: f64 = self.predicted.iter().zip(&self.measured[output]).map(square).sum();
@@ -108,7 +114,7 @@ impl LeftOutRuns<'_> {
     fn of_runs(&self, outputs: &[usize]) -> Vec<f64> {
         let mut squares = vec![0.0; self.predicted.len()];
         for output in outputs {
-            let shares = &self.shares[self.first(*output)..];
+            let shares = &self.shared.shares[self.first(*output)..];
             let total: f64 = shares.iter().sum();
             for (square, errors) in squares.iter_mut().zip(self.errors(*output)) {
                 *square += errors.iter().zip(shares).map(|(e, share)| share * e * e).sum::<f64>() / total;
@@ -117,13 +123,12 @@ impl LeftOutRuns<'_> {
         squares.iter().map(|square| (square / outputs.len() as f64).sqrt()).collect()
     }
 
-    /// The calibrations; `rows` are the inputs as the processes see them.
+    /// The calibrations.
     ///
     /// # Errors
     /// If the observer asks to stop.
     pub fn calibrated(
         &self,
-        rows: Option<&Rows>,
         curves: &[KeptCurve],
         histograms: &[Densities],
         threads: usize,
@@ -131,14 +136,14 @@ impl LeftOutRuns<'_> {
     ) -> Result<Calibrated> {
         let outputs = self.measured.len();
         let plain: Vec<Calibration> = (0..outputs).map(|output| self.plain(output)).collect();
-        let Some(rows) = rows.filter(|rows| rows.count() == self.predicted.len()) else {
+        let Some(rows) = self.shared.rows.as_ref().filter(|rows| rows.count() == self.predicted.len()) else {
             return Ok(Calibrated { calibrations: plain, local: Vec::new(), limit: None });
         };
         let hull = OrthogonalHull::new(rows.values(), rows.columns());
         let limit = hull.limit();
         let places: Vec<Vec<f64>> =
             rows.values().chunks(rows.columns()).map(|row| hull.places(row)).collect();
-        let corners = Corners::new(rows, curves, (histograms, outputs), threads, observer);
+        let corners = Corners::new(self.shared, curves, (histograms, outputs), threads, observer);
         let outside = match corners.and_then(|corners| corners.outside(limit, threads)) {
             Err(stopped @ LearnError::Stopped { .. }) => return Err(stopped),
             // What cannot be inverted without a corner says nothing of it.
@@ -152,7 +157,7 @@ impl LeftOutRuns<'_> {
                 let scaled = |(errors, size): (Vec<f64>, &f64)| errors.iter().map(|e| e / size).collect();
                 let errors: Vec<Vec<f64>> =
                     self.errors(*output).into_iter().zip(&fitted.left_out).map(scaled).collect();
-                let own = Calibration::new(&errors, &self.shares[self.first(*output)..])
+                let own = Calibration::new(&errors, &self.shared.shares[self.first(*output)..])
                     .with_root_mean_square(self.root_mean_square(*output));
                 calibrations[*output] = Some(own.with_six_digits());
             }
@@ -188,7 +193,7 @@ impl LeftOutRuns<'_> {
                     states.push((
                         error / (factor * sizes[run.run]).max(1e-300),
                         run.distance,
-                        self.shares[k],
+                        self.shared.shares[k],
                     ));
                 }
             }

@@ -65,12 +65,7 @@ pub struct GaussianProcessOfCurves {
 
 impl Default for GaussianProcessOfCurves {
     fn default() -> Self {
-        GaussianProcessOfCurves {
-            components: 8,
-            independent: false,
-            starts: std::env::var("STARTS").map(|s| s.parse().unwrap_or(2)).unwrap_or(2),
-            most_runs: 300,
-        }
+        GaussianProcessOfCurves { components: 8, independent: false, starts: 2, most_runs: 300 }
     }
 }
 
@@ -106,7 +101,7 @@ impl SurrogateMethod for GaussianProcessOfCurves {
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
-        Ok(Box::new(FittedCurves::new(columns, content.read()?)?))
+        Ok(Box::new(FittedCurves::new(columns, content.read()?, 0)?))
     }
 }
 
@@ -163,10 +158,9 @@ impl GaussianProcessOfCurves {
         let (curves, predicted): (Vec<KeptCurve>, Vec<Vec<Curve>>) = fits.into_iter().unzip();
         let predicted = of_outputs(predicted, &histograms, starts.len());
         let measured = shared.measured(&starts);
-        let left_out_runs =
-            LeftOutRuns { measured: &measured, predicted: &predicted, shares: &shared.shares };
+        let left_out_runs = LeftOutRuns { measured: &measured, predicted: &predicted, shared: &shared };
         let Calibrated { calibrations, local, limit } =
-            left_out_runs.calibrated(shared.rows.as_deref(), &curves, &histograms, spec.threads, observer)?;
+            left_out_runs.calibrated(&curves, &histograms, spec.threads, observer)?;
         let is_used = |name: &&&str| left_out.iter().all(|ended| ended.run != **name);
         let used = of_runs.iter().filter(is_used).map(|name| (*name).to_owned());
         let from = |run: &RunCurve| -> Vec<f64> {
@@ -189,7 +183,7 @@ impl GaussianProcessOfCurves {
             limit,
             left_out,
         };
-        Ok((FittedCurves::new(columns, kept)?, left_out_curves))
+        Ok((FittedCurves::new(columns, kept, spec.threads)?, left_out_curves))
     }
 }
 

@@ -107,13 +107,24 @@ impl Shared {
         if prepared.root {
             return curves.into_iter().map(squared).collect();
         }
-        let (Some(input), Some(memory)) = (prepared.start, prepared.memory) else { return curves };
-        for (curve, start) in curves.iter_mut().zip(self.starts(input)) {
-            for (mean, x) in curve.mean.iter_mut().zip(&self.points) {
-                *mean += memory.value(start, x - self.points[0]) - start;
-            }
+        for (run, curve) in curves.iter_mut().enumerate() {
+            self.take_whole_start(&mut curve.mean, (prepared.start, prepared.memory), run);
         }
         curves
+    }
+
+    /// What a run predicts less its whole start, from what it predicts less what is remembered of it.
+    pub fn take_whole_start(
+        &self,
+        mean: &mut [f64],
+        (input, memory): (Option<usize>, Option<StartMemory>),
+        run: usize,
+    ) {
+        let (Some(input), Some(memory)) = (input, memory) else { return };
+        let start = self.runs[run].inputs[input];
+        for (mean, x) in mean.iter_mut().zip(&self.points) {
+            *mean += memory.value(start, x - self.points[0]) - start;
+        }
     }
 
     /// The curves of the runs from their starts; none for a coefficient of a histogram.

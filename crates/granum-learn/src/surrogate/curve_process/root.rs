@@ -50,8 +50,9 @@ pub(super) fn square_jointly(mean: &mut [f64], covariance: &mut [f64], factors: 
                 (false, false) => {}
             }
         }
-        if let Some(factor) = factors[p].filter(|factor| *factor > 0.0) {
-            mean[p] = roots[p] * roots[p] + variances[p] / (factor * factor);
+        if let Some(factor) = factors[p] {
+            let variance = if factor > 0.0 { variances[p] / (factor * factor) } else { 0.0 };
+            mean[p] = roots[p] * roots[p] + variance;
         }
     }
 }
@@ -101,6 +102,13 @@ mod tests {
         assert!((found.mean[0] - first).abs() < 1e-12);
         assert!((found.parameters[0] + found.noise[0] - variance).abs() < 1e-12);
         assert!((found.parameters[0] / found.noise[0] - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_errors_the_mean_is_the_square() {
+        let (mut mean, mut covariance) = ([0.5], [0.0]);
+        square_jointly(&mut mean, &mut covariance, &[Some(0.0)]);
+        assert_eq!((mean, covariance), ([0.25], [0.0]));
     }
 
     #[test]
