@@ -308,10 +308,12 @@ mod tests {
         let mut kept = serde_json::to_value(&errors).unwrap();
         kept.as_object_mut().unwrap().remove("samples").unwrap();
         kept.as_object_mut().unwrap().remove("places").unwrap();
+        kept.as_object_mut().unwrap().remove("largest_ratio").unwrap();
         kept["outputs"][0].as_object_mut().unwrap().remove("size").unwrap();
         kept["outputs"][0].as_object_mut().unwrap().remove("squares").unwrap();
         let earlier: PathErrors = serde_json::from_value(kept).unwrap();
         assert!(earlier.is_whole(1));
+        assert_eq!(earlier.largest_ratio(), 0.0);
         let half = |sample: f64| half_of(&earlier, [0.5, 1.0], sample, [1.0; 2]);
         assert_eq!(half(0.95), half(0.05));
     }
