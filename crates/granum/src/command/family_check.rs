@@ -20,6 +20,12 @@ use crate::failure::Failure;
 /// The stress of the sample, which is the lateral stress of its test too.
 const STRESS: &str = "preparation.mean_stress";
 
+/// The friction while the sample is made, which the case may leave to the search for a void ratio.
+const PREPARATION_FRICTION: &str = "preparation.friction";
+
+/// Difference of void ratios beyond which a sample is not the one that was asked for: about the tolerance of a preparation.
+const SLIGHT: f64 = 0.02;
+
 /// How far an output was off.
 struct CheckedOutput {
     column: String,
@@ -35,6 +41,8 @@ pub struct Checked {
     grains: usize,
     /// Name and value of the inputs that were measured on the sample.
     sample: Vec<(String, f64)>,
+    /// The void ratio that was given, if no sample could be made with it.
+    missed: Option<f64>,
     outputs: Vec<CheckedOutput>,
     /// True if the test ended before the curves do.
     is_short: bool,
@@ -56,13 +64,18 @@ pub fn run(
         .plan(RunKind::Test, &case, &Source::Case, &mut show)
         .and_then(|planned| planned.in_memory(&mut show))
         .map_err(|error| show.failure(error))?;
-    let run = RunStates::of_case("check", &case, result.record)?;
+    let found = result.about.measures.get("preparation_friction").copied();
+    let mut run = RunStates::of_case("check", &case, result.record)?;
+    if let Some(friction) = found.filter(|_| run.parameter(PREPARATION_FRICTION).is_none()) {
+        run = run.with_parameter(PREPARATION_FRICTION, "", friction)?;
+    }
     let own = inputs_of_run(family, &run)?;
     let prediction = model.predict(&own, LEVEL)?;
     let Some(measured) = model.measured(&run)? else {
         return Ok(Checked {
             grains: case.grains.count,
             sample: Vec::new(),
+            missed: None,
             outputs: Vec::new(),
             is_short: true,
         });
@@ -90,9 +103,13 @@ pub fn run(
         }
     });
     let sample = prediction.inputs.iter().filter(|input| input.name.starts_with("sample."));
+    let sample: Vec<(String, f64)> = sample.map(|input| (input.name.clone(), input.value)).collect();
+    let made = sample.iter().find(|(name, _)| name == VOID_RATIO).map(|(_, value)| *value);
+    let missed = known.get(VOID_RATIO).zip(made).filter(|(given, made)| (given - made).abs() > SLIGHT);
     Ok(Checked {
         grains: case.grains.count,
-        sample: sample.map(|input| (input.name.clone(), input.value)).collect(),
+        sample,
+        missed: missed.map(|(given, _)| given),
         outputs: outputs.collect(),
         is_short: false,
     })
@@ -142,22 +159,22 @@ fn case(
             family.stress_keys.iter().try_for_each(|(key, factor)| set(key, factor * value))?;
         }
     }
-    if let Some(ratio) = known.get(VOID_RATIO) {
-        set("preparation.void_ratio", ratio)?;
-    } else {
-        let of = |name: &str| typical.inputs.iter().find(|input| input.name == name).map(|input| input.value);
-        let part = of("preparation_ratio").unwrap_or(0.0).clamp(0.0, 1.0);
-        let keys = [
-            ("preparation.friction", "grains.material.friction"),
-            ("preparation.rolling_friction", "contact.rolling_friction"),
-        ];
-        for (key, own) in keys {
-            set(key, part * known.get(own).unwrap_or(0.0))?;
-        }
+    // With the resistance to rolling of samples like it, a void ratio is met by the friction.
+    let of = |name: &str| typical.inputs.iter().find(|input| input.name == name).map(|input| input.value);
+    let part = of("preparation_ratio").unwrap_or(0.0).clamp(0.0, 1.0);
+    for (key, own) in [
+        (PREPARATION_FRICTION, "grains.material.friction"),
+        ("preparation.rolling_friction", "contact.rolling_friction"),
+    ] {
+        set(key, part * known.get(own).unwrap_or(0.0))?;
     }
     // Cohesive grains are so while the sample is made as well.
     if let Some(energy) = known.get("grains.material.interface_energy") {
         set("preparation.interface_energy", energy)?;
+    }
+    if let Some(ratio) = known.get(VOID_RATIO).filter(|_| known.get(PREPARATION_FRICTION).is_none()) {
+        set("preparation.void_ratio", ratio)?;
+        case.set(PREPARATION_FRICTION, "auto")?;
     }
     if let Some(grains) = grains {
         case.set("grains.count", &grains.to_string())?;
@@ -186,6 +203,10 @@ impl Checked {
             format!("check: a sample of {} grains was made ({}) and tested;", self.grains, sample.join(", ")),
             "the prediction for it was off by (root mean square over that of the measured values), and its intervals held:".into(),
         ];
+        if let Some(given) = self.missed {
+            let text = format!("(the void ratio {} that was asked for could not be reached)", short(given));
+            lines.insert(2, text);
+        }
         lines.extend(self.outputs.iter().map(|output| {
             let error = format!("{:.1} %", 100.0 * output.error);
             format!("  {error:>8}, {:>3.0} % of the states: {}", 100.0 * output.held, output.meaning)
@@ -201,6 +222,7 @@ impl Checked {
         json!({
             "grains": self.grains,
             "sample": sample.collect::<serde_json::Map<String, Value>>(),
+            "void_ratio_missed": self.missed,
             "complete": !self.is_short,
             "outputs": outputs.collect::<Vec<_>>(),
         })

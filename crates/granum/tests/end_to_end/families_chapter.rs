@@ -235,3 +235,38 @@ fn every_family_and_path_answers() {
         assert!(card.contains("## On unseen runs: ") && card.contains("| stress_ratio "), "{card}");
     }
 }
+
+/// The sample of a check has the void ratio that was given, or it is said that it could not be reached.
+#[test]
+fn a_check_is_made_with_the_void_ratio_that_was_given() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let checked = |ratio: &str| {
+        let mut arguments =
+            vec!["predict", "--family", "sand", "--friction", "0.5", "--rolling-friction", "0.1"];
+        arguments.extend([
+            "--pressure",
+            "100 kPa",
+            "--youngs-modulus",
+            "2 GPa",
+            "--path",
+            "undrained-triaxial",
+        ]);
+        arguments.extend([
+            "--void-ratio",
+            ratio,
+            "--check",
+            "--grains",
+            "200",
+            "-o",
+            "curves.json",
+            "--force",
+        ]);
+        let check = done_json(here, &arguments)["check"].clone();
+        (check["sample"]["sample.void_ratio"].as_f64().unwrap(), check["void_ratio_missed"].as_f64())
+    };
+    let (made, missed) = checked("0.72");
+    assert!((made - 0.72).abs() < 0.02 && missed.is_none(), "{made} {missed:?}");
+    let (made, missed) = checked("0.4");
+    assert!(made > 0.5 && missed == Some(0.4), "{made} {missed:?}");
+}
