@@ -10,7 +10,7 @@ use crate::surrogate::{Outside, RunInputs, UnseenCombination};
 pub enum InputSource {
     /// It was given.
     Given,
-    /// It is the typical value of the runs of the family with the given inputs.
+    /// It is the typical value of the runs of the family with the given inputs; its deviation has the part of other typical values as well.
     Typical(TypicalValue),
 }
 
@@ -99,13 +99,19 @@ impl FamilyModel {
         // What each missing input could change, with those after it following as they usually do.
         let mut variances: Vec<Vec<f64>> =
             plain.curves.iter().map(|[mean, ..]| vec![0.0; mean.len()]).collect();
+        let mut spreads: Vec<f64> =
+            typical.iter().map(|value| value.map_or(0.0, |typical| typical.deviation.powi(2))).collect();
         for (input, value) in typical.iter().enumerate() {
             let Some(typical) = value.filter(|typical| typical.deviation > 0.0) else { continue };
-            let means = |sign: f64| -> Result<Plain> {
+            let shifted = |sign: f64| {
                 let shifted = typical.mean + sign * typical.deviation;
-                self.plain(&self.completed(given, Some((input, shifted))).0, level)
+                self.completed(given, Some((input, shifted))).0
             };
-            let (low, high) = (means(-1.0)?, means(1.0)?);
+            let (least, most) = (shifted(-1.0), shifted(1.0));
+            for (other, spread) in spreads.iter_mut().enumerate().filter(|(other, _)| *other != input) {
+                *spread += (0.5 * (most[other] - least[other])).powi(2);
+            }
+            let (low, high) = (self.plain(&least, level)?, self.plain(&most, level)?);
             for ((variance, [low, ..]), [high, ..]) in variances.iter_mut().zip(&low.curves).zip(&high.curves)
             {
                 for ((variance, low), high) in variance.iter_mut().zip(low).zip(high) {
@@ -138,11 +144,13 @@ impl FamilyModel {
             named.clone().filter(|((_, value), [low, high])| !(**value >= *low && **value <= *high));
         let outside =
             outside.map(|((input, value), range)| Outside { name: input.name.into(), value: *value, range });
-        let inputs = named.zip(&typical).map(|(((input, value), _), typical)| UsedInput {
-            name: input.name.into(),
-            value: *value,
-            source: typical.map_or(InputSource::Given, InputSource::Typical),
-        });
+        let inputs =
+            named.zip(typical.iter().zip(&spreads)).map(|(((input, value), _), (typical, spread))| {
+                let source = typical.map_or(InputSource::Given, |typical| {
+                    InputSource::Typical(TypicalValue { deviation: spread.sqrt(), ..typical })
+                });
+                UsedInput { name: input.name.into(), value: *value, source }
+            });
         Ok(FamilyPrediction {
             outside: outside.collect(),
             combination: plain.combination,

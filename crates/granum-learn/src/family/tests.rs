@@ -138,6 +138,10 @@ fn a_family_answers_with_what_it_was_not_given_and_says_so() {
     let value = |answer: &FamilyPrediction, name: &str| {
         answer.inputs.iter().find(|input| input.name == name).unwrap().value
     };
+    // Looseness is anything from 0 to 1, and the void ratio as uncertain as it is.
+    let void_ratio = open.inputs.iter().find(|input| input.name == "sample.void_ratio").unwrap();
+    let InputSource::Typical(typical) = void_ratio.source else { panic!("{void_ratio:?}") };
+    assert!((0.045..0.07).contains(&typical.deviation), "{typical:?}");
     assert!((value(&open, "sample.void_ratio") - 0.67).abs() < 0.04, "{:?}", open.inputs);
     // A dense sample was prepared with less friction, and has more contacts.
     let dense = known(Some(0.60));
