@@ -146,7 +146,8 @@ def metadata(text, sums, dropped, content, is_path):
     described["description"] = (
         described["description"].split(" SHA-256")[0] + f" {'Numbers are rounded' if is_path else 'States are thinned and rounded'}. SHA-256 over the content: {content}"
     )
-    return json.dumps(described, indent=2) + "\n"
+    # Without the spaces at the beginnings of lines, which would be a third of the file.
+    return json.dumps(described, indent=0) + "\n"
 
 
 def main():

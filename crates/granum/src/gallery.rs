@@ -121,6 +121,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-paths-quarters.toml"),
     },
     ReadyPlan {
+        name: "sand-undrained",
+        case: "undrained-dense",
+        text: include_str!("../gallery/plans/sand-undrained.toml"),
+    },
+    ReadyPlan {
         name: "sand-undrained-score",
         case: "undrained-dense",
         text: include_str!("../gallery/plans/sand-undrained-score.toml"),

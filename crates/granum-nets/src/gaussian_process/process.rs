@@ -280,6 +280,16 @@ impl GaussianProcess {
         };
         targets.iter().enumerate().map(of_row).collect()
     }
+
+    /// The same as predictions, with the noise apart from what further rows would reduce.
+    pub fn predictions_left_out(&self, targets: &[f64]) -> Vec<ProcessPrediction> {
+        let noise = self.noise();
+        let without_noise = |left: LeftOut| {
+            let variance = (left.variance - noise).max(0.0);
+            ProcessPrediction { mean: left.mean, variance, noise }
+        };
+        self.left_out(targets).into_iter().map(without_noise).collect()
+    }
 }
 
 fn check_parameters(rows: &Rows, logarithms: &[f64]) -> Result<(), GaussianProcessError> {

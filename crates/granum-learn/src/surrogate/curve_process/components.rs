@@ -1,6 +1,7 @@
 //! Principal components of curves: the directions in which they differ most, with each point weighted by the part of the coordinate
 //! that it stands for.
 
+use crate::regression::cholesky::Cholesky;
 use crate::regression::independent::{independent_rotation, projected};
 use granum_nets::eigenvectors;
 
@@ -46,6 +47,24 @@ impl Components {
         };
         let rest = (0..points).map(|k| (0..curves.len()).map(|i| left(i, k).powi(2)).sum::<f64>() / count);
         Components { rest: rest.collect(), mean, components, weights }
+    }
+
+    /// The weights of other curves, for each component: those with which the components are nearest to a curve.
+    pub fn weights_of(&self, curves: &[Vec<f64>], shares: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let product = |a: &[f64], b: &dyn Fn(usize) -> f64| -> f64 {
+            a.iter().zip(shares).enumerate().map(|(k, (a, share))| a * share * b(k)).sum()
+        };
+        let each = self.components.iter();
+        let products: Vec<f64> =
+            each.flat_map(|a| self.components.iter().map(|b| product(a, &|k| b[k]))).collect();
+        let factor = Cholesky::new(self.components.len(), &products)?;
+        let of_curve = |curve: &Vec<f64>| -> Vec<f64> {
+            let each = self.components.iter();
+            factor.solve(&each.map(|a| product(a, &|k| curve[k] - self.mean[k])).collect::<Vec<f64>>())
+        };
+        let of_curves: Vec<Vec<f64>> = curves.iter().map(of_curve).collect();
+        let of_component = |j: usize| of_curves.iter().map(|weights| weights[j]).collect();
+        Some((0..self.components.len()).map(of_component).collect())
     }
 
     /// The same curves with components in the same directions, turned until their weights are independent of each other.
@@ -123,6 +142,11 @@ mod tests {
                 turned.mean[k] + (0..2).map(|j| turned.weights[j][i] * turned.components[j][k]).sum::<f64>()
             };
             assert!((0..9).all(|k| (back(k) - curve[k]).abs() < 1e-9));
+        }
+        for found in [&turned, &Components::new(&curves, &shares, 8)] {
+            let again = found.weights_of(&curves, &shares).unwrap();
+            let each = again.iter().flatten().zip(found.weights.iter().flatten());
+            assert!(each.into_iter().all(|(a, b)| (a - b).abs() < 1e-9), "{again:?} {:?}", found.weights);
         }
         // With one component the rest is what it lacks.
         let one = Components::new(&curves, &shares, 1);

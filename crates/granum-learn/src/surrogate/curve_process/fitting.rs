@@ -199,7 +199,7 @@ impl Fitting<'_> {
             let curves = Curves {
                 curves: &prepared[curve].curves,
                 shares: &shared.shares,
-                rows: shared.rows.as_deref(),
+                rows: shared.rows.as_ref(),
                 parameters: &parameters[curve],
                 independent: shared.independent,
                 options: self.options(),

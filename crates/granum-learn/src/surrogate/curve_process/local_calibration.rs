@@ -7,8 +7,8 @@
 //! ```
 //!
 //! with the size s of errors at the inputs ([`super::error_size`]), the growth c with the distance D from the hull of the runs ([`super::corners`],
-//! [`super::orthogonal_hull`]), and the factor q of the conformal calibration ([`super::calibration`]) of the errors of training runs over their
-//! standard deviations and s, where s is fitted without the run. The bins of a histogram share s and c.
+//! [`super::orthogonal_hull`]), and the factor q of the conformal calibration ([`super::calibration`]) of the errors of training runs over all the
+//! rest, where s is fitted without the run and D is its distance from the hull of the others. The bins of a histogram share s and c.
 
 use std::collections::BTreeMap;
 
@@ -60,6 +60,17 @@ impl LocalFactor {
         let positive = |value: f64| value >= 0.0 && value.is_finite();
         self.size.is_sound(inputs) && positive(self.growth) && positive(self.deviation)
     }
+}
+
+/// Most rounds in which the factor of the calibration and the growth are found by turns.
+const ROUNDS: usize = 20;
+/// A growth has settled if it changes by less than this part of one and itself.
+const SETTLED: f64 = 1e-3;
+
+/// The size of errors at each training run by a fit to the others, and its distance from their hull.
+struct RunsLeftOut<'a> {
+    sizes: &'a [f64],
+    distances: &'a [f64],
 }
 
 /// The training runs as they were measured, and as they are predicted by what was fitted to others.
@@ -140,7 +151,7 @@ impl LeftOutRuns<'_> {
             return Ok(Calibrated { calibrations: plain, local: Vec::new(), limit: None });
         };
         let hull = OrthogonalHull::new(rows.values(), rows.columns());
-        let limit = hull.limit();
+        let (limit, distances) = (hull.limit(), hull.distances());
         let places: Vec<Vec<f64>> =
             rows.values().chunks(rows.columns()).map(|row| hull.places(row)).collect();
         let corners = Corners::new(self.shared, curves, (histograms, outputs), threads, observer);
@@ -153,17 +164,11 @@ impl LeftOutRuns<'_> {
         let mut local: Vec<Option<LocalFactor>> = vec![None; outputs];
         for unit in units(histograms, outputs) {
             let fitted = ErrorSize::fit(&places, &self.of_runs(&unit));
-            for output in &unit {
-                let scaled = |(errors, size): (Vec<f64>, &f64)| errors.iter().map(|e| e / size).collect();
-                let errors: Vec<Vec<f64>> =
-                    self.errors(*output).into_iter().zip(&fitted.left_out).map(scaled).collect();
-                let own = Calibration::new(&errors, &self.shared.shares[self.first(*output)..])
-                    .with_root_mean_square(self.root_mean_square(*output));
-                calibrations[*output] = Some(own.with_six_digits());
-            }
             let sizes: Vec<f64> = places.iter().map(|places| fitted.size.at(places)).collect();
-            let growth = self.growth(&unit, &calibrations, &sizes, &outside);
-            for output in unit {
+            let left_out = RunsLeftOut { sizes: &fitted.left_out, distances: &distances };
+            let (growth, own) = self.growth_and_calibrations(&unit, &left_out, &sizes, &outside);
+            for (output, own) in unit.into_iter().zip(own) {
+                calibrations[output] = Some(own.with_six_digits());
                 let deviation = plain[output].one_deviation();
                 local[output] = Some(LocalFactor { deviation, size: fitted.size.clone(), growth });
             }
@@ -175,16 +180,51 @@ impl LeftOutRuns<'_> {
         })
     }
 
+    /// The growth of outputs that are calibrated together, and the calibration of each. The factors of the calibration decide which growth the corners
+    /// need, and the growth what the factors must be for the training runs, which lie outside of the hull of the others as often as new runs do.
+    fn growth_and_calibrations(
+        &self,
+        unit: &[usize],
+        left_out: &RunsLeftOut,
+        sizes: &[f64],
+        outside: &[CornerRun],
+    ) -> (f64, Vec<Calibration>) {
+        let with = |growth: f64| -> Vec<Calibration> {
+            unit.iter().map(|output| self.calibration(*output, left_out, growth)).collect()
+        };
+        let (mut own, mut growth) = (with(0.0), 0.0);
+        let mut first = None;
+        for _ in 0..ROUNDS {
+            let next = self.growth(unit, &own, sizes, outside);
+            if (next - growth).abs() <= SETTLED * (1.0 + growth) {
+                return (growth, own);
+            }
+            first.get_or_insert((next, own));
+            (own, growth) = (with(next), next);
+        }
+        // Where corners need ever more, intervals are rather too wide near the runs than too narrow.
+        first.unwrap_or((growth, own))
+    }
+
+    /// The calibration of an output whose intervals grow so with the distance from the hull.
+    fn calibration(&self, output: usize, left_out: &RunsLeftOut, growth: f64) -> Calibration {
+        let widths = left_out.sizes.iter().zip(left_out.distances).map(|(s, d)| s * (1.0 + growth * d));
+        let scaled = |(errors, width): (Vec<f64>, f64)| errors.iter().map(|e| e / width).collect();
+        let errors: Vec<Vec<f64>> = self.errors(output).into_iter().zip(widths).map(scaled).collect();
+        Calibration::new(&errors, &self.shared.shares[self.first(output)..])
+            .with_root_mean_square(self.root_mean_square(output))
+    }
+
     fn growth(
         &self,
         unit: &[usize],
-        calibrations: &[Option<Calibration>],
+        calibrations: &[Calibration],
         sizes: &[f64],
         outside: &[CornerRun],
     ) -> f64 {
         let mut corners: BTreeMap<usize, Vec<(f64, f64, f64)>> = BTreeMap::new();
-        for output in unit {
-            let factor = calibrations[*output].as_ref().map_or(0.0, |own| own.interval(LEVEL));
+        for (output, own) in unit.iter().zip(calibrations) {
+            let factor = own.interval(LEVEL);
             for run in outside {
                 let measured = &self.measured[*output][run.run];
                 let states = corners.entry(run.corner).or_default();

@@ -81,7 +81,7 @@ impl OrthogonalHull {
     }
 
     /// The distance of each run from the hull of the others.
-    fn distances(&self) -> Vec<f64> {
+    pub fn distances(&self) -> Vec<f64> {
         let runs = self.places.first().map_or(0, Vec::len);
         let own = |run: usize| self.places.iter().map(|places| places[run]).collect::<Vec<f64>>();
         (0..runs).map(|run| self.distance_from(&own(run), run).distance).collect()

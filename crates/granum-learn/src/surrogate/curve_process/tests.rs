@@ -5,6 +5,7 @@ use granum_core::{Column, Table};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::orthogonal_hull::OrthogonalHull;
 use super::*;
 use crate::dataset::{ColumnGroup, Dataset, RunStates};
 use crate::error::Result;
@@ -372,4 +373,54 @@ fn a_distribution_of_forces_is_predicted_as_a_whole() {
         read.predict_rows(&[0.3, 0.4], 0.9).unwrap(),
         surrogate.predict_rows(&[0.3, 0.4], 0.9).unwrap()
     );
+}
+
+/// Runs whose height depends on four parameters together, with hardly any noise: what they do not know lies at their edge.
+fn edges(count: usize, seed: u64) -> Dataset {
+    let mut random = Random(ChaCha8Rng::seed_from_u64(seed));
+    let run = |k: usize| {
+        let own: Vec<f64> = (0..4).map(|_| random.uniform()).collect();
+        let noise = 0.01 * random.normal();
+        let height = (2.0 * (own[0] - 0.5 * own[1])).exp() * (1.0 + (3.0 * own[2] * own[3]).sin()) + noise;
+        let xs: Vec<f64> = (0..11).map(|i| f64::from(i) / 10.0).collect();
+        let y = xs.iter().map(|x| height * x).collect();
+        let table = Table::new(vec![Column::new("x", "", xs), Column::new("y", "", y)])?;
+        let run = RunStates::new(&format!("run-{seed}-{k}"), table)?;
+        let each = own.iter().zip(["a", "b", "c", "d"]);
+        each.fold(Ok(run), |run, (value, name)| run?.with_parameter(name, "", *value))
+    };
+    Dataset::new((0..count).map(run).collect::<Result<_>>().unwrap()).unwrap()
+}
+
+/// A training run lies outside of the hull of the others as often as a new run does: the factor of the calibration is that of intervals which are wider there.
+#[test]
+fn intervals_that_grow_at_the_edge_hold_their_level_and_not_more() {
+    let spec = FitSpec::new(["x", "a", "b", "c", "d"], ["y"]).with_coordinate("x");
+    let method = GaussianProcessOfCurves { components: 1, starts: 1, ..Default::default() };
+    let mut judged = 0;
+    for seed in 0..12 {
+        let data = edges(48, seed);
+        let (fitted, left_out) = method.fit_with_left_out(&data, &spec, &mut NoObserver).unwrap();
+        let hull = OrthogonalHull::new(&fitted.kept.rows, 4);
+        let places: Vec<Vec<f64>> = fitted.kept.rows.chunks(4).map(|row| hull.places(row)).collect();
+        let (local, factor) = (&fitted.kept.local[0], fitted.kept.calibrations[0].interval(0.9));
+        // Sizes of errors are fitted without each run, and not kept; only where all are equal can they be told here.
+        if local.growth() < 1.0 || places.iter().any(|places| local.at(places, 0.0) != 1.0) {
+            continue;
+        }
+        let (mut held, mut count) = (0.0, 0.0);
+        for ((run, places), distance) in data.runs().iter().zip(&places).zip(hull.distances()) {
+            let (xs, ys) = (run.column("x").unwrap(), run.column("y").unwrap());
+            for (x, y) in xs.iter().zip(ys).skip(1) {
+                let [mean, deviation] = left_out.at(run.name(), *x).unwrap()[0];
+                let half = factor * local.at(places, distance) * deviation;
+                held += f64::from(u8::from((y - mean).abs() <= half));
+                count += 1.0;
+            }
+        }
+        let share: f64 = held / count;
+        assert!((share - 0.9 * 49.0 / 48.0).abs() < 0.02, "{share} of the states of the runs {seed}");
+        judged += 1;
+    }
+    assert!(judged > 1, "{judged}");
 }
