@@ -7,7 +7,8 @@
 //!
 //! `TRAINING` and `UNSEEN` are folders of campaigns or of data sets, several of them separated by commas. For each number of runs the first so many are fitted;
 //! `24x20` fits twenty sets of 24 runs, one after another in the training runs, and prints the root of the mean of their squared errors (`mean`) with its standard error
-//! over the sets, and the error of each; then the same for the error on the single runs of all the other materials of `TRAINING` (`others`), of which there are more.
+//! over the sets, and the error of each; then the same for the error on the single runs of all the other materials of `TRAINING` (`others`), of which there are more,
+//! and the share of their states that intervals of 90 % hold (`held`), on average over the sets with its standard error.
 //! `run` is the root mean square error over single unseen runs, each predicted for its own sample; `mean` that of the prediction for the
 //! mean sample of a point against the mean of its replicates, less what that mean scatters itself, with its standard error over the points.
 //! Both are divided by the standard deviation between replicates, pooled over points and states. `noise` is what the surrogate says
@@ -195,7 +196,7 @@ fn judge_sets(
     println!("{sets} sets of {count} runs: output, error, and of each set");
     for output in OUTPUTS {
         let spec = spec(output);
-        let (mut squares, mut others) = (Vec::new(), Vec::new());
+        let (mut squares, mut others, mut shares) = (Vec::new(), Vec::new(), Vec::new());
         for set in training.chunks_exact(count).take(sets) {
             let dataset = Dataset::new(set.to_vec())?;
             let fitted = methods.by_name("gaussian-process")?.fit(&dataset, &spec, &mut NoObserver)?;
@@ -203,12 +204,15 @@ fn judge_sets(
             squares.push(mean(net.into_iter()) / (scatter * scatter));
             let own: BTreeSet<&str> = set.iter().map(|run| run.name()).collect();
             let other = training.iter().filter(|run| !own.contains(run.name())).cloned().collect::<Vec<_>>();
-            others.push(
-                on_runs(fitted.as_ref(), &of_runs(fitted.as_ref(), &spec, &other)?)? / (scatter * scatter),
-            );
+            let (error, held) = on_runs(fitted.as_ref(), &of_runs(fitted.as_ref(), &spec, &other)?)?;
+            others.push(error / (scatter * scatter));
+            shares.push(100.0 * held);
         }
         println!("  {output:32} mean   {}", of_sets(&squares));
         println!("  {output:32} others {}", of_sets(&others));
+        let share = mean(shares.iter().copied());
+        let variance = mean_square(shares.iter().map(|own| own - share)) / (shares.len() as f64 - 1.0);
+        println!("  {output:32} held   {share:.1} +- {:.1} %", variance.sqrt());
     }
     Ok(())
 }
@@ -223,14 +227,16 @@ fn of_sets(squares: &[f64]) -> String {
     format!("{:.3} +- {uncertainty:.3}  {}", root(square), each.join(" "))
 }
 
-/// The mean square error over single runs.
-fn on_runs(fitted: &dyn Surrogate, runs: &[Unseen]) -> Result<f64, Failure> {
+/// The mean square error over single runs, and the share of their states that intervals hold.
+fn on_runs(fitted: &dyn Surrogate, runs: &[Unseen]) -> Result<(f64, f64), Failure> {
     let inputs: Vec<Vec<f64>> = runs.iter().map(|run| run.inputs.clone()).collect();
     let states = predict(fitted, &inputs, false)?;
     let error = |(run, predicted): (&Unseen, &Vec<Said>)| {
         mean_square(run.curves.iter().zip(predicted).map(|(y, said)| said.mean - y))
     };
-    Ok(mean(runs.iter().zip(&states).map(error)))
+    let each = runs.iter().zip(&states).flat_map(|(run, said)| run.curves.iter().zip(said));
+    let held = mean(each.map(|(value, said)| f64::from(u8::from(said.holds(*value)))));
+    Ok((mean(runs.iter().zip(&states).map(error)), held))
 }
 
 fn spec(output: &str) -> FitSpec {

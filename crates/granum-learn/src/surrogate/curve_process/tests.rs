@@ -385,9 +385,11 @@ fn edges(count: usize, seed: u64) -> Dataset {
         let xs: Vec<f64> = (0..11).map(|i| f64::from(i) / 10.0).collect();
         let y = xs.iter().map(|x| height * x).collect();
         let table = Table::new(vec![Column::new("x", "", xs), Column::new("y", "", y)])?;
-        let run = RunStates::new(&format!("run-{seed}-{k}"), table)?;
-        let each = own.iter().zip(["a", "b", "c", "d"]);
-        each.fold(Ok(run), |run, (value, name)| run?.with_parameter(name, "", *value))
+        let mut run = RunStates::new(&format!("run-{seed}-{k}"), table)?;
+        for (value, name) in own.iter().zip(["a", "b", "c", "d"]) {
+            run = run.with_parameter(name, "", *value)?;
+        }
+        Ok(run)
     };
     Dataset::new((0..count).map(run).collect::<Result<_>>().unwrap()).unwrap()
 }
