@@ -1,12 +1,12 @@
 //! How far the answers of a family are from runs that it has not seen.
 
-use super::definition::FamilyOutput;
+use super::definition::{FamilyDefinition, FamilyOutput};
 use super::model::{FamilyModel, inputs_of, unfit, with_columns};
 use super::replicates::{PointSums, net_error, replicates, standard_error};
 use super::score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
 use crate::curve::is_logarithmic;
 use crate::dataset::{Dataset, RunStates};
-use crate::error::Result;
+use crate::error::{LearnError, Result};
 use crate::surrogate::{Prediction, RunInputs};
 
 /// Level of the intervals.
@@ -27,6 +27,14 @@ impl ScoredRun {
     fn is_flagged(&self) -> bool {
         self.predicted.iter().any(Prediction::is_extrapolated)
     }
+}
+
+fn too_short(name: &str, definition: &FamilyDefinition, points: &[f64]) -> LearnError {
+    let (coordinate, end) = (definition.coordinate, points.last().copied().unwrap_or_default());
+    LearnError::Dataset(format!(
+        "no run of `{name}` goes as far as the curves of the family {}, which end at {coordinate} {end:.4}; record the tests to there",
+        definition.name
+    ))
 }
 
 impl FamilyModel {
@@ -55,7 +63,7 @@ impl FamilyModel {
             of_runs.push(original);
         }
         if scored.is_empty() {
-            return Err(unfit("no run goes as far as the curves do"));
+            return Err(too_short(&data.name, definition, points));
         }
         let groups = replicates(&of_runs.iter().map(|run| &**run).collect::<Vec<&RunStates>>());
         let outputs = definition.outputs.iter().map(|output| {

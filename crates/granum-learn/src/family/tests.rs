@@ -232,6 +232,10 @@ fn a_test_that_was_ended_early_is_left_out_by_name() {
     assert_eq!(model.left_out().iter().map(|early| early.run.as_str()).collect::<Vec<_>>(), ["early"]);
     assert!(told.0.iter().any(|text| text.contains("early (0.1470)")), "{:?}", told.0);
     assert_eq!((model.runs(), model.predict(&GIVEN, 0.9).unwrap().points.last()), (24, Some(&END)));
+    // No score can be made of short runs alone.
+    let short = Dataset::new(runs[24..].to_vec()).unwrap();
+    let told = model.score(&short, data("short")).err().unwrap().to_string();
+    assert!(told.contains("no run of `short` goes as far") && told.contains("axial_strain 0.25"), "{told}");
     // A run of other grains is refused.
     runs[3] = runs[3].clone().with_word("contact.normal", "jkr").unwrap();
     let fit = FamilyFit { method: GaussianProcessOfCurves::default(), threads: 1 };

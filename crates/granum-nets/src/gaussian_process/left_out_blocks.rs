@@ -95,6 +95,9 @@ mod tests {
         for row in [0, 7, 39] {
             let found = blocks.without(&y, &[row]).unwrap()[0];
             assert!((found.mean - single[row].mean).abs() < 1e-9, "{found:?} {:?}", single[row]);
+            let same = process.predictions_left_out(&y)[row];
+            assert!((same.mean, same.noise) == (single[row].mean, found.noise), "{found:?} {same:?}");
+            assert!((same.variance - found.variance).abs() < 1e-9 * single[row].variance);
             let variance = found.variance + found.noise;
             assert!((variance - single[row].variance).abs() < 1e-9 * single[row].variance);
         }

@@ -97,6 +97,29 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     assert!(here.join("curves.svg").is_file() && here.join("oedometer.svg").is_file());
 }
 
+/// The family of the program on further sands, of which there are two here, and whose tests go as far as those of the family.
+#[test]
+fn quarters_of_the_inputs_are_judged_as_in_the_chapter() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let commands = commands("### In each quarter of each input");
+    assert_eq!(commands.len(), 3, "{commands:?}");
+    let mut said = String::new();
+    for words in &commands {
+        let words: Vec<&str> = words[1..].iter().map(String::as_str).collect();
+        said = done(here, &words);
+        if words.starts_with(&["init"]) {
+            smaller(here, "sand-drained-quarters.toml", "points = 256", "points = 2");
+            let as_far = [
+                ("stage.1.axial_strain = 0.02", "stage.1.axial_strain = 0.25"),
+                ("stage.1.states = 10", "stage.1.states = 250"),
+            ];
+            change(&here.join("sand-drained-quarters.toml"), &as_far);
+        }
+    }
+    assert!(said.contains("quarters (2 runs)") && said.contains("| stress_ratio "), "{said}");
+}
+
 #[test]
 fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     let base = tempfile::tempdir().unwrap();
