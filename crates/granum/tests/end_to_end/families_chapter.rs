@@ -82,6 +82,8 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     let here = base.path();
     let commands = commands("## What is asked and answered");
     assert_eq!(commands.len(), 6, "{commands:?}");
+    let readme = include_str!("../../../../README.md").replace("\\\n", " ");
+    assert!(readme.lines().any(|line| words(line) == commands[0]), "README has another command");
     let said = |words: &[String]| done(here, &words[1..].iter().map(String::as_str).collect::<Vec<_>>());
     let said: Vec<String> = commands.iter().map(|words| said(words)).collect();
     assert!(said[0].contains("void ratio = 0.7 (given)") && said[0].contains("q/p = "), "{}", said[0]);
