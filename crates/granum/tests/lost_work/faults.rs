@@ -295,7 +295,7 @@ fn a_campaign_that_is_cancelled_goes_on_later() {
     let slow = PLAN
         .replace(
             "case = 'sand.toml'",
-            "case = 'sand.toml'\n[set]\ngrains.count = 150\nstage.1.inertial_number = 1e-3",
+            "case = 'sand.toml'\n[set]\ngrains.count = 150\nstage.1.inertial_number = 1e-4",
         )
         .replace("['1 %', '1.5 %']", "['8 %', '9 %']");
     fs::write(here.join("slow.toml"), slow).unwrap();
