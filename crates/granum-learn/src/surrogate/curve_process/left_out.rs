@@ -64,9 +64,13 @@ impl Curves<'_> {
         let all = all.ok_or_else(|| failed("components of curves depend on each other"))?;
         let fit = |((targets, all), parameters): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| {
             let fitted = GaussianProcess::fit_from(known.clone(), targets, parameters, &options);
-            let parameters = fitted.map_err(failed)?.parameters().to_vec();
-            let process = GaussianProcess::with_parameters(rows.clone(), all, parameters).map_err(failed)?;
-            Ok(process.predictions_left_out(all))
+            let fitted = fitted.map_err(failed)?;
+            let process = GaussianProcess::with_parameters(rows.clone(), all, fitted.parameters().to_vec());
+            // Where the others have no noise and a run has the inputs of another one, the matrix of all cannot be inverted.
+            Ok(process.map_or_else(
+                |_| (0..rows.count()).map(|run| fitted.predict(rows.row(run))).collect(),
+                |process| process.predictions_left_out(all),
+            ))
         };
         components.weights.iter().zip(&all).zip(self.parameters).map(fit).collect()
     }
