@@ -394,6 +394,22 @@ fn edges(count: usize, seed: u64) -> Dataset {
     Dataset::new((0..count).map(run).collect::<Result<_>>().unwrap()).unwrap()
 }
 
+/// Exact runs of which some are there twice: nothing has noise, and the matrix of all runs is hardly one that can be inverted.
+#[test]
+fn exact_runs_that_are_there_twice_are_fitted() {
+    let exact = |name: String, strength: f64| {
+        let xs: Vec<f64> = (0..11).map(|i| f64::from(i) / 10.0).collect();
+        let y = xs.iter().map(|x| strength * x).collect();
+        let table = Table::new(vec![Column::new("x", "", xs), Column::new("y", "", y)])?;
+        RunStates::new(&name, table)?.with_parameter("strength", "", strength)
+    };
+    let runs = (0..24).map(|k| exact(format!("run-{k}"), (k % 20) as f64 / 20.0));
+    let data = Dataset::new(runs.collect::<Result<_>>().unwrap()).unwrap();
+    let spec = FitSpec::new(["x", "strength"], ["y"]).with_coordinate("x");
+    let predicted = &fitted(&data, &spec).predict_rows(&[0.5, 0.33], 0.9).unwrap()[0];
+    assert!((predicted.values[0].mean - 0.165).abs() < 1e-3, "{predicted:?}");
+}
+
 /// A training run lies outside of the hull of the others as often as a new run does: the factor of the calibration is that of intervals which are wider there.
 #[test]
 fn intervals_that_grow_at_the_edge_hold_their_level_and_not_more() {
