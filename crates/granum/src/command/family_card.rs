@@ -50,10 +50,11 @@ pub fn text(model: &FamilyModel) -> String {
 /// The scores on some runs as lines.
 pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
     let FamilyScores { data, points, outside, left_out, level, outputs } = scores;
-    let mut lines = vec![format!(
-        "\n## On unseen runs: {} ({} runs, {points} materials with several samples)\n",
-        data.name, data.runs
-    )];
+    let materials = match points {
+        0 => "each of a material of its own".to_string(),
+        points => format!("{points} materials with several samples"),
+    };
+    let mut lines = vec![format!("\n## On unseen runs: {} ({} runs, {materials})\n", data.name, data.runs)];
     let percent = |value: f64| if value.is_finite() { format!("{:.1} %", 100.0 * value) } else { "-".into() };
     let ratio = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
     let row = |output: &FamilyOutputScore| {

@@ -119,7 +119,10 @@ fn quarters_of_the_inputs_are_judged_as_in_the_chapter() {
             change(&here.join("sand-drained-quarters.toml"), &as_far);
         }
     }
-    assert!(said.contains("quarters (2 runs)") && said.contains("| stress_ratio "), "{said}");
+    assert!(
+        said.contains("quarters (2 runs, each of a material of its own)") && said.contains("| stress_ratio "),
+        "{said}"
+    );
 }
 
 #[test]
