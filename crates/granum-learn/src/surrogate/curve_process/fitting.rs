@@ -279,7 +279,7 @@ mod tests {
         let curves = fitted(48);
         assert!(curves.kept.curves[0].memory.is_some());
         let growth: Vec<f64> = curves.kept.local.iter().map(LocalFactor::growth).collect();
-        assert!(growth.iter().all(|growth| *growth < 20.0), "{growth:?}");
+        assert!(growth.iter().all(|growth| *growth < 100.0), "{growth:?}");
     }
 
     /// Heights from 0.01 to 100 that scatter by a tenth of themselves: intervals hold, are not negative, and are the same with a covariance.

@@ -67,6 +67,10 @@ const ROUNDS: usize = 20;
 /// A growth has settled if it changes by less than this part of one and itself.
 const SETTLED: f64 = 1e-3;
 
+/// The factor of the calibration is at least this share of what it is without growth: of few runs nearly all lie at the edge, and little is known
+/// of the intervals in their midst.
+const LEAST_FACTOR: f64 = 0.5;
+
 /// The size of errors at each training run by a fit to the others, and its distance from their hull.
 struct RunsLeftOut<'a> {
     sizes: &'a [f64],
@@ -193,6 +197,7 @@ impl LeftOutRuns<'_> {
             unit.iter().map(|output| self.calibration(*output, left_out, growth)).collect()
         };
         let (mut own, mut growth) = (with(0.0), 0.0);
+        let least: Vec<f64> = own.iter().map(|own| LEAST_FACTOR * own.interval(LEVEL)).collect();
         let mut first = None;
         for _ in 0..ROUNDS {
             let next = self.growth(unit, &own, sizes, outside);
@@ -201,6 +206,9 @@ impl LeftOutRuns<'_> {
             }
             first.get_or_insert((next, own));
             (own, growth) = (with(next), next);
+            if own.iter().zip(&least).any(|(own, least)| own.interval(LEVEL) < *least) {
+                break;
+            }
         }
         // Where corners need ever more, intervals are rather too wide near the runs than too narrow.
         first.unwrap_or((growth, own))

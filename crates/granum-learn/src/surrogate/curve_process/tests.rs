@@ -423,7 +423,9 @@ fn intervals_that_grow_at_the_edge_hold_their_level_and_not_more() {
         let places: Vec<Vec<f64>> = fitted.kept.rows.chunks(4).map(|row| hull.places(row)).collect();
         let (local, factor) = (&fitted.kept.local[0], fitted.kept.calibrations[0].interval(0.9));
         // Sizes of errors are fitted without each run, and not kept; only where all are equal can they be told here.
-        if local.growth() < 1.0 || places.iter().any(|places| local.at(places, 0.0) != 1.0) {
+        // The largest growths would leave too little in the midst of the runs, and are not in the calibration.
+        if !(1.0..10.0).contains(&local.growth()) || places.iter().any(|places| local.at(places, 0.0) != 1.0)
+        {
             continue;
         }
         let (mut held, mut count) = (0.0, 0.0);
