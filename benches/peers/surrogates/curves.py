@@ -6,7 +6,7 @@
       data/families/sand/drained,data/families/sand/drained-further,data/families/sand/drained-rest data/families/sand/unseen 24 48 96 191 340 all
 
 For each number of runs the first so many are learned from, for `24x20` twenty sets of 24 runs, one after another. The error is that of the prediction for the mean sample of a material against the mean of
-its samples, less what this mean scatters itself, over the scatter of single runs. Needs numpy, pyarrow and scikit-learn.
+its samples, less what this mean scatters itself, over the scatter of single runs. Needs numpy, pandas, pyarrow and scikit-learn.
 """
 
 import sys

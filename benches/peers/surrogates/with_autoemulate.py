@@ -4,7 +4,7 @@
 
 AutoEmulate compares its emulators by cross-validation over the training runs and tunes each (`ITERATIONS` tries); the best is asked. Inputs and curves
 are those of `curves.py`; of the components the first three are taken, since all count equally in the score by which AutoEmulate chooses, and those beyond are
-mostly scatter. Needs autoemulate (with PyTorch), numpy, pyarrow and scikit-learn.
+mostly scatter. Needs autoemulate (with PyTorch), numpy, pandas, pyarrow and scikit-learn.
 """
 
 import numpy as np
