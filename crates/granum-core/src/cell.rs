@@ -1,6 +1,7 @@
 //! The periodic cell: a parallelepiped given by the 3 x 3 matrix H whose columns are its edges, with one corner at
 //! the origin.
 
+use granum_simd::mul_add;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Matrix, Vector, apply, determinant, invert, multiply};
@@ -39,7 +40,9 @@ impl Cell {
     pub fn strained(&self, gradient: &Matrix, dt: f64) -> Cell {
         let rate = multiply(gradient, &self.edges);
         Cell {
-            edges: std::array::from_fn(|r| std::array::from_fn(|c| dt.mul_add(rate[r][c], self.edges[r][c]))),
+            edges: std::array::from_fn(|r| {
+                std::array::from_fn(|c| mul_add(dt, rate[r][c], self.edges[r][c]))
+            }),
         }
     }
 

@@ -1,26 +1,28 @@
 //! Vectors and 3 x 3 matrices, computed in a fixed order of fused operations, so that results have the same bits everywhere.
 
+use granum_simd::{Real, mul_add};
+
 /// A vector or a row of a matrix.
 pub type Vector = [f64; 3];
 /// A 3 x 3 matrix, row by row.
 pub type Matrix = [[f64; 3]; 3];
 
-/// Matrix times vector.
+/// Matrix times vector, or times eight vectors.
 #[inline(always)]
-pub fn apply(m: &Matrix, v: Vector) -> Vector {
+pub fn apply<R: Real>(m: &Matrix, v: [R; 3]) -> [R; 3] {
     // Written without a closure, which would be compiled for the baseline instruction set inside a kernel.
     [times(&m[0], v), times(&m[1], v), times(&m[2], v)]
 }
 
 #[inline(always)]
-fn times(row: &Vector, v: Vector) -> f64 {
-    row[0].mul_add(v[0], row[1].mul_add(v[1], row[2] * v[2]))
+fn times<R: Real>(row: &Vector, v: [R; 3]) -> R {
+    R::splat(row[0]).mul_add(v[0], R::splat(row[1]).mul_add(v[1], R::splat(row[2]) * v[2]))
 }
 
 /// Matrix product.
 pub fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
     std::array::from_fn(|r| {
-        std::array::from_fn(|c| a[r][0].mul_add(b[0][c], a[r][1].mul_add(b[1][c], a[r][2] * b[2][c])))
+        std::array::from_fn(|c| mul_add(a[r][0], b[0][c], mul_add(a[r][1], b[1][c], a[r][2] * b[2][c])))
     })
 }
 

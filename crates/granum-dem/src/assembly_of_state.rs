@@ -3,7 +3,7 @@
 //! Grains and contacts are in the order of the ids of the grains, whatever order the engine keeps them in.
 
 use granum_core::geometry::invert;
-use granum_simd::{LANES, Row8, fused, prefetch};
+use granum_simd::{LANES, Real, Row8, ScalarKernel, fused, prefetch};
 
 use crate::assembly::{Assembly, Contact, Grain, Matrix};
 use crate::contact::choice::contact_model::ContactModel;
@@ -162,29 +162,16 @@ impl State {
     fn add_grains(&self, order: &[usize], grains: &mut Vec<Grain>) {
         let inverse = invert(&self.cell.edges);
         grains.resize_with(order.len(), Grain::default);
-        fused(
-            #[inline(always)]
-            || {
-                for (k, (&g, to)) in order.iter().zip(grains).enumerate() {
-                    // The order of the ids has nothing to do with the order in memory.
-                    if let Some(&later) = order.get(k + GRAINS_AHEAD) {
-                        prefetch(&self.particles[later]);
-                        prefetch(&self.spin[later]);
-                        prefetch(&self.pairs.forces[later]);
-                    }
-                    *to = self.grain(g, &inverse);
-                }
-            },
-        );
+        fused(AddGrains { state: self, inverse, order, grains });
     }
 
     #[inline(always)]
-    fn grain(&self, g: usize, inverse: &Matrix) -> Grain {
+    fn grain<R: Real>(&self, g: usize, inverse: &Matrix) -> Grain {
         let total = self.resultant(g);
         let (p, w) = (&self.particles[g].0, &self.spin[g].0);
         Grain {
             id: self.ids[g],
-            position: images::wrapped(&self.cell, inverse, &self.particles[g]).0,
+            position: images::wrapped::<R>(&self.cell, inverse, &self.particles[g]).0,
             velocity: [p[4], p[5], p[6]],
             spin: [w[0], w[1], w[2]],
             radius: p[3],
@@ -273,6 +260,32 @@ impl State {
             tangential_energy: laws.tangential_energy.0[l],
             rolling_energy: laws.rolling_energy.0[l],
             attraction_energy: laws.attraction_energy.0[l],
+        }
+    }
+}
+
+/// Copies grains, with the fused operations of the processor.
+struct AddGrains<'a> {
+    state: &'a State,
+    inverse: Matrix,
+    order: &'a [usize],
+    grains: &'a mut [Grain],
+}
+
+impl ScalarKernel for AddGrains<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        let AddGrains { state, inverse, order, grains } = self;
+        for (k, (&g, to)) in order.iter().zip(grains).enumerate() {
+            // The order of the ids has nothing to do with the order in memory.
+            if let Some(&later) = order.get(k + GRAINS_AHEAD) {
+                prefetch(&state.particles[later]);
+                prefetch(&state.spin[later]);
+                prefetch(&state.pairs.forces[later]);
+            }
+            *to = state.grain::<R>(g, &inverse);
         }
     }
 }

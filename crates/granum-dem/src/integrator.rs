@@ -1,17 +1,16 @@
 //! The time integrator: the serial part of a step. It keeps the neighbour lists, the time step, the servo and the energy
 //! balance; the parallel stages of a step are in [`crate::kernel`].
 
-use granum_simd::{Kernel, LANES, Lanes, Row4, Row8, dispatch};
+use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
-use crate::cell::Cell;
 use crate::config::MOST_CONTACTS;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
 use crate::hardware::Hardware;
-use crate::images::{self, IMAGES};
+use crate::images;
 use crate::inner_list::{InnerList, Nearness};
 use crate::kernel::{ContactStages, Views};
 use crate::known_constants::KnownConstants;
@@ -309,7 +308,7 @@ impl Integrator {
         views.dt = state.dt;
         views.retain = 1.0 - state.global_damping * state.dt;
         views.sampling_weight = crate::discarded::sampling_weight(state.step);
-        views.images = dispatch(self.hardware.isa, Images(&state.cell));
+        views.images = images::image_table(self.hardware.isa, &state.cell);
     }
 
     /// Serial work after the contacts: totals, energy balance, list statistics.
@@ -353,7 +352,7 @@ impl Integrator {
         self.nearness.resize(s.pairs.batches(), Nearness::default());
         Views {
             grains: s.ids.len(),
-            images: dispatch(self.hardware.isa, Images(&s.cell)),
+            images: images::image_table(self.hardware.isa, &s.cell),
             particles: RawSlice::new(&mut s.particles),
             spin: RawSlice::new(&mut s.spin),
             blocks: RawSlice::new(&mut s.pairs.blocks),
@@ -425,18 +424,6 @@ impl Integrator {
 /// Frobenius norm: an upper bound on the rate at which any vector is strained.
 fn norm(m: &Matrix) -> f64 {
     m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// The image vectors of a cell, computed with the instructions of the processor in use.
-struct Images<'a>(&'a Cell);
-
-impl Kernel for Images<'_> {
-    type Output = [Row4; IMAGES];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [Row4; IMAGES] {
-        images::image_table(self.0)
-    }
 }
 
 /// Widens the skin of a list that lasted too few steps, and narrows that of a list that lasted too many.

@@ -39,11 +39,12 @@ impl<'a> Observing<'a> {
     /// For the pairs of a state; `alike` are the constants of all pairs where grains are equal.
     pub(crate) fn new(state: &'a State, laws: &'a ContactModel, alike: &PairConstants<f64>) -> Self {
         let zero = [Row8::default(); 3];
+        let isa = Isa::detect();
         Observing {
             state,
             laws,
-            images: images::image_table(&state.cell),
-            isa: Isa::detect(),
+            images: images::image_table(isa, &state.cell),
+            isa,
             pairs: vec![ObservedPairs { branch: zero, normal: zero, tangential_force: zero }; TOGETHER],
             laws_give: vec![ObservedBatch::new(alike); TOGETHER],
         }

@@ -2,7 +2,7 @@
 //!
 //! Each lane of a vector holds one row. All memory that an epoch needs is allocated once.
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, mul_add};
 
 use crate::activation::Activation;
 use crate::data::Data;
@@ -192,7 +192,7 @@ impl Workspace {
         let mut shared = std::mem::take(&mut self.shared);
         self.share(&residuals, &mut shared);
         self.shared = shared;
-        Row8::numbers(&residuals).iter().fold(0.0, |sum, e| e.mul_add(*e, sum))
+        Row8::numbers(&residuals).iter().fold(0.0, |sum, e| mul_add(*e, *e, sum))
     }
 
     /// Gradient of `scale / 2` times the weighted sum of squared errors, after [`Workspace::squared_error`] with the

@@ -1,7 +1,7 @@
 //! Evaluation of a network: for batches and training in panels of lane blocks with rows across the lanes, and for a single
 //! row with neurons across the lanes.
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, sigmoid, tanh};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch, sigmoid, tanh};
 
 use crate::activation::Activation;
 use crate::kernels::{Scalars, blocks, odd, scalar_times_lanes};
@@ -173,7 +173,14 @@ impl Kernel for Batch<'_> {
         while row < rows {
             let count = (rows - row).min(CHUNK * LANES);
             let source = &self.inputs[row * columns..(row + count) * columns];
-            load_columns(source, columns, count, self.scalers.map(|s| s.inputs), &mut now, stride);
+            load_columns::<L::Scalar>(
+                source,
+                columns,
+                count,
+                self.scalers.map(|s| s.inputs),
+                &mut now,
+                stride,
+            );
             for layer in &layers {
                 let width = crate::kernels::panel::<L>();
                 let mut first = 0;
@@ -193,7 +200,7 @@ impl Kernel for Batch<'_> {
 
 /// Transposes rows into lanes. Lanes beyond the last row remain unchanged.
 #[inline(always)]
-fn load_columns(
+fn load_columns<R: Real>(
     source: &[f64],
     columns: usize,
     count: usize,
@@ -208,7 +215,11 @@ fn load_columns(
         };
         for r in 0..count {
             let value = source[r * columns + c];
-            let scaled = if scalers.is_some() { (value - minimum).mul_add(factor, offset) } else { value };
+            let scaled = if scalers.is_some() {
+                R::splat(value - minimum).mul_add(R::splat(factor), R::splat(offset)).reduce_add()
+            } else {
+                value
+            };
             lanes[c * stride + r / LANES].0[r % LANES] = scaled;
         }
     }

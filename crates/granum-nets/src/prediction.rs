@@ -1,6 +1,6 @@
 //! Predictions of a trained model: values, standard deviations by cause, and inputs outside the trained range.
 
-use granum_simd::Isa;
+use granum_simd::{Isa, Real, ScalarKernel, fused};
 
 use crate::forward::{self, Scalers};
 use crate::model::Model;
@@ -175,11 +175,8 @@ impl Model {
         });
         let laplace = laplace.as_ref()?;
         let (mut values, variances) = laplace.outputs_and_variances(&self.network, self.scaled(rows), points);
-        granum_simd::fused(|| {
-            let (offset, minimum) = (self.output_scaler.offset(), self.output_scaler.minimum);
-            let unit = self.output_scaler.inverse_factor();
-            values.iter_mut().for_each(|value| *value = (*value - offset).mul_add(unit, minimum));
-        });
+        let output = &self.output_scaler;
+        fused(Scaled(&mut values, &[(output.offset(), output.inverse_factor(), output.minimum)]));
         let columns = self.inputs.len();
         for (row, value) in rows.chunks_exact(columns).zip(&mut values).filter(|(_, value)| value.is_nan()) {
             self.values_of(row, std::slice::from_mut(value));
@@ -197,13 +194,7 @@ impl Model {
         let scalers: Vec<_> =
             self.input_scalers.iter().map(|s| (s.minimum, s.factor(), s.offset())).collect();
         let mut scaled = rows.to_vec();
-        granum_simd::fused(|| {
-            for row in scaled.chunks_exact_mut(scalers.len()) {
-                for (value, (minimum, factor, offset)) in row.iter_mut().zip(&scalers) {
-                    *value = (*value - minimum).mul_add(*factor, *offset);
-                }
-            }
-        });
+        fused(Scaled(&mut scaled, &scalers));
         scaled
     }
 
@@ -254,6 +245,23 @@ impl Model {
                 name: self.inputs[i % self.inputs.len()].name.clone(),
                 value: rows[i],
             }),
+        }
+    }
+}
+
+/// Maps the values of rows: `(value - shift) factor + offset`, with a shift, factor and offset for each column.
+struct Scaled<'a>(&'a mut [f64], &'a [(f64, f64, f64)]);
+
+impl ScalarKernel for Scaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        for row in self.0.chunks_exact_mut(self.1.len()) {
+            for (value, (shift, factor, offset)) in row.iter_mut().zip(self.1) {
+                let scaled = R::splat(*value - shift).mul_add(R::splat(*factor), R::splat(*offset));
+                *value = scaled.reduce_add();
+            }
         }
     }
 }

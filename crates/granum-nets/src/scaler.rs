@@ -1,5 +1,6 @@
 //! Linear scaling of columns between their units and the scaled range of a network.
 
+use granum_simd::mul_add;
 use serde::{Deserialize, Serialize};
 
 /// Maps [`Scaler::minimum`, `maximum`] of one column onto [`low`, `high`].
@@ -87,7 +88,7 @@ impl Scaler {
     /// Converts a value from the unit of the column to the scaled range.
     #[inline]
     pub fn scale(&self, value: f64) -> f64 {
-        (value - self.minimum).mul_add(self.factor(), self.offset())
+        mul_add(value - self.minimum, self.factor(), self.offset())
     }
 
     /// Units of the column per scaled unit; zero for a constant column.
@@ -99,7 +100,7 @@ impl Scaler {
     /// Converts a scaled value back to the unit of the column.
     #[inline]
     pub fn unscale(&self, scaled: f64) -> f64 {
-        (scaled - self.offset()).mul_add(self.inverse_factor(), self.minimum)
+        mul_add(scaled - self.offset(), self.inverse_factor(), self.minimum)
     }
 
     /// True if the value is outside the trained range, or NaN.

@@ -3,7 +3,7 @@
 //! Only the upper triangle is stored, row by row with columns across the lanes. The factorisation processes eight rows at a
 //! time. Every element is summed in a fixed order, so that the bits are identical with every instruction set.
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch};
 
 use crate::kernels::{Scalars, blocks, odd, panels, scalar_times_lanes};
 
@@ -183,7 +183,7 @@ impl Kernel for Factorise<'_> {
                     );
                 },
             );
-            let Some(diagonal) = diagonal_block(rows, stride, q, shift) else { return false };
+            let Some(diagonal) = diagonal_block::<L::Scalar>(rows, stride, q, shift) else { return false };
             let reciprocal = diagonal.map(|row| 1.0 / row.1);
             reciprocals[q * LANES..(q + 1) * LANES].copy_from_slice(&reciprocal);
             // Then process the eight rows themselves, one column block after another.
@@ -212,7 +212,7 @@ impl Kernel for Factorise<'_> {
 
 /// Factorises the block on the diagonal; returns its rows, with zeros left of the diagonal, and their diagonal elements.
 #[inline(always)]
-fn diagonal_block(
+fn diagonal_block<R: Real>(
     rows: &[Row8],
     stride: usize,
     q: usize,
@@ -235,9 +235,10 @@ fn diagonal_block(
         block[i].0[i] = root;
         block[i].1 = root;
         for k in i + 1..LANES {
-            let factor = -block[i].0[k];
+            let factor = R::splat(-block[i].0[k]);
             for j in k..LANES {
-                block[k].0[j] = factor.mul_add(block[i].0[j], block[k].0[j]);
+                let (above, here) = (R::splat(block[i].0[j]), R::splat(block[k].0[j]));
+                block[k].0[j] = factor.mul_add(above, here).reduce_add();
             }
         }
     }
@@ -278,8 +279,10 @@ impl Kernel for SolveTransposed<'_> {
             self.vector[b].0[lane] = y;
             let row = &values[p * stride..][..blocks];
             // The rest of this block is updated lane by lane, and the later blocks as a whole.
+            let factor = L::Scalar::splat(-y);
             for s in lane + 1..LANES {
-                self.vector[b].0[s] = (-y).mul_add(row[b].0[s], self.vector[b].0[s]);
+                let (entry, before) = (L::Scalar::splat(row[b].0[s]), L::Scalar::splat(self.vector[b].0[s]));
+                self.vector[b].0[s] = factor.mul_add(entry, before).reduce_add();
             }
             let factor = L::splat(-y);
             for s in b + 1..blocks {
@@ -306,11 +309,11 @@ impl Kernel for SolveUpper<'_> {
             for s in b + 1..blocks {
                 sum = L::load(&row[s].0).mul_add(L::load(&self.vector[s].0), sum);
             }
-            let mut sum = sum.reduce_add();
+            let mut sum = L::Scalar::splat(sum.reduce_add());
             for s in lane + 1..LANES {
-                sum = row[b].0[s].mul_add(self.vector[b].0[s], sum);
+                sum = L::Scalar::splat(row[b].0[s]).mul_add(L::Scalar::splat(self.vector[b].0[s]), sum);
             }
-            self.vector[b].0[lane] = (self.vector[b].0[lane] - sum) * reciprocal[p];
+            self.vector[b].0[lane] = (self.vector[b].0[lane] - sum.reduce_add()) * reciprocal[p];
         }
     }
 }

@@ -31,7 +31,7 @@ impl Stress {
         }
         let mut sums = [[[[0.0; 3]; 3]; 2]; 2];
         // Compiled with wide instructions where the processor has them; nothing here is a fused product.
-        granum_simd::fused(
+        granum_simd::wide(
             #[inline(always)]
             || {
                 for contact in &assembly.contacts {

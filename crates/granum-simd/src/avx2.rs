@@ -9,6 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
+use crate::scalar::Fused;
 
 /// Eight lanes in two 256-bit registers.
 #[derive(Clone, Copy)]
@@ -197,6 +198,7 @@ fn transpose4(r: [__m256d; 4]) -> [__m256d; 4] {
 }
 
 impl Lanes for Avx2 {
+    type Scalar = Fused;
     const REGISTERS: usize = 8;
     const PAIRED: bool = false;
     #[inline(always)]

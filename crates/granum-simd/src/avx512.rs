@@ -9,6 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
+use crate::scalar::Fused;
 
 /// Eight lanes in one 512-bit register.
 #[derive(Clone, Copy)]
@@ -235,6 +236,7 @@ fn transpose4(r: [__m512d; 4]) -> [__m512d; 4] {
 }
 
 impl Lanes for Avx512 {
+    type Scalar = Fused;
     const REGISTERS: usize = 32;
     const PAIRED: bool = true;
     #[inline(always)]

@@ -58,25 +58,3 @@ impl Isa {
         Isa::ALL.into_iter().find(|isa| isa.name() == name)
     }
 }
-
-/// Computes in plain numbers, with the fused multiplications of the processor at hand, which are function calls for the
-/// baseline of x86-64. Whatever `compute` calls must be `#[inline(always)]`, as for a [`Kernel`](crate::Kernel).
-///
-/// ```
-/// assert_eq!(granum_simd::fused(|| 2.0f64.mul_add(3.0, 1.0)), 7.0);
-/// ```
-#[inline]
-pub fn fused<T>(compute: impl FnOnce() -> T) -> T {
-    #[cfg(target_arch = "x86_64")]
-    if Isa::Avx2.available() {
-        // SAFETY: the processor has just been found to have every feature that the function enables.
-        return unsafe { run_fused(compute) };
-    }
-    compute()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn run_fused<T>(compute: impl FnOnce() -> T) -> T {
-    compute()
-}

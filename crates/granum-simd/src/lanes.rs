@@ -27,7 +27,7 @@ pub trait Real:
     type Mask: Mask;
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
-    /// `self * factor + term`, rounded once.
+    /// `self * factor + term`, rounded once. A plain `f64` computes [`mul_add`](crate::mul_add()).
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// Square root, correctly rounded.
     fn sqrt(self) -> Self;
@@ -78,6 +78,9 @@ pub trait Real:
 
 /// Eight [`Real`] lanes, with the memory operations of a batch.
 pub trait Lanes: Real {
+    /// One number beside the lanes, whose fused multiplications are those of the instruction set; a plain `f64` in a kernel would ask
+    /// the processor at each.
+    type Scalar: Real;
     /// Number of values of this type that fit into the vector registers of the processor: the limit for a register-blocked
     /// loop.
     const REGISTERS: usize;

@@ -4,17 +4,21 @@
 //! lanes, on NEON, on AVX2 with FMA and on AVX-512. Only operations that IEEE 754 rounds correctly are
 //! offered (add, subtract, multiply, divide, square root, fused multiply-add), together with exact
 //! bit operations, so that the result does not depend on which of them ran. A fused operation
-//! happens only where [`Real::mul_add`] is called: the compiler never contracts on its own.
+//! happens only where [`Real::mul_add`] or [`mul_add()`] is called: the compiler never contracts on its own. Where the processor has no
+//! instruction for it, it is computed exactly (`fused.rs`), never by the C library, which on some platforms rounds twice.
 //!
-//! All `unsafe` of the arithmetic lives in `avx2.rs`, `avx512.rs` (x86-64) and `neon.rs` (aarch64); [`Row8::numbers`] has one more.
+//! All `unsafe` of the arithmetic lives in `avx2.rs`, `avx512.rs` (x86-64), `neon.rs` (aarch64) and `scalar.rs`; [`Row8::numbers`] has
+//! one more.
 
 mod dispatch;
+mod fused;
 mod isa;
 mod lanes;
 mod math;
 mod portable;
 mod prefetch;
 mod rows;
+mod scalar;
 mod twice;
 pub mod vectors;
 
@@ -29,12 +33,14 @@ mod neon;
 mod tests;
 
 pub use dispatch::{Kernel, dispatch, dispatch_available, dispatch_or};
-pub use isa::{Isa, fused};
+pub use fused::mul_add;
+pub use isa::Isa;
 pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, power, sigmoid, tanh};
 pub use portable::Portable;
 pub use prefetch::prefetch;
 pub use rows::{Row4, Row8};
+pub use scalar::{ScalarKernel, fused, wide};
 pub use twice::Twice;
 
 /// Number of lanes of every vector type of this crate.

@@ -247,6 +247,7 @@ fn columns<const C: usize>(two: impl Fn(usize, usize) -> float64x2_t) -> [Neon; 
 }
 
 impl Lanes for Neon {
+    type Scalar = f64;
     const REGISTERS: usize = 8;
     // Four independent registers a value already fill the gaps, and two values take all there are.
     const PAIRED: bool = false;

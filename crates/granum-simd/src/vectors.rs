@@ -94,6 +94,6 @@ mod tests {
     #[test]
     fn the_order_of_a_sum_is_fixed() {
         let (a, b) = ([1e16, 1.0, -1e16], [1.0, 3.0, 1.0]);
-        assert_eq!(dot(a, b), 1e16f64.mul_add(1.0, 1.0f64.mul_add(3.0, -1e16)));
+        assert_eq!(dot(a, b), crate::mul_add(1e16, 1.0, crate::mul_add(1.0, 3.0, -1e16)));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use granum_simd::{Kernel, Lanes, Row4, Row8};
+use granum_simd::{Kernel, Lanes, Real, Row4, Row8};
 
 use super::views::Views;
 use crate::pairs::resultant;
@@ -45,7 +45,8 @@ impl Kernel for GrainStage<'_> {
                     #[inline(always)]
                     || kicks(v, &particles[n]),
                 );
-                let square = advance_grain(&drift, kick, turn, &total, &mut particles[n], &mut spin[n]);
+                let square =
+                    advance_grain::<L::Scalar>(&drift, kick, turn, &total, &mut particles[n], &mut spin[n]);
                 fastest = larger(fastest, square);
             }
             // SAFETY: only this thread works on this block.
@@ -105,7 +106,7 @@ impl Drift {
 ///
 /// The loops over rows of four are vectorized.
 #[inline(always)]
-fn advance_grain(
+fn advance_grain<R: Real>(
     drift: &Drift,
     kick: f64,
     turn: f64,
@@ -113,21 +114,31 @@ fn advance_grain(
     particle: &mut Row8,
     spin: &mut Row4,
 ) -> f64 {
-    let Drift { gradient: [gx, gy, gz], dt, retain } = drift;
+    let [gx, gy, gz]: [[R; 4]; 3] =
+        [four(drift.gradient[0]), four(drift.gradient[1]), four(drift.gradient[2])];
+    let (dt, retain): ([R; 4], [R; 4]) = (four(drift.dt), four(drift.retain));
+    let (kick, turn) = (R::splat(kick), R::splat(turn));
     let p = &mut particle.0;
-    let [x, y, z] = [p[0], p[1], p[2]];
-    let mut velocity = [0.0; 4];
+    let [x, y, z] = [R::splat(p[0]), R::splat(p[1]), R::splat(p[2])];
+    let mut velocity = [R::zero(); 4];
     for k in 0..4 {
-        velocity[k] = kick.mul_add(total[k], p[4 + k] * retain[k]);
+        velocity[k] = kick.mul_add(R::splat(total[k]), R::splat(p[4 + k]) * retain[k]);
     }
     for k in 0..4 {
-        spin.0[k] = turn.mul_add(total[4 + k], spin.0[k] * retain[k]);
+        spin.0[k] = turn.mul_add(R::splat(total[4 + k]), R::splat(spin.0[k]) * retain[k]).reduce_add();
     }
     for k in 0..4 {
         let drift = gx[k].mul_add(x, gy[k].mul_add(y, gz[k].mul_add(z, velocity[k])));
-        p[k] = dt[k].mul_add(drift, p[k]);
+        p[k] = dt[k].mul_add(drift, R::splat(p[k])).reduce_add();
     }
-    p[4..].copy_from_slice(&velocity);
+    for k in 0..4 {
+        p[4 + k] = velocity[k].reduce_add();
+    }
     let [x, y, z, _] = velocity;
-    z.mul_add(z, y.mul_add(y, x * x))
+    z.mul_add(z, y.mul_add(y, x * x)).reduce_add()
+}
+
+#[inline(always)]
+fn four<R: Real>(row: [f64; 4]) -> [R; 4] {
+    [R::splat(row[0]), R::splat(row[1]), R::splat(row[2]), R::splat(row[3])]
 }

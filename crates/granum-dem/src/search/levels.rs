@@ -13,7 +13,7 @@ use granum_core::geometry::invert;
 use super::grid::{Grid, Near, is_near, load};
 use crate::assembly::Matrix;
 use crate::cell::Cell;
-use crate::images::{image_code, image_table};
+use crate::images::{image_code, image_table_in_lanes};
 
 /// Largest ratio of radii for which one grid is used.
 pub(super) const ONE_GRID: f64 = 2.5;
@@ -72,7 +72,7 @@ impl Kernel for LevelSearch<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec<Near> {
-        let images = image_table(self.cell);
+        let images = image_table_in_lanes::<L>(self.cell);
         let mut found = Vec::with_capacity(self.particles.len() * 4);
         for (finer, level) in self.levels.iter().enumerate() {
             for &i in &level.grains {

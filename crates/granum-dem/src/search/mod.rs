@@ -10,7 +10,7 @@ mod levels;
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use crate::cell::Cell;
-use crate::images::{REACH, image_code, image_table};
+use crate::images::{REACH, image_code, image_table_in_lanes};
 
 use self::grid::{Grid, load};
 pub(crate) use self::grid::{Near, is_near};
@@ -48,7 +48,7 @@ impl Kernel for GridSearch<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec<Near> {
         let grid = Grid::new(self.cell, self.particles, self.counts);
-        let images = image_table(self.cell);
+        let images = image_table_in_lanes::<L>(self.cell);
         let mut found = Vec::with_capacity(self.particles.len() * 4);
         for (i, row) in self.particles.iter().enumerate() {
             let from = found.len();

@@ -28,7 +28,7 @@ mod determined;
 
 pub(crate) use determined::Determined;
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, mul_add};
 
 use crate::backprop::Workspace;
 use crate::kernels::Scalars;
@@ -186,7 +186,7 @@ impl Curvature {
         workspace.jacobian_times(weights, &mut right);
         for (r, e) in right.iter_mut().zip(residuals) {
             for l in 0..LANES {
-                r.0[l] = (-ratio).mul_add(r.0[l], e.0[l]);
+                r.0[l] = mul_add(-ratio, r.0[l], e.0[l]);
             }
         }
         let mut factors = vec![Row8::default(); self.square];
@@ -197,7 +197,7 @@ impl Curvature {
             pivots.transposed_jacobian_times(&factors, step);
         }
         for (s, w) in step.iter_mut().zip(weights) {
-            *s = -ratio.mul_add(*w, *s);
+            *s = -mul_add(ratio, *w, *s);
         }
     }
 
@@ -244,7 +244,7 @@ impl Curvature {
             let numbers = Row8::numbers(&projected);
             for (j, &k) in members.iter().enumerate() {
                 let at = |p: usize| own[p * odd(lanes) + j / LANES].0[j % LANES];
-                left_out[k] += (0..square * LANES).fold(0.0, |sum, p| at(p).mul_add(numbers[p], sum));
+                left_out[k] += (0..square * LANES).fold(0.0, |sum, p| mul_add(at(p), numbers[p], sum));
             }
         }
         Some(left_out)

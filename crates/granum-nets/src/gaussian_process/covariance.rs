@@ -9,7 +9,7 @@
 //! of all inputs together. The first terms are learned from few rows, the last can be anything if there are many. All parameters are
 //! positive and are varied by their logarithms.
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch, exp};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, ScalarKernel, dispatch, exp, fused};
 
 use super::rows::RowLanes;
 use crate::symmetric::Symmetric;
@@ -52,17 +52,15 @@ struct Terms<R> {
 impl Covariance {
     /// From the logarithms of the parameters.
     pub fn new(inputs: usize, logarithms: &[f64]) -> Covariance {
-        granum_simd::fused(|| {
-            let values = |from: usize| logarithms[from..from + inputs].iter().map(|l| exp(*l));
-            let shared = EACH * inputs;
-            Covariance {
-                inputs,
-                narrowness: values(0).map(|length| 0.5 / (length * length)).collect(),
-                weights: values(inputs).collect(),
-                slopes: values(2 * inputs).collect(),
-                shared: std::array::from_fn(|k| exp(logarithms[shared + k])),
-            }
-        })
+        let values = |from: usize| logarithms[from..from + inputs].iter().map(|l| exp(*l));
+        let shared = EACH * inputs;
+        Covariance {
+            inputs,
+            narrowness: values(0).map(|length| 0.5 / (length * length)).collect(),
+            weights: values(inputs).collect(),
+            slopes: values(2 * inputs).collect(),
+            shared: std::array::from_fn(|k| exp(logarithms[shared + k])),
+        }
     }
 
     /// Variance of the noise.
@@ -115,7 +113,7 @@ impl Covariance {
 
     /// The value at two rows.
     pub fn between(&self, a: &[f64], b: &[f64]) -> f64 {
-        granum_simd::fused(|| self.value(a, |d| b[d]))
+        fused(Between { covariance: self, a, b })
     }
 
     /// The sum over all pairs of rows, in both orders, of `B_ij - a_i a_j` times the derivatives of the value with respect to the
@@ -123,6 +121,27 @@ impl Covariance {
     /// matrix, and `a` a vector with zeros beyond the rows.
     pub fn weighted_gradient(&self, isa: Isa, rows: &RowLanes, b: &Symmetric, a: &[Row8]) -> Vec<f64> {
         dispatch(isa, WeightedGradient { covariance: self, rows, b, a })
+    }
+}
+
+struct Between<'a> {
+    covariance: &'a Covariance,
+    a: &'a [f64],
+    b: &'a [f64],
+}
+
+impl ScalarKernel for Between<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<R: Real>(self) -> f64 {
+        self.covariance
+            .value(
+                self.a,
+                #[inline(always)]
+                |d| R::splat(self.b[d]),
+            )
+            .reduce_add()
     }
 }
 

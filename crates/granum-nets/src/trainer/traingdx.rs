@@ -15,7 +15,7 @@
 use std::time::Instant;
 
 use granum_core::observer::{Flow, Observer};
-use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
+use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch, mul_add};
 
 use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
@@ -286,7 +286,7 @@ impl Kernel for Step<'_, '_> {
             (L::load(&weights[k]) + step).store(&mut trials[k]);
         }
         for k in 0..last_steps.len() {
-            last_steps[k] = self.slope.mul_add(last_gradients[k], self.factor * last_steps[k]);
+            last_steps[k] = mul_add(self.slope, last_gradients[k], self.factor * last_steps[k]);
             last_trials[k] = last_weights[k] + last_steps[k];
         }
     }
@@ -306,7 +306,7 @@ pub(super) fn norm(isa: Isa, vector: &[f64]) -> f64 {
                 sums[k % 4] = value.mul_add(value, sums[k % 4]);
             }
             let sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])).reduce_add();
-            rest.iter().fold(sum, |sum, v| v.mul_add(*v, sum)).sqrt()
+            rest.iter().fold(sum, |sum, v| mul_add(*v, *v, sum)).sqrt()
         }
     }
     dispatch(isa, Norm(vector))

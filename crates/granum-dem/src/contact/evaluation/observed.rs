@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch_or, fused};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, ScalarKernel, dispatch_or, fused};
 
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact::evaluation::memory::Memory;
@@ -93,24 +93,29 @@ trait Evaluate {
 
 /// Evaluates batches in lanes, or on a processor without vector instructions pair by pair, which gives the same bits.
 fn evaluate<E: Evaluate>(isa: Isa, batches: &mut [ObservedBatch]) {
-    dispatch_or(isa, InLanes::<E>(batches, PhantomData), |InLanes(batches, _)| {
-        fused(
-            #[inline(always)]
-            || {
-                for batch in batches {
-                    for l in 0..LANES {
-                        E::evaluate(
-                            batch,
-                            #[inline(always)]
-                            |row| row.0[l],
-                            #[inline(always)]
-                            |value, row| row.0[l] = value,
-                        );
-                    }
-                }
-            },
-        );
-    });
+    let each = |InLanes(batches, _): InLanes<'_, E>| fused(PairByPair::<E>(batches, PhantomData));
+    dispatch_or(isa, InLanes::<E>(batches, PhantomData), each);
+}
+
+struct PairByPair<'a, E>(&'a mut [ObservedBatch], PhantomData<E>);
+
+impl<E: Evaluate> ScalarKernel for PairByPair<'_, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        for batch in self.0 {
+            for l in 0..LANES {
+                E::evaluate(
+                    batch,
+                    #[inline(always)]
+                    |row| R::splat(row.0[l]),
+                    #[inline(always)]
+                    |value: R, row| row.0[l] = value.reduce_add(),
+                );
+            }
+        }
+    }
 }
 
 struct InLanes<'a, E>(&'a mut [ObservedBatch], PhantomData<E>);

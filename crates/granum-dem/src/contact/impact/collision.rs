@@ -5,7 +5,7 @@
 //! are split into two halves so that velocities are also known at the ends. The collision begins at the instant of first
 //! contact, with the force that the law gives there, and ends exactly at the instant of separation.
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch};
+use granum_simd::{Isa, Kernel, Lanes, dispatch, mul_add};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::choice::check::check;
@@ -370,7 +370,7 @@ impl Motion<'_> {
 fn time_to_distance(state: &Relative, distance: f64) -> f64 {
     let speed = dot(state.velocity, state.velocity);
     let along = dot(state.branch, state.velocity);
-    let within = distance.mul_add(distance, -dot(state.branch, state.branch));
+    let within = mul_add(distance, distance, -dot(state.branch, state.branch));
     if speed == 0.0 || along <= 0.0 {
         return f64::INFINITY;
     }

@@ -5,7 +5,7 @@
 //! that of grain i is zero before the first row. Between rows the pair moves in a straight line, in one step or in several.
 //! Internally n is oblique to all axes, so that no error remains hidden by an alignment with them.
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch};
+use granum_simd::{Isa, Kernel, Lanes, dispatch, mul_add};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::choice::check::check;
@@ -36,7 +36,7 @@ impl PathRow {
             return *end;
         }
         let share = step as f64 / steps as f64;
-        let mix = |from: f64, to: f64| share.mul_add(to - from, from);
+        let mix = |from: f64, to: f64| mul_add(share, to - from, from);
         PathRow {
             normal_approach: mix(self.normal_approach, end.normal_approach),
             tangential_displacement: mix(self.tangential_displacement, end.tangential_displacement),
@@ -186,9 +186,9 @@ impl Kernel for Steps<'_> {
                 let kinematics = PairMotion {
                     branch: [distance * normal[0], distance * normal[1], distance * normal[2]],
                     velocity: [
-                        slip.mul_add(along[0], opening * normal[0]),
-                        slip.mul_add(along[1], opening * normal[1]),
-                        slip.mul_add(along[2], opening * normal[2]),
+                        mul_add(slip, along[0], opening * normal[0]),
+                        mul_add(slip, along[1], opening * normal[1]),
+                        mul_add(slip, along[2], opening * normal[2]),
                     ],
                     rolling: [0.0; 3],
                     mean_spin: [0.0; 3],

@@ -41,23 +41,23 @@ pub trait Width {
     }
 }
 
-/// One contact.
+/// One contact, in plain numbers, or in those with the fused multiplications of the processor.
 #[derive(Clone, Copy)]
-pub struct One;
+pub struct One<R = f64>(std::marker::PhantomData<R>);
 /// A batch.
 #[derive(Clone, Copy)]
 pub struct Batch<L>(std::marker::PhantomData<L>);
 
-impl Width for One {
-    type Value = f64;
+impl<R: Real> Width for One<R> {
+    type Value = R;
     const COUNT: Count = Count::One;
     #[inline(always)]
-    fn read(row: &Row8) -> f64 {
-        row.0[0]
+    fn read(row: &Row8) -> R {
+        R::splat(row.0[0])
     }
     #[inline(always)]
-    fn write(value: f64, row: &mut Row8) {
-        row.0[0] = value;
+    fn write(value: R, row: &mut Row8) {
+        row.0[0] = value.reduce_add();
     }
 }
 impl<L: Lanes> Width for Batch<L> {

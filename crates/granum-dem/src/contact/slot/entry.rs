@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch_available, fused};
+use granum_simd::{Isa, Kernel, Lanes, Real, ScalarKernel, dispatch_available, fused};
 
 use crate::contact::slot::columns::{Batch, Count, One, Sheet, Width};
 
@@ -22,6 +22,17 @@ impl<C: Call> Kernel for InLanes<'_, '_, C> {
     }
 }
 
+/// A computation for one contact.
+struct OfOne<'a, 'b, C>(&'a mut Sheet<'b>, PhantomData<C>);
+
+impl<C: Call> ScalarKernel for OfOne<'_, '_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Real>(self) {
+        C::call::<One<R>>(self.0);
+    }
+}
+
 /// The computation of a law over columns, for one contact or for a batch, with one instruction set.
 #[derive(Clone, Copy)]
 pub struct Entry(unsafe fn(&mut Sheet<'_>));
@@ -35,13 +46,8 @@ impl Entry {
     pub(super) fn new<C: Call>(isa: Isa, count: Count) -> Entry {
         // SAFETY of these functions: each is chosen only where its instructions are available.
         match (count, isa) {
-            (Count::One, _) => Entry(|sheet| {
-                // A single contact needs no lanes.
-                fused(
-                    #[inline(always)]
-                    || C::call::<One>(sheet),
-                );
-            }),
+            // A single contact needs no lanes.
+            (Count::One, _) => Entry(|sheet| fused(OfOne::<C>(sheet, PhantomData))),
             (Count::Batch, Isa::Avx512) if isa.available() => {
                 Entry(|sheet| unsafe { in_lanes::<C>(Isa::Avx512, sheet) })
             }
@@ -75,5 +81,5 @@ unsafe fn in_lanes<C: Call>(isa: Isa, sheet: &mut Sheet<'_>) {
 /// Without vector instructions a batch is evaluated contact by contact, which gives the same bits: formulas over eight plain numbers
 /// would be half of the code, and hardly anybody would run them.
 fn one_by_one<C: Call>(sheet: &mut Sheet<'_>) {
-    sheet.for_each_contact(C::call::<One>);
+    sheet.for_each_contact(|sheet| fused(OfOne::<C>(sheet, PhantomData)));
 }

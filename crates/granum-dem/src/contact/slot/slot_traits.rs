@@ -7,7 +7,7 @@
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, fused};
+use granum_simd::Isa;
 
 use super::calls::{AdhesionCall, DiscardedCall, MomentCall, NormalCall, TangentialCall, no_energies};
 use super::columns::Count;
@@ -92,10 +92,7 @@ impl<N: NormalLaw> NormalSlot for N {
         overlap: f64,
         history: &[f64; MAX_NORMAL_HISTORY],
     ) -> Normal<f64> {
-        fused(
-            #[inline(always)]
-            || N::update(&named(constants), overlap, true, &mut { *history }, &mut no_energies()),
-        )
+        N::update(&named(constants), overlap, true, &mut { *history }, &mut no_energies())
     }
 }
 

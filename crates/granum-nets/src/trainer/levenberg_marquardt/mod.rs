@@ -26,7 +26,7 @@ mod method;
 use std::time::Instant;
 
 use granum_core::observer::{Flow, Observer};
-use granum_simd::Isa;
+use granum_simd::{Isa, mul_add};
 
 use self::method::Method;
 use super::error::{TerminationReason, TrainingError};
@@ -367,12 +367,12 @@ impl<'a> Search<'a> {
         let decay = self.decay();
         self.problem.projected_residuals(&mut self.gradient);
         for (g, w) in self.gradient.iter_mut().zip(&self.weights) {
-            *g = decay.mul_add(*w, *g) * (2.0 / self.values);
+            *g = mul_add(decay, *w, *g) * (2.0 / self.values);
         }
         if norm(self.rule.isa, &self.gradient) <= self.rule.minimum_gradient {
             return Err(TerminationReason::MinimumGradient);
         }
-        let before = decay.mul_add(self.squared_weights, self.squared_error);
+        let before = mul_add(decay, self.squared_weights, self.squared_error);
         let after = self.descend(decay, before)?;
         self.history.epoch += 1;
         if let Some(validation) = &mut self.validation {
@@ -419,7 +419,7 @@ impl<'a> Search<'a> {
                 }
                 let squared_error = problem.squared_error(trial);
                 let squared_weights = square(self.rule.isa, trial);
-                let after = decay.mul_add(squared_weights, squared_error);
+                let after = mul_add(decay, squared_weights, squared_error);
                 if after < before {
                     self.squared_error = squared_error;
                     self.squared_weights = squared_weights;
