@@ -149,3 +149,20 @@ fn forces_of_the_shipped_packing_are_those_known() {
     let message = refused(here, 1, &["forces", packing, "--normal", "hertz", "-o", "forces.csv"]);
     assert!(message.contains("forces.csv exists already"), "{message}");
 }
+
+/// The normal load falls while the shear is held: the force follows the loading curve, to the digits of an independent integration of
+/// `dT = (1 - theta) mu dN`.
+#[test]
+fn a_pair_that_is_unloaded_at_held_shear_stays_on_its_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    for (approach, right) in [("5e-9", 1.896e-5), ("9e-9", 2.7625e-5)] {
+        let rows = format!("normal_approach,tangential_displacement\n1e-8,0\n1e-8,1e-9\n{approach},1e-9\n");
+        std::fs::write(place.join("held.csv"), rows).unwrap();
+        let law = ["--normal", "hertz", "--tangential", "mindlin-deresiewicz", "--friction", "0.3"];
+        let printed = done(place, &[&["pair", "held.csv", "--diameter", "0.1 mm"], &law[..]].concat());
+        let last = printed.lines().last().unwrap();
+        let force: f64 = last.split(',').nth(3).unwrap().parse().unwrap();
+        assert!((force / right - 1.0).abs() < 1e-4, "{last}");
+    }
+}

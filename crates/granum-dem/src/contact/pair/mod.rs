@@ -2,6 +2,8 @@
 
 pub mod path;
 pub mod refined;
+#[cfg(test)]
+mod small_steps;
 
 pub use path::{PairError, PairRow, PathRow, drive_pair};
 pub use refined::{RefinedPath, drive_pair_refined};

@@ -9,9 +9,12 @@
 //!
 //! `T += 8 G* a [theta (e.ddelta) e + (ddelta - (e.ddelta) e)] + (1 - theta) dL e`.
 //!
-//! A step against `S` makes a turning point. A turning point moves outwards with the limit (`P -= dL e` on stage 1,
+//! A step against `S` makes a turning point. A step back that is rounding, `8 G* a |e.ddelta| <= 1e-9 |dL| + 1e-12 L`, is none: the force
+//! stays on its curve, which at held displacement is `dT = (1 - theta) dL` under a falling load and `dT = 0` under a growing one. A
+//! turning point moves outwards with the limit (`P -= dL e` on stage 1,
 //! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is discarded when the force passes it: `|T - Q| >= |P - Q|` on stage 2,
-//! `|T - P| >= 2 |P|` on stage 1. At the limit the force slides: `T *= L / |T|`, stage 0.
+//! `|T - P| >= 2 |P|` on stage 1. At a held displacement a falling limit can also take the start of the present curve to the force and
+//! past it: then the curve before it goes on. At the limit the force slides: `T *= L / |T|`, stage 0.
 //!
 //! The energy is that of the equivalent array of springs (Popov and Hess 2015, ch. 5), which is exact in one dimension at
 //! constant load. At the fraction x of the contact radius a spring has the limit `l(x) = 3/2 L (1 - x^2)`, and springs
@@ -58,7 +61,10 @@ const STAGE: usize = 6;
 const LOAD: usize = 7;
 
 /// Below this fraction of the limit, a force measured from the start of the present curve counts as zero.
-const NOTHING: f64 = 1e-12;
+pub(super) const NOTHING: f64 = 1e-12;
+/// A step back that changes the force by less than this fraction of the change of the limit is rounding: displacements of one step are
+/// differences of positions and velocities, which are known to some 1e-13.
+pub(super) const ROUNDING: f64 = 1e-9;
 /// On the loading curve the contact slides if the squared force is at least this fraction of the squared limit.
 const AT_LIMIT: f64 = 1.0 - 1e-10;
 /// Keeps reciprocals finite; values that it affects are multiplied by zero or discarded.
@@ -111,7 +117,10 @@ pub(super) fn advance<R: Real>(
     let scale = R::splat(NOTHING) * limit_before;
     let counted_square = square(counted);
     let directed = counted_square.gt(scale * scale);
-    let turn = directed & dot(counted, step).lt(zero);
+    // A step back below this is rounding.
+    let least = R::splat(ROUNDING) * growth.abs() + scale;
+    let back = stiffness * dot(counted, step);
+    let turn = directed & back.lt(zero) & (back * back).gt(least * least * counted_square);
     let (returns, turns) = (turn & unloading, turn & !unloading);
     let remembered = !loading;
     state.returning = select::<R, 2>(returns, state.force, state.returning);
@@ -149,7 +158,11 @@ pub(super) fn advance<R: Real>(
     let other = select::<R, 2>(unloading, [zero; 2], state.returning);
     let span = square(subtract(state.turning, other));
     let span = R::select(unloading, R::splat(4.0) * span, span);
-    let passed = square(subtract(force, base)).ge(span);
+    let from_base = subtract(force, base);
+    let passed = square(from_base).ge(span);
+    // Where a falling limit has taken the start of the curve past the force at a held displacement, the curve before it goes on.
+    let held = (stiffness * stiffness * step_square).le(least * least);
+    let overtaken = held & !loading & dot(from_base, direction).le(zero) & growth.lt(zero);
 
     let trial_square = square(force);
     // A force that stays at the limit may be below it by a rounding error.
@@ -166,8 +179,8 @@ pub(super) fn advance<R: Real>(
     let stiffened = square(before) * (growth / limit.max(tiny)).keep(stick) * R::splat(1.0 / 6.0);
     let micro_slip_loss = (limit * share).mul_add(-slip, stiffened).max(zero).keep(!sliding) * compliance;
     state.force = [factor * force[0], factor * force[1]];
-    let leaves = loading | passed | sliding;
-    state.stage = R::select(unloading, one, two).keep(!leaves);
+    let leaves = loading | passed | sliding | (overtaken & unloading);
+    state.stage = R::select(unloading | overtaken, one, two).keep(!leaves);
     let discards = remembered & (leaves | turns);
     // The mean force in the direction of slip during the step.
     let pull = R::splat(0.5) * dot(before, force).mul_add(trial_inverse, limit);

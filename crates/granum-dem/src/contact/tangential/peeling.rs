@@ -19,8 +19,8 @@ use granum_simd::vectors::{add_scaled, dot, select};
 use granum_simd::{Real, cbrt};
 
 use super::mindlin_deresiewicz::{
-    MindlinDeresiewicz, MindlinDeresiewiczConstants, Outcome, State, advance, energy, excess, square,
-    state_of,
+    MindlinDeresiewicz, MindlinDeresiewiczConstants, NOTHING, Outcome, ROUNDING, State, advance, energy,
+    excess, square, state_of,
 };
 use crate::contact::law::description::LawDescription;
 use crate::contact::law::energy_channel::LawEnergies;
@@ -131,7 +131,11 @@ impl TangentialLaw for Peeling {
         let gone = add_scaled([history[DISPLACEMENT], history[DISPLACEMENT + 1]], one, increment);
         let peels = trial_length.ge(critical);
         let peeling = fresh & !peels;
-        let backward = dot(trial, increment).lt(zero);
+        // A step back that is rounding is no reversal.
+        let change = (critical - square(force).sqrt()).abs();
+        let least = R::splat(ROUNDING).mul_add(change, R::splat(NOTHING) * critical);
+        let back = stiffness * dot(trial, increment);
+        let backward = back.lt(zero) & (back * back).gt(least * least * (trial_length * trial_length));
         let low = critical.lt(limit);
         let behind = loading_curve(square(gone).sqrt(), stiffness, limit).lt(critical);
         let holds = ((fresh & peels) | (held & !backward)) & low & behind;

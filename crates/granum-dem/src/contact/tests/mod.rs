@@ -7,6 +7,7 @@ mod objectivity;
 mod observed;
 mod peeling;
 mod rolling;
+mod rounding;
 mod spring_dashpot_slider;
 mod tables;
 mod twisting;
