@@ -31,6 +31,7 @@ mod recordings;
 mod refusals;
 mod settings;
 mod several_runs;
+mod sixteen_cases;
 mod stages;
 mod tests_of_grains;
 mod tutorial;

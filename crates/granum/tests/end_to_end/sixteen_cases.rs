@@ -1,0 +1,46 @@
+//! Sixteen cases of all kinds keep the bits of their runs, from one version to the next and from one machine to another.
+//!
+//! The cases lie beside this file; `digests.txt` has the digest of each run. A change that must alter them says so in CHANGELOG.md, with the
+//! reason, and writes the file anew: the test prints what it should hold.
+
+use super::{digest, done};
+
+/// The name of each case and its text.
+macro_rules! cases {
+    ($($name:literal,)*) => {
+        [$(($name, include_str!(concat!("sixteen_cases/", $name, ".toml")))),*]
+    };
+}
+
+const CASES: [(&str, &str); 16] = cases![
+    "bridges-of-constant-volume",
+    "bridges-that-share-films",
+    "contacts-that-peel",
+    "drained-cycles-with-twisting",
+    "drained-triaxial",
+    "elastic-plastic-grains",
+    "history-of-strains",
+    "mean-stress-of-the-paper",
+    "powder-at-constant-mean-stress",
+    "powder-oedometer",
+    "simple-shear",
+    "true-triaxial",
+    "two-materials",
+    "undrained-cycles-with-rolling",
+    "undrained-triaxial",
+    "van-der-waals",
+];
+
+#[test]
+fn sixteen_cases_keep_their_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let mut digests = String::new();
+    for (name, text) in CASES {
+        let file = format!("{name}.toml");
+        std::fs::write(place.join(&file), text).unwrap();
+        done(place, &["run", &file, "--out", name]);
+        digests += &format!("{}  {name}\n", digest(place, name));
+    }
+    assert_eq!(digests, include_str!("sixteen_cases/digests.txt"), "digests.txt should be\n{digests}");
+}
