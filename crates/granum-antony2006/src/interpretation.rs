@@ -6,6 +6,7 @@ use crate::summary::SpeedSummary;
 use granum_core::words::{listed, percentage};
 use granum_learn::input_use::Verdict;
 use granum_learn::student_t::PairedTest;
+use granum_report::numbers::power_of_ten;
 
 /// A mean difference with its standard error, in percentage points.
 fn points(test: &PairedTest) -> String {
@@ -131,7 +132,7 @@ pub fn read_size_study(study: &SizeStudy) -> Vec<String> {
 /// A sentence on speed.
 pub fn read_speed(speed: &SpeedSummary) -> String {
     // The factor is rounded to two digits, since the measured time of the networks varies by more than that.
-    let magnitude = 10f64.powf(speed.factor.max(1.0).log10().floor() - 1.0);
+    let magnitude = power_of_ten(libm::log10(speed.factor.max(1.0)).floor() as i32 - 1);
     let factor = (speed.factor / magnitude).round() * magnitude;
     format!(
         "The networks evaluate {} states of all mappings in {:.2} ms, the DEM test took {:.0} s: {factor:.0} times \

@@ -208,7 +208,7 @@ fn unit(text: &str) -> Result<Unit, String> {
             .times(known.dimension, power)
             .ok_or_else(|| format!("has the unit {:?}, whose exponents are too large", text.trim()))?;
         total.exponent += known.exponent * i32::from(power);
-        total.factor *= known.factor.powi(i32::from(power));
+        total.factor *= granum_simd::integer_power(known.factor, i32::from(power));
     }
     Ok(total)
 }

@@ -14,15 +14,14 @@ const MOST: f64 = 2000.0;
 pub fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
     let n = degrees_of_freedom.clamp(1.0, MOST);
     let step = std::f64::consts::FRAC_PI_2 / STEPS as f64;
-    let share = |k: usize| ((k as f64 + 0.5) * step).cos().powf(n - 1.0);
+    let share = |k: usize| libm::pow(libm::cos((k as f64 + 0.5) * step), n - 1.0);
     let wanted = level * (0..STEPS).map(share).sum::<f64>();
     let mut sum = 0.0;
     for k in 0..STEPS {
         let next = share(k);
         if sum + next > wanted {
-            let quantile = n.sqrt() * (step * (k as f64 + (wanted - sum) / next)).tan();
-            // Cosines and powers of the system library differ in their last digits between processors, whereas six decimals
-            // agree on all of them.
+            let quantile = n.sqrt() * libm::tan(step * (k as f64 + (wanted - sum) / next));
+            // More decimals than these are not accurate.
             return (quantile * 1e6).round() / 1e6;
         }
         sum += next;

@@ -12,7 +12,7 @@ fn place([x, y, z]: [f64; 3]) -> [f64; 2] {
 
 /// Stresses of mean one at a radius and an angle from the axis x.
 fn stresses(radius: f64, angle: f64) -> [f64; 3] {
-    let (across, up) = (radius * angle.sin(), radius * angle.cos());
+    let (across, up) = (radius * libm::sin(angle), radius * libm::cos(angle));
     let x = 1.0 + up * (2.0f64 / 3.0).sqrt();
     let mean = 1.5 - 0.5 * x;
     [x, mean + across / 2f64.sqrt(), mean - across / 2f64.sqrt()]
@@ -71,7 +71,7 @@ pub fn figure(run: &RunReport) -> (Figure, String) {
     }
     reach *= 1.15;
     for angle in [0.0f64, 120.0, 240.0] {
-        let (sin, cos) = angle.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(angle.to_radians());
         plot =
             plot.with(Layer::stroked(vec![[0.0, 0.0], [reach * sin, reach * cos]], Stroke::new(GREY, 0.7)));
     }

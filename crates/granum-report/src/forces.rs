@@ -98,11 +98,11 @@ fn tail_fits(run: &RunReport, row: usize) -> Vec<Fit> {
     };
     let mut fits: Vec<Fit> = Vec::new();
     if let Some(beta) = value("exponential_decay") {
-        fits.push((drawn(&|f| beta * (-beta * (f - 1.0)).exp()), "exponential fit", &[]));
+        fits.push((drawn(&|f| beta * libm::exp(-beta * (f - 1.0))), "exponential fit", &[]));
     }
     if let Some(s) = value("half_gaussian_width") {
         let norm = half_gaussian_norm(s);
-        fits.push((drawn(&|f| (-0.5 * (f / s).powi(2)).exp() / norm), "half-Gaussian fit", &[5.0, 3.0]));
+        fits.push((drawn(&|f| libm::exp(-0.5 * (f / s).powi(2)) / norm), "half-Gaussian fit", &[5.0, 3.0]));
     }
     fits
 }
@@ -113,7 +113,7 @@ fn half_gaussian_norm(s: f64) -> f64 {
     let below: f64 = (0..steps)
         .map(|k| {
             let f = (k as f64 + 0.5) / steps as f64;
-            (-0.5 * (f / s).powi(2)).exp() / steps as f64
+            libm::exp(-0.5 * (f / s).powi(2)) / steps as f64
         })
         .sum();
     s * (0.5 * PI).sqrt() - below

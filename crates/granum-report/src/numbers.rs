@@ -58,6 +58,12 @@ pub fn whole(value: f64) -> String {
     if value.is_finite() { grouped(&fixed(value, 0)) } else { "–".to_owned() }
 }
 
+/// The number nearest to a power of ten.
+pub fn power_of_ten(exponent: i32) -> f64 {
+    // Repeated multiplication rounds, and so do powers of some libraries.
+    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
+}
+
 /// A factor: one decimal below ten, rounded to two digits above.
 pub fn factor(value: f64) -> String {
     if !value.is_finite() {
@@ -66,7 +72,7 @@ pub fn factor(value: f64) -> String {
     if value.abs() < 9.95 {
         return fixed(value, 1);
     }
-    let power = 10f64.powi(value.abs().log10().floor() as i32 - 1);
+    let power = power_of_ten(libm::log10(value.abs()).floor() as i32 - 1);
     whole((value / power).round() * power)
 }
 

@@ -317,7 +317,7 @@ fn simple_shear(run: &RunReport, traits: &Traits) -> Drawn {
     .with(Layer::line(lines(run, run.column("stress_22"), &shear), color(0)));
     // The axis of the larger principal stress turns from wherever it is towards 45 degrees.
     let angle: Vec<f64> = (run.column("stress_11").iter().zip(run.column("stress_22")).zip(&shear))
-        .map(|((x, y), shear)| (0.5 * f64::atan2(2.0 * shear, x - y)).to_degrees())
+        .map(|((x, y), shear)| (0.5 * libm::atan2(2.0 * shear, x - y)).to_degrees())
         .collect();
     let axis = Plot::new(strain(), Axis::new("Angle of *σ*_{1} to *x* (degrees)"))
         .with(Layer::line(lines(run, gamma, &angle), color(0)));

@@ -61,7 +61,12 @@ impl Sensor for D2Min {
             }
             false => Vec::new(),
         };
-        let of = |power: i32| mean(found.iter().map(|d2| d2.powi(power)).sum::<f64>() + 0.0, found.len());
+        let of = |power: i32| {
+            mean(
+                found.iter().map(|d2| granum_simd::integer_power(*d2, power)).sum::<f64>() + 0.0,
+                found.len(),
+            )
+        };
         values.extend([ratio(of(1), diameter * diameter), ratio(of(1) * of(1), of(2))]);
         memory.clear();
         memory.extend(cell.iter().flatten());

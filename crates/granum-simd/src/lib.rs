@@ -36,7 +36,7 @@ pub use dispatch::{Kernel, dispatch, dispatch_available, dispatch_or};
 pub use fused::mul_add;
 pub use isa::Isa;
 pub use lanes::{Lanes, Mask, Real};
-pub use math::{cbrt, exp, power, sigmoid, tanh};
+pub use math::{cbrt, exp, integer_power, power, sigmoid, tanh};
 pub use portable::Portable;
 pub use prefetch::prefetch;
 pub use rows::{Row4, Row8};

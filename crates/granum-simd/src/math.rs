@@ -87,6 +87,24 @@ pub fn power<R: Real>(x: R, exponent: R) -> R {
     exp(signed * exponent)
 }
 
+/// A number to a whole power, by repeated squaring in a fixed order: `f64::powi` leaves the order to the compiler and its library.
+///
+/// ```
+/// assert_eq!(granum_simd::integer_power(2.0, -3), 0.125);
+/// ```
+pub fn integer_power(x: f64, exponent: i32) -> f64 {
+    let (mut power, mut square) = (1.0, x);
+    let mut rest = exponent.unsigned_abs();
+    while rest > 0 {
+        if rest & 1 == 1 {
+            power *= square;
+        }
+        square *= square;
+        rest >>= 1;
+    }
+    if exponent < 0 { 1.0 / power } else { power }
+}
+
 /// Hyperbolic tangent as in equation (1) of Antony, Zhou and Wang (2006), absolute error below 5e-16.
 ///
 /// `1 - 2 / (exp(2x) + 1)` with a separate exponential: `2x = k ln 2 + 2t`, and a minimax polynomial of degree ten for

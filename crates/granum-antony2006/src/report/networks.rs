@@ -7,7 +7,7 @@ use crate::mapping::PaperQuantity;
 use granum_report::figure::palette::{COLORS, GREY, INK, PALE, color};
 use granum_report::figure::ticks::fixed;
 use granum_report::figure::{Axis, Figure, Layer, Legend, Note, Panel, Plot, SHAPES, Shape, Stroke};
-use granum_report::numbers::{percent, points};
+use granum_report::numbers::{percent, points, power_of_ten};
 use granum_report::page::PageTable;
 use granum_report::symbols::{self, STRAIN};
 
@@ -193,9 +193,12 @@ fn density_range(panels: &[PaperPanel]) -> Option<[f64; 2]> {
     let values = panels.iter().flat_map(|panel| &panel.points).flat_map(|curve| &curve.y).copied();
     let shown = values.filter(|y| y.is_finite() && *y > 0.0);
     let [low, high] = shown.fold([f64::INFINITY, 0.0f64], |[low, high], y| [low.min(y), high.max(y)]);
-    let decades = 10f64.powf(low.log10().floor()) * 0.01;
+    let decades = power_of_ten(libm::log10(low).floor() as i32) * 0.01;
     (low <= high).then(|| {
-        [if low < 3e2 * decades { 0.3 * decades } else { decades }, 10f64.powf((1.05 * high).log10().ceil())]
+        [
+            if low < 3e2 * decades { 0.3 * decades } else { decades },
+            power_of_ten(libm::log10(1.05 * high).ceil() as i32),
+        ]
     })
 }
 
@@ -229,7 +232,7 @@ fn distribution_panel(panel: &PaperPanel, labelled: bool, range: Option<[f64; 2]
         (0..strains.len())
             .min_by(|&a, &b| (strains[a] - strain).abs().total_cmp(&(strains[b] - strain).abs()))
     };
-    let shift = |k: usize| 10f64.powi(-(k as i32));
+    let shift = |k: usize| power_of_ten(-(k as i32));
     for band in &panel.bands {
         if let Some(k) = nearest(band.strain) {
             let points = triples(band).into_iter().map(|[x, low, high]| [x, low * shift(k), high * shift(k)]);

@@ -211,7 +211,7 @@ fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<Strin
     let largest = LARGEST_REACH * smallest;
     let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > largest)?;
     // The reach is proportional to the energy to the power 2/3.
-    let most = interface_energy * (largest / reach).powf(1.5);
+    let most = interface_energy * libm::pow(largest / reach, 1.5);
     let most = format!("{most:.2e}").parse().unwrap_or(most);
     Some(format!(
         "{section}.interface_energy = {interface_energy} J/m2 would hold the smallest grains together up to \

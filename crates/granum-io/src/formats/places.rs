@@ -85,7 +85,7 @@ impl<'a> Grid<'a> {
         let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
         let largest = assembly.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
         // About one grain in a bin, however large the largest of them is; what is searched lies within the tolerance.
-        let spacing = (space(assembly, is_cell) / assembly.grains.len().max(1) as f64).cbrt();
+        let spacing = libm::cbrt(space(assembly, is_cell) / assembly.grains.len().max(1) as f64);
         let width = spacing.max(TOLERANCE * largest);
         let width = if width > 0.0 { width } else { 1.0 };
         let bins = if is_cell {

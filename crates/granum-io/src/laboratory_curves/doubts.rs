@@ -159,7 +159,7 @@ fn kind_of_strain(
         let apart = e.iter().zip(&strain).map(|(e, v)| ((1.0 + first) * volume(*v) - 1.0 - e).abs());
         apart.fold(0.0, f64::max)
     };
-    let [engineering, logarithmic] = [misfit(|v| 1.0 - v), misfit(|v| (-v).exp())];
+    let [engineering, logarithmic] = [misfit(|v| 1.0 - v), misfit(|v| libm::exp(-v))];
     let is_logarithmic = stated.logarithmic == Some(true);
     let (own, other, word, taken) = if is_logarithmic {
         (logarithmic, engineering, "engineering", "logarithmic")

@@ -220,7 +220,7 @@ fn test(
     let strain = |wanted: &str| -> Vec<f64> {
         column(wanted)
             .into_iter()
-            .map(|x| if logarithmic { 1.0 - (-sign * x).exp() } else { sign * x })
+            .map(|x| if logarithmic { 1.0 - libm::exp(-sign * x) } else { sign * x })
             .collect()
     };
     let pore_pressure =

@@ -63,7 +63,7 @@ impl<'a> Search<'a> {
             grains.iter().map(|(grain, _)| apply(&inverse, grain.position).map(|s| s - s.floor())).collect();
         let largest = grains.iter().map(|(grain, _)| grain.radius).fold(0.0, f64::max);
         let octaves: Vec<u32> =
-            grains.iter().map(|(grain, _)| (largest / grain.radius).log2() as u32).collect();
+            grains.iter().map(|(grain, _)| libm::log2(largest / grain.radius) as u32).collect();
         let mut present = octaves.clone();
         present.sort_unstable();
         present.dedup();

@@ -66,7 +66,7 @@ impl Scale {
                 let step = |k: usize| {
                     let share = k as f64 / (STEPS - 1) as f64;
                     VariableValue::Number(match logarithmic {
-                        true => low * (high / low).powf(share),
+                        true => low * libm::pow(high / low, share),
                         false => low + (high - low) * share,
                     })
                 };
@@ -88,7 +88,7 @@ fn word(value: &VariableValue) -> String {
 fn share(number: f64, [low, high]: [f64; 2], logarithmic: bool) -> f64 {
     match () {
         () if low == high => 0.5,
-        () if logarithmic => (number / low).ln() / (high / low).ln(),
+        () if logarithmic => libm::log(number / low) / libm::log(high / low),
         () => (number - low) / (high - low),
     }
 }

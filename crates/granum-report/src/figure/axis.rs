@@ -1,6 +1,7 @@
 //! An axis: its range, its ticks and the mapping from data to positions on the page.
 
 use super::ticks::{self, Tick};
+use crate::numbers::power_of_ten;
 
 /// Larger values indicate an error in the data and do not extend the range of an axis.
 const LARGEST: f64 = 1e100;
@@ -106,8 +107,9 @@ impl Axis {
         }
         let Some([low, high]) = ends else { return [0.1, 1.0] };
         let (low, high) = (0.9 * low, 1.1 * high);
-        let (a, b) = (10f64.powf(low.log10().floor()), 10f64.powf(high.log10().ceil()));
-        if (b / a).log10() > 3.5 {
+        let (a, b) =
+            (power_of_ten(libm::log10(low).floor() as i32), power_of_ten(libm::log10(high).ceil() as i32));
+        if libm::log10(b / a) > 3.5 {
             return [a, b];
         }
         // If the axis spans few decades, it ends at 1, 2 or 5 times a power of ten, so that little of it is empty.
@@ -130,7 +132,7 @@ impl Axis {
         if !self.categories.is_empty() || largest == 0.0 {
             return 0;
         }
-        let exponent = 3 * (largest.log10() / 3.0 + 1e-9).floor() as i32;
+        let exponent = 3 * (libm::log10(largest) / 3.0 + 1e-9).floor() as i32;
         let plain = if self.unit.is_empty() { 0.009..10001.0 } else { 0.9..1001.0 };
         if plain.contains(&largest) { 0 } else { exponent }
     }
@@ -142,7 +144,7 @@ impl Axis {
                 .map(|(k, name)| Tick { value: k as f64, label: Some(name.clone()) })
                 .collect();
         }
-        let factor = 10f64.powi(self.exponent(scale));
+        let factor = power_of_ten(self.exponent(scale));
         let of = if self.log { ticks::logarithmic } else { ticks::linear };
         let mut ticks = of(scale.low / factor, scale.high / factor, target);
         for tick in &mut ticks {
@@ -212,7 +214,7 @@ impl Scale {
             return None;
         }
         let t = if self.log {
-            (value / self.low).ln() / (self.high / self.low).ln()
+            libm::log(value / self.low) / libm::log(self.high / self.low)
         } else {
             (value - self.low) / (self.high - self.low)
         };

@@ -270,7 +270,7 @@ impl ForceChains {
         svg.begin_group("stroke-linecap=\"round\"");
         for ((layer, class), data) in classes {
             // Most of the contrast is lost in the first layers, so that the front stands out.
-            let white = 0.93 * (layer as f64 / (LAYERS - 1) as f64).powf(0.6);
+            let white = 0.93 * libm::pow(layer as f64 / (LAYERS - 1) as f64, 0.6);
             let force = (class as f64 + 0.5) * CLASS;
             let stroke =
                 if class < 0 { Stroke::new(TENSION, 1.0) } else { line_stroke(force, widest, white) };

@@ -90,7 +90,7 @@ pub fn covered(lines: &[Vec<Point>]) -> Vec<Point> {
     for line in lines {
         marks.extend(line.iter().copied());
         for pair in line.windows(2) {
-            let length = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+            let length = libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
             let steps = (length / 5.0).clamp(1.0, 400.0) as usize;
             for k in 1..steps {
                 let t = k as f64 / steps as f64;

@@ -114,7 +114,7 @@ impl Plot {
         }
         let mut y = self.y.resolve(extent[1]);
         if y.log {
-            y.high *= (y.high / y.low).powf(self.headroom);
+            y.high *= libm::pow(y.high / y.low, self.headroom);
         } else {
             y.high += self.headroom * (y.high - y.low);
         }

@@ -91,7 +91,7 @@ impl Rose {
         for k in 1..=circles {
             let value = step * k as f64;
             let at = direction(centre, scale * value, 60.0);
-            let label = ticks::fixed(value, (-step.log10().floor()).clamp(0.0, 3.0) as usize);
+            let label = ticks::fixed(value, (-libm::log10(step).floor()).clamp(0.0, 3.0) as usize);
             text(svg, [at[0] + 2.0, at[1] - 2.0], &label, plain(GREY, Anchor::Start, 0.85 * TICK_SIZE));
         }
         self.draw_directions(svg, centre, radius);
@@ -134,7 +134,7 @@ fn reference_kind() -> LayerKind {
 
 /// The point at an angle in degrees, clockwise from the vertical.
 fn direction(centre: Point, radius: f64, degrees: f64) -> Point {
-    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(degrees.to_radians());
     [centre[0] + radius * sine, centre[1] - radius * cosine]
 }
 

@@ -1,5 +1,7 @@
 //! Ticks at round numbers, and labels with as few digits as possible.
 
+use crate::numbers::power_of_ten;
+
 /// One tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
@@ -15,7 +17,7 @@ pub fn nice_step(span: f64, target: f64) -> f64 {
         return 1.0;
     }
     let rough = span / target;
-    let power = 10f64.powi(rough.log10().floor() as i32);
+    let power = power_of_ten(libm::log10(rough).floor() as i32);
     let mantissa = rough / power;
     let nice = if mantissa < 1.5 {
         1.0
@@ -31,13 +33,13 @@ pub fn nice_step(span: f64, target: f64) -> f64 {
 
 /// Number of minor steps in a major step.
 fn minor_steps(step: f64) -> i64 {
-    let mantissa = step / 10f64.powi((step.log10() + 1e-9).floor() as i32);
+    let mantissa = step / power_of_ten((libm::log10(step) + 1e-9).floor() as i32);
     if (mantissa - 2.0).abs() < 0.1 { 4 } else { 5 }
 }
 
 /// Number of decimals that the labels of a linear axis need.
 fn decimals(step: f64) -> usize {
-    (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize
+    (-(libm::log10(step) + 1e-9).floor()).clamp(0.0, 12.0) as usize
 }
 
 /// Major and minor ticks of a linear axis from `low` to `high`.
@@ -67,13 +69,13 @@ pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
     if !(low > 0.0 && high > low && high.is_finite()) {
         return Vec::new();
     }
-    let decades = (high / low).log10();
+    let decades = libm::log10(high / low);
     let stride = (decades / target.max(1.0)).ceil().max(1.0) as i32;
     let mut ticks = Vec::new();
-    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let (first, last) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
     for exponent in first..=last {
         for digit in 1..10 {
-            let value = digit as f64 * 10f64.powi(exponent);
+            let value = digit as f64 * power_of_ten(exponent);
             if !(low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&value) || (digit > 1 && stride > 1) {
                 continue;
             }
@@ -81,7 +83,7 @@ pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
                 Some(if decades < 2.5 && (-4..4).contains(&exponent) {
                     fixed(value, (-exponent).max(0) as usize)
                 } else {
-                    power_of_ten(exponent)
+                    label_of_power(exponent)
                 })
             } else if decades < 2.2 && (digit == 2 || digit == 5) {
                 Some(small_power(digit, exponent))
@@ -94,7 +96,7 @@ pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
     ticks
 }
 
-fn power_of_ten(exponent: i32) -> String {
+fn label_of_power(exponent: i32) -> String {
     match exponent {
         0 => "1".to_owned(),
         1 => "10".to_owned(),
@@ -104,9 +106,9 @@ fn power_of_ten(exponent: i32) -> String {
 
 fn small_power(digit: i32, exponent: i32) -> String {
     if (-4..4).contains(&exponent) {
-        fixed(digit as f64 * 10f64.powi(exponent), (-exponent).max(0) as usize)
+        fixed(digit as f64 * power_of_ten(exponent), (-exponent).max(0) as usize)
     } else {
-        format!("{digit} × {}", power_of_ten(exponent))
+        format!("{digit} × {}", label_of_power(exponent))
     }
 }
 

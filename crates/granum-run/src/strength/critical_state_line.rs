@@ -53,11 +53,11 @@ impl CriticalStateLine {
     pub fn through(states: &[LateState]) -> Option<CriticalStateLine> {
         let usable = |state: &&LateState| state.mean_stress > 0.0 && state.void_ratio.is_finite();
         let points: Vec<[f64; 2]> = (states.iter().filter(usable))
-            .map(|state| [(state.mean_stress / REFERENCE_STRESS).ln(), state.void_ratio])
+            .map(|state| [libm::log(state.mean_stress / REFERENCE_STRESS), state.void_ratio])
             .collect();
         let [low, high] =
             points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [x, _]| [a.min(*x), b.max(*x)]);
-        if points.len() < 2 || high - low < LEAST_RANGE.ln() {
+        if points.len() < 2 || high - low < libm::log(LEAST_RANGE) {
             return None;
         }
         let count = points.len() as f64;
@@ -74,13 +74,13 @@ impl CriticalStateLine {
             slope_error: scatter.map(|scatter| scatter / square.sqrt()),
             scatter,
             tests: points.len(),
-            range: [low, high].map(|x| REFERENCE_STRESS * x.exp()),
+            range: [low, high].map(|x| REFERENCE_STRESS * libm::exp(x)),
         })
     }
 
     /// The void ratio of the line at a mean stress, Pa.
     pub fn void_ratio(&self, mean_stress: f64) -> f64 {
-        self.intercept - self.slope * (mean_stress / REFERENCE_STRESS).ln()
+        self.intercept - self.slope * libm::log(mean_stress / REFERENCE_STRESS)
     }
 }
 

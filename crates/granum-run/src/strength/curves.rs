@@ -178,7 +178,7 @@ impl<'a> Curves<'a> {
                 }
                 None => invariants::mobilised_friction(&self.stress(row)),
             };
-            sine.clamp(-1.0, 1.0).asin().to_degrees()
+            libm::asin(sine.clamp(-1.0, 1.0)).to_degrees()
         })
     }
 

@@ -112,7 +112,7 @@ fn text(state: &State) -> String {
 
 /// A number with as many decimals as give the largest of its kind four digits.
 fn four_digits(value: f64, largest: f64) -> String {
-    let before = if largest >= 1.0 { largest.log10() as i32 + 1 } else { 1 };
+    let before = if largest >= 1.0 { libm::log10(largest) as i32 + 1 } else { 1 };
     let decimals = (4 - before).clamp(0, 3) as usize;
     // Zero has one sign.
     let rounded = format!("{value:.decimals$}");

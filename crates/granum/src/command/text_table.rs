@@ -72,7 +72,7 @@ fn number(value: f64) -> String {
     if short.len() <= DIGITS + 2 {
         return short;
     }
-    let exponent = value.abs().log10().floor() as i32;
+    let exponent = libm::log10(value.abs()).floor() as i32;
     if !(-4..7).contains(&exponent) {
         return format!("{value:.*e}", DIGITS - 1);
     }

@@ -232,8 +232,8 @@ impl<'a> Steps<'a> {
         let components = self.components(at, 3)?;
         let value = |values: &[f64], k: usize| {
             let share = k as f64 / count as f64;
-            let sine = (2.0 * std::f64::consts::PI * share + values[1]).sin();
-            // Machines differ in the last digits of a sine.
+            let sine = libm::sin(2.0 * std::f64::consts::PI * share + values[1]);
+            // Zeros of a sine are zeros.
             values[0] * (sine * 1e12).round() / 1e12 + values[2] * share
         };
         let part = |k: usize| {

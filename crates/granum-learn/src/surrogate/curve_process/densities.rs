@@ -168,7 +168,11 @@ impl Densities {
             let own: Vec<f64> = shares.iter().zip(&self.values).map(tilted).collect();
             let sum: f64 = own.iter().sum();
             let moment = |power: i32| {
-                own.iter().zip(&self.values).map(|(m, v)| m * (v - 1.0).powi(power)).sum::<f64>() / sum
+                own.iter()
+                    .zip(&self.values)
+                    .map(|(m, v)| m * granum_simd::integer_power(v - 1.0, power))
+                    .sum::<f64>()
+                    / sum
             };
             let (first, second) = (moment(1), moment(2));
             if first.abs() < 1e-13 || second <= 0.0 {

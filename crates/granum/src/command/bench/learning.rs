@@ -1,5 +1,6 @@
 //! Speed of training by gradients, of networks and of models with memory, and of predictions with intervals: what
 //! `benches/peers/networks_torch.py` compares with PyTorch, on the same data, which follow from formulas.
+#![allow(clippy::disallowed_methods, reason = "numbers of which only the time that they take is shown")]
 
 use std::hint::black_box;
 

@@ -1,4 +1,5 @@
 //! Speed of training and prediction, on synthetic rows of the size of Antony, Zhou and Wang (2006).
+#![allow(clippy::disallowed_methods, reason = "numbers of which only the time that they take is shown")]
 
 use std::hint::black_box;
 
