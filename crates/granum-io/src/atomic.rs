@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
+use crate::windows_names;
 
 /// Suffix of the name of a file that is being written.
 pub(crate) const UNFINISHED: &str = ".granum-unfinished";
@@ -84,6 +85,7 @@ fn write_beside(
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
     place: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<()> {
+    windows_names::check_path(path)?;
     remove_left_by_killed(path);
     let (beside, file) = create_locked(path)?;
     let _unfinished = Unfinished::new(&beside);

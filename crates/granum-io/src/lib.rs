@@ -24,6 +24,7 @@ pub mod sealed;
 pub mod shell;
 pub mod snapshot;
 mod text;
+mod windows_names;
 
 pub use case::{Case, Reading};
 pub use contain::is_contained;

@@ -15,6 +15,7 @@ pub use self::names::{check_name, check_output_file, inner_folder};
 use crate::aside;
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};
+use crate::windows_names;
 
 /// Files by one of which a folder is known as granum's if its lock file was not copied with it.
 const RECORDS: [&str; 6] =
@@ -38,6 +39,7 @@ impl OutputFolder {
     /// set; [`Error::Locked`] if another process is using it; [`Error::File`] if it cannot be created.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
         let path = path.as_ref();
+        windows_names::check_path(path)?;
         if force {
             refuse_link(path)?;
         }

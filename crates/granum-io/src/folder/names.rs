@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::windows_names;
 
 /// Largest length of a name that may come from a file.
 const LONGEST_NAME: usize = 100;
@@ -18,6 +19,7 @@ pub(super) const LINK: &str =
 /// [`Error::Value`].
 pub fn check_name(what: &str, name: &str) -> Result<()> {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    windows_names::check_path(Path::new(name))?;
     if !name.is_empty() && name.len() <= LONGEST_NAME && name.chars().all(plain) {
         return Ok(());
     }
@@ -45,9 +47,10 @@ pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
 /// Refuses to replace an output file unless `force` is set.
 ///
 /// # Errors
-/// [`Error::Exists`], or [`Error::Content`] if it is a folder.
+/// [`Error::Exists`], or [`Error::Content`] if it is a folder or its name is none on Windows.
 pub fn check_output_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
     let path = path.as_ref();
+    windows_names::check_path(path)?;
     if path.is_dir() {
         return Err(Error::content(path, "is a folder; the output must be a file"));
     }

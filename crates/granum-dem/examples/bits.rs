@@ -1,0 +1,66 @@
+//! Prints digests of short runs with several sets of laws, on every instruction set of the machine: what two builds of the engine must have
+//! in common (`scripts/windows.sh --quick` compares that for Windows with the native one).
+
+use granum_core::digest::Digest;
+use granum_dem::Isa;
+use granum_dem::config::{ContactModel, Grains, Material, NormalKind, RollingKind, TangentialKind};
+use granum_dem::random_insertion::random_insertion;
+use granum_dem::servo::CellControl;
+use granum_dem::simulation::{Hardware, Properties, Simulation};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let sets = [
+        (NormalKind::HERTZ, TangentialKind::NO_SLIP, RollingKind::NONE, 0.0),
+        (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, RollingKind::NONE, 0.3),
+        (NormalKind::JKR, TangentialKind::NO_SLIP, RollingKind::NONE, 0.3),
+        (NormalKind::HOOKE, TangentialKind::NO_SLIP, RollingKind::NONE, 0.3),
+        // Through slots.
+        (NormalKind::HERTZ, TangentialKind::NO_SLIP, RollingKind::ELASTIC_PLASTIC, 0.3),
+        (NormalKind::JKR_DMT, TangentialKind::NO_SLIP, RollingKind::NONE, 0.0),
+    ];
+    for (normal, tangential, rolling, spread) in sets {
+        let mut contact = ContactModel::new(normal, tangential, 0.1);
+        contact.rolling = rolling;
+        let adhesive = [NormalKind::JKR, NormalKind::JKR_DMT].contains(&normal);
+        let material = Material::default().with(|material| {
+            material.interface_energy = if adhesive { material.interface_energy } else { 0.0 };
+        });
+        for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+            let digest = run(Properties::new(material, contact), spread, Hardware { threads: 2, isa })?;
+            let laws = [normal.name(), tangential.name(), rolling.name()].join(" ");
+            println!("{}  {laws}, spread {spread}, {}", &digest[..16], isa.name());
+        }
+    }
+    Ok(())
+}
+
+/// Digest of what a sample is after it was compressed and sheared.
+fn run(
+    properties: Properties,
+    spread: f64,
+    hardware: Hardware,
+) -> Result<String, Box<dyn std::error::Error>> {
+    let grains = Grains::default().with(|grains| (grains.count, grains.spread) = (100, spread));
+    let (cell, spheres) = random_insertion(&grains, 0.35, 9)?;
+    let mut simulation = Simulation::new(cell, &spheres, properties)?;
+    simulation.set_hardware(hardware);
+    simulation.set_control(CellControl::isotropic(20e3, 2e4));
+    simulation.advance(4000)?;
+    let mut shear = CellControl::fixed();
+    shear.rate = [[2e3, 0.0, 0.0], [0.0, -1e3, 0.0], [0.0, 0.0, -1e3]];
+    simulation.set_control(shear);
+    simulation.advance(2000)?;
+    let assembly = simulation.assembly();
+    let mut digest = Digest::new();
+    digest.count(assembly.contacts.len());
+    for grain in &assembly.grains {
+        for vector in [grain.position, grain.velocity, grain.spin, grain.force, grain.torque] {
+            digest.numbers(&vector);
+        }
+    }
+    for contact in &assembly.contacts {
+        digest.numbers(&contact.tangential_force);
+        digest.numbers(&[contact.normal_force, contact.normal_energy]);
+    }
+    Ok(digest.finish())
+}
