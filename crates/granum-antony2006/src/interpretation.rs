@@ -6,7 +6,7 @@ use crate::summary::SpeedSummary;
 use granum_core::words::{listed, percentage};
 use granum_learn::input_use::Verdict;
 use granum_learn::student_t::PairedTest;
-use granum_report::numbers::power_of_ten;
+use granum_report::figure::ticks::power_of_ten;
 
 /// A mean difference with its standard error, in percentage points.
 fn points(test: &PairedTest) -> String {

@@ -2,7 +2,7 @@
 
 use granum_learn::student_t::PairedTest;
 
-use super::figure::ticks::fixed;
+use super::figure::ticks::{fixed, power_of_ten};
 
 /// Narrow no-break space between groups of digits and before units.
 const THIN: char = '\u{202f}';
@@ -56,12 +56,6 @@ pub fn points(test: Option<PairedTest>) -> String {
 /// An integer with groups of three digits.
 pub fn whole(value: f64) -> String {
     if value.is_finite() { grouped(&fixed(value, 0)) } else { "–".to_owned() }
-}
-
-/// The number nearest to a power of ten.
-pub fn power_of_ten(exponent: i32) -> f64 {
-    // Repeated multiplication rounds, and so do powers of some libraries.
-    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
 /// A factor: one decimal below ten, rounded to two digits above.

@@ -5,9 +5,9 @@ use crate::figures::{Band, Curve, PaperFigure, PaperPanel};
 use crate::mapping::PaperQuantity;
 
 use granum_report::figure::palette::{COLORS, GREY, INK, PALE, color};
-use granum_report::figure::ticks::fixed;
+use granum_report::figure::ticks::{fixed, power_of_ten};
 use granum_report::figure::{Axis, Figure, Layer, Legend, Note, Panel, Plot, SHAPES, Shape, Stroke};
-use granum_report::numbers::{percent, points, power_of_ten};
+use granum_report::numbers::{percent, points};
 use granum_report::page::PageTable;
 use granum_report::symbols::{self, STRAIN};
 

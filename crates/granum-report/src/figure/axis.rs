@@ -1,7 +1,6 @@
 //! An axis: its range, its ticks and the mapping from data to positions on the page.
 
-use super::ticks::{self, Tick};
-use crate::numbers::power_of_ten;
+use super::ticks::{self, Tick, power_of_ten};
 
 /// Larger values indicate an error in the data and do not extend the range of an axis.
 const LARGEST: f64 = 1e100;

@@ -1,7 +1,5 @@
 //! Ticks at round numbers, and labels with as few digits as possible.
 
-use crate::numbers::power_of_ten;
-
 /// One tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
@@ -9,6 +7,12 @@ pub struct Tick {
     pub value: f64,
     /// Marked-up label; `None` for a minor tick.
     pub label: Option<String>,
+}
+
+/// The number nearest to a power of ten.
+pub fn power_of_ten(exponent: i32) -> f64 {
+    // Repeated multiplication rounds, and so do powers of some libraries.
+    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
 /// Step of a linear axis: 1, 2 or 5 times a power of ten, with about `target` steps over a span.
