@@ -131,7 +131,7 @@ impl MeasureStiffness {
             return Err(Failure::new(format!("--degradation {end}: from --strain {} to 0.5", self.strain)));
         }
         // Renard's series of five a decade; its factors are decimals, so that every machine takes the same strains.
-        let decades = (0..9).map(|decade| granum_report::figure::ticks::power_of_ten(decade));
+        let decades = (0..9).map(granum_report::figure::ticks::power_of_ten);
         let series =
             decades.flat_map(|decade| [1.0, 1.6, 2.5, 4.0, 6.3].map(|part| part * decade * self.strain));
         let mut strains: Vec<f64> = series.take_while(|strain| *strain < 0.999 * end).collect();
