@@ -35,7 +35,7 @@ CHECKED_CASE = "strain-history"
 FIGURE = {
     "paper": "stress", "drained-dense": "stress", "drained-loose": "stress", "undrained-loose": "stress-path",
     "undrained-dense": "stress-path", "cyclic-undrained": "loops", "cyclic-drained": "loops", "simple-shear": "shear",
-    "true-triaxial": "deviatoric-plane", "powder-oedometer": "compression", "wet-grains": "stress",
+    "true-triaxial": "deviatoric-plane", "powder-oedometer": "compression", "powder-flow": "stress-path", "wet-grains": "stress",
     "rolling-resistance": "stress", "strain-history": "stress-path",
 }
 # What the picture of a family shows: the command of its chapter.

@@ -607,7 +607,9 @@ class IsotropicStage(TypedDict, total=False):
     interval: Quantity
     """Arc length of strain between recorded states. (from 1e-7 to 1) Default: 0.0001."""
     mean_stress: Quantity
-    """Stress to which all three axes are brought. (from 0.001 Pa to 1e11 Pa, or a number in Pa) Default: 100000.0."""
+    """Stress to which all three axes are brought; negative for tension. (from -1e11 Pa to 1e11 Pa, or a number in
+    Pa) Default: 100000.0.
+    """
     path: Literal["isotropic"]
     """Isotropic compression or unloading: all three axes are brought to one stress, at which the sample comes to
     rest; then to a second stress if one is given.
@@ -619,7 +621,7 @@ class IsotropicStage(TypedDict, total=False):
     1/s) If left out: given by inertial_number.
     """
     unloading_stress: Quantity
-    """Stress to which all three axes are brought afterwards. (from 0.001 Pa to 1e11 Pa, or a number in Pa) If left
+    """Stress to which all three axes are brought afterwards. (from -1e11 Pa to 1e11 Pa, or a number in Pa) If left
     out: no unloading.
     """
 
@@ -638,7 +640,7 @@ class DrainedTriaxialStage(TypedDict, total=False):
     to 0.1) Default: 0.001.
     """
     lateral_stress: Quantity
-    """Stress along y and z, to which the sample is first consolidated on all three axes. (from 0.001 Pa to 1e11 Pa,
+    """Stress along y and z, to which the sample is first consolidated on all three axes. (from -1e11 Pa to 1e11 Pa,
     or a number in Pa) If left out: that of the sample.
     """
     path: Literal["drained-triaxial"]
@@ -751,7 +753,7 @@ class OedometerStage(TypedDict, total=False):
     1/s) If left out: given by inertial_number.
     """
     unloading_stress: Quantity
-    """Stress along x at the end of the unloading. (from 0.001 Pa to 1e11 Pa, or a number in Pa) If left out: no
+    """Stress along x at the end of the unloading. (from -1e11 Pa to 1e11 Pa, or a number in Pa) If left out: no
     unloading.
     """
 
@@ -980,6 +982,41 @@ class UnloadReloadStage(TypedDict, total=False):
     unloaded_deviator_stress: Quantity
     """Deviator stress sigma_x - sigma_y at the end of an unloading. (from -1e11 Pa to 1e11 Pa, or a number in Pa)
     Default: 0.0.
+    """
+
+
+class UnconfinedStrengthStage(TypedDict, total=False):
+    """Unconfined yield strength of a powder: consolidation, compression along x to steady flow at the lateral stress
+    (pre-shear), unloading to zero stress, and compression along x without lateral stress until it fails.
+    """
+
+    axial_strain: Quantity
+    """Axial strain at the end of the unconfined compression. (from 1e-6 to 3) Default: 0.1."""
+    density_scaling: Quantity
+    """Factor on the density of every grain in the stages driven at strain_rate; only together with strain_rate.
+    (from 1e-6 to 1e24) If left out: 1.
+    """
+    inertial_number: Quantity
+    """Speed: inertial number I of the axial strain rate, at the mean stress at the start of the pre-shear, and at a
+    twentieth of the lateral stress in the unconfined compression. (from 1e-8 to 0.1) Default: 0.001.
+    """
+    lateral_stress: Quantity
+    """Stress along y and z in the pre-shear, to which the sample is first consolidated on all three axes. (from
+    0.001 Pa to 1e11 Pa, or a number in Pa) Default: 10000.0.
+    """
+    path: Literal["unconfined-strength"]
+    """Unconfined yield strength of a powder: consolidation, compression along x to steady flow at the lateral stress
+    (pre-shear), unloading to zero stress, and compression along x without lateral stress until it fails.
+    """
+    pre_shear_strain: Quantity
+    """Axial strain of the pre-shear. (from 1e-6 to 3) Default: 0.3."""
+    resets: bool
+    """False if strain, time and energy continue to count from an earlier stage. Default: True."""
+    states: Quantity
+    """Number of equal intervals; a state is recorded at the end of each. (from 1 to 1000000) Default: 100.0."""
+    strain_rate: Quantity
+    """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
+    1/s) If left out: given by inertial_number.
     """
 
 
@@ -1316,6 +1353,7 @@ Stage: TypeAlias = (
     | ProportionalStage
     | CyclicStage
     | UnloadReloadStage
+    | UnconfinedStrengthStage
     | HoldStage
     | HistoryStage
     | RandomStage

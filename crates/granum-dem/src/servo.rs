@@ -104,12 +104,12 @@ impl Row {
     }
 
     /// True if it is the mean stress.
-    fn is_mean(&self) -> bool {
+    pub(crate) fn is_mean(&self) -> bool {
         self.stress == MEAN && self.divisor == 3.0 && self.strain == [0.0; 6]
     }
 
     /// The stress component that it stands for, if it is a single one.
-    fn single(&self) -> Option<usize> {
+    pub(crate) fn single(&self) -> Option<usize> {
         let mut weights = (0..6).filter(|&k| self.stress[k] != 0.0);
         let first = weights.next()?;
         let plain = weights.next().is_none() && self.stress[first] == self.divisor && self.strain == [0.0; 6];

@@ -11,7 +11,7 @@ use crate::inner_list::InnerList;
 use crate::ledger::Ledger;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
-use crate::servo::{CellControl, Servo};
+use crate::servo::{CellControl, Row, Servo};
 use crate::{invariants, rows};
 
 /// The state of a simulation.
@@ -81,6 +81,8 @@ pub struct ServoError {
 
 /// Error of a controlled stress over the mean stress below which it counts as held.
 const HELD: f64 = 0.005;
+/// Share of its first value below which a moving target of the mean stress is no measure of errors any more.
+const VANISHED: f64 = 0.2;
 
 impl ServoError {
     /// Root mean square of the error over the mean stress, of the worst controlled stress.
@@ -178,15 +180,30 @@ impl State {
         }
     }
 
-    /// Errors of the controlled stresses over the mean stress: over its target, where the control has one.
-    fn stress_errors(&self) -> [Option<f64>; 6] {
-        let p = self.target_mean_stress().unwrap_or_else(|| self.mean_stress()).abs();
+    /// Stress, Pa, that the magnitudes of the normal forces make: `sum |N| d / (3 V)` with the mean diameter d. It is close to p
+    /// without adhesion; with adhesion it remains where tension and compression balance and p is zero.
+    pub fn contact_stress(&self) -> f64 {
+        let radii: f64 = self.particles[..self.grains()].iter().map(|row| row.0[3]).sum();
+        let diameter = 2.0 * radii / self.grains().max(1) as f64;
+        self.sums.normal_force * diameter / (3.0 * self.cell.volume())
+    }
+
+    /// Distances of the controlled stresses from their targets, Pa.
+    fn stress_distances(&self) -> [Option<f64>; 6] {
         let stress = self.stress();
         let elapsed = self.control.progress(self.time);
-        self.control.rows.map(|row| {
-            let row = row.filter(|_| p > 0.0)?;
-            Some((row.value(&stress, &self.strain) - row.aim(elapsed)) / p)
-        })
+        self.control.rows.map(|row| row.map(|row| row.value(&stress, &self.strain) - row.aim(elapsed)))
+    }
+
+    /// Errors of the controlled stresses over the mean stress: over its target, where the control has one; over the stress of the
+    /// contacts, if that is larger, where single stresses are held at zero.
+    fn stress_errors(&self) -> [Option<f64>; 6] {
+        let p = match self.target_mean_stress() {
+            Some(target) => target.abs(),
+            None if self.holds_no_stress() => self.mean_stress().abs().max(self.contact_stress()),
+            None => self.mean_stress().abs(),
+        };
+        self.stress_distances().map(|distance| distance.filter(|_| p > 0.0).map(|distance| distance / p))
     }
 
     /// Largest distance of a controlled stress from its target, over the mean stress.
@@ -194,9 +211,29 @@ impl State {
         self.stress_errors().iter().flatten().fold(0.0, |m, error| m.max(error.abs()))
     }
 
+    /// Largest distance of a controlled stress from its target, Pa.
+    pub fn largest_stress_distance(&self) -> f64 {
+        self.stress_distances().iter().flatten().fold(0.0, |m, distance| m.max(distance.abs()))
+    }
+
+    /// True if normal stresses are held, and all of them at zero.
+    fn holds_no_stress(&self) -> bool {
+        let mut rows = self.control.rows().peekable();
+        let is_zero = |row: &Row| row.target == 0.0 && row.target_rate == 0.0;
+        rows.peek().is_some() && rows.all(|row| row.single().is_some_and(|k| k < 3) && is_zero(row))
+    }
+
+    /// True if the target of the mean stress has fallen to a small share of its value when the targets began to change: an error in
+    /// per cent of it says nothing of the servo.
+    fn target_has_vanished(&self) -> bool {
+        let began = self.control.target_mean_stress(self.control.since);
+        let now = self.target_mean_stress();
+        matches!((began, now), (Some(began), Some(now)) if now.abs() < VANISHED * began.abs())
+    }
+
     /// Updates the statistics of the controlled stresses, from the arc length `judge_from` on.
     pub(crate) fn judge_servo(&mut self) {
-        if self.arc_length() < self.judge_from {
+        if self.arc_length() < self.judge_from || self.target_has_vanished() {
             return;
         }
         for (row, error) in self.stress_errors().into_iter().enumerate() {

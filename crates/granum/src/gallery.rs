@@ -42,6 +42,7 @@ cases! {
     "simple-shear",
     "true-triaxial",
     "powder-oedometer",
+    "powder-flow",
     "wet-grains",
     "rolling-resistance",
     "karlsruhe-dense",
@@ -84,6 +85,11 @@ pub const PLANS: &[ReadyPlan] = &[
         name: "powder-cohesion",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-cohesion.toml"),
+    },
+    ReadyPlan {
+        name: "flow-function",
+        case: "powder-flow",
+        text: include_str!("../gallery/plans/flow-function.toml"),
     },
     ReadyPlan {
         name: "sand-drained",

@@ -185,6 +185,38 @@ fn a_powder_collapses_and_stays_so() {
     assert!(void[void.len() - 1] - least < 0.1 * (void[0] - least), "{void:?}");
 }
 
+/// A cohesive powder has a strength without lateral stress, and grains without adhesion have none. Its flow function coefficient grows
+/// with the consolidation stress and falls with the interface energy.
+#[test]
+fn a_powder_has_an_unconfined_strength() {
+    let measured = |energy: &str, stress: &str| {
+        let changes = [
+            ("grains.material.interface_energy", energy),
+            ("preparation.interface_energy", energy),
+            ("stage.1.lateral_stress", stress),
+            ("stage.1.pre_shear_strain", "0.12"),
+            ("stage.1.axial_strain", "0.06"),
+            ("stage.1.inertial_number", "3e-3"),
+            ("stage.1.states", "40"),
+        ];
+        let done = test(&small("powder-flow", &changes));
+        let cut = done.about.quality.iter().find(|flag| flag.name == "stages_cut_short").unwrap();
+        assert!(cut.passed, "{:?}", done.about.notes);
+        let measures = done.about.measures.clone();
+        assert!(measures.values().all(|value| value.is_finite()), "{measures:?}");
+        measures
+    };
+    let powder = measured("5 mJ/m2", "4 kPa");
+    let (strength, coefficient) = (powder["unconfined_yield_strength"], powder["flow_function_coefficient"]);
+    assert!((6e3..20e3).contains(&powder["consolidation_stress"]), "{powder:?}");
+    assert!((200.0..8e3).contains(&strength) && coefficient > 1.0, "{powder:?}");
+    assert!(measured("5 mJ/m2", "12 kPa")["flow_function_coefficient"] > 1.3 * coefficient);
+    assert!(measured("20 mJ/m2", "4 kPa")["flow_function_coefficient"] < 0.7 * coefficient);
+    let dry = measured("0 J/m2", "4 kPa");
+    assert_eq!(dry["unconfined_yield_strength"], 0.0, "{dry:?}");
+    assert!(!dry.contains_key("flow_function_coefficient"));
+}
+
 /// Liquid bridges give strength where next to none presses the grains together.
 #[test]
 fn wet_grains_have_cohesion() {

@@ -11,8 +11,8 @@ use super::control_error::ControlError;
 use serde::{Deserialize, Serialize};
 
 use super::equations::{Equation, decouple, dot, inverse, resistance};
+use super::reference_stress::reference_stress;
 use crate::assembly::Matrix;
-use crate::invariants;
 use crate::servo::{self, COMPONENTS, PLACES, Row, STIFFNESS};
 use crate::simulation::Simulation;
 
@@ -20,7 +20,8 @@ use crate::simulation::Simulation;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Speed {
-    /// Inertial number of a unit strain rate, at the mean stress at the start of the stage unless another is given, Pa.
+    /// Inertial number of a unit strain rate, at the mean stress at the start of the stage unless another is given, Pa. Where the
+    /// sample carries no stress then, it is at the largest stress that the stage brings it to.
     InertialNumber {
         /// Inertial number I.
         number: f64,
@@ -99,6 +100,17 @@ impl Target {
     /// A linear change from the stress at the start of the stage to the end of a ramp.
     pub fn ramp(ramp: Ramp) -> Target {
         Target { ramp: Some(ramp), ..Target::default() }
+    }
+
+    /// The magnitude to which the stress is brought, Pa, in a sample that carries none when the stage begins.
+    fn end(&self) -> f64 {
+        let from = self.value.unwrap_or(0.0);
+        let to = match self.ramp {
+            Some(Ramp::To(value)) => value,
+            Some(Ramp::By(change)) => from + change,
+            None => from,
+        };
+        to.abs()
     }
 }
 
@@ -231,6 +243,12 @@ impl Control {
             .chain(self.constraints.iter().flatten().filter(held).map(|constraint| &constraint.target))
     }
 
+    /// The stress by which its speed and the stiffness of a sample are judged, Pa.
+    pub(super) fn reference_stress(&self, simulation: &Simulation) -> f64 {
+        let asked = self.targets().map(Target::end).fold(0.0, f64::max);
+        reference_stress(asked, simulation)
+    }
+
     /// True if a strain or a stress follows a ramp.
     pub fn has_ramp(&self) -> bool {
         self.components.iter().any(|drive| matches!(drive, Drive::Ramp(_)))
@@ -249,7 +267,7 @@ impl Control {
         let (stress, strain) = (state.stress(), state.strain());
         let shortest = SHORTEST_RAMP * inertial_time(simulation);
         let rate = self.strain_rate(simulation);
-        self.ramp_duration(rate, &stress, &strain, modulus(simulation)).map(|time| time.max(shortest))
+        self.ramp_duration(rate, &stress, &strain, modulus(self, simulation)).map(|time| time.max(shortest))
     }
 
     fn ramp_duration(&self, rate: f64, stress: &Matrix, strain: &Matrix, modulus: f64) -> Option<f64> {
@@ -283,7 +301,7 @@ impl Control {
     pub fn strain_rate(&self, simulation: &Simulation) -> f64 {
         match self.speed {
             Speed::InertialNumber { number, at } => {
-                simulation.strain_rate(number, at.unwrap_or_else(|| simulation.state().mean_stress()))
+                simulation.strain_rate(number, at.unwrap_or_else(|| self.reference_stress(simulation)))
             }
             Speed::StrainRate(rate) => rate,
         }
@@ -308,7 +326,8 @@ impl Control {
         }
         let state = simulation.state();
         let ramp = self.ramp_time(simulation);
-        let mut control = self.solve(rate, &state.stress(), &state.strain(), modulus(simulation), ramp)?;
+        let modulus = modulus(self, simulation);
+        let mut control = self.solve(rate, &state.stress(), &state.strain(), modulus, ramp)?;
         control.since = state.time();
         control.ease = if self.eases { EASE * inertial_time(simulation) } else { 0.0 };
         Ok(control)
@@ -485,9 +504,8 @@ fn inertial_time(simulation: &Simulation) -> f64 {
 }
 
 /// The bulk modulus by which equations are scaled, Pa; without contacts it is estimated from the stress.
-fn modulus(simulation: &Simulation) -> f64 {
-    let state = simulation.state();
-    state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0)
+fn modulus(control: &Control, simulation: &Simulation) -> f64 {
+    simulation.state().bulk_modulus().max(100.0 * control.reference_stress(simulation)).max(1.0)
 }
 
 #[cfg(test)]

@@ -20,6 +20,9 @@ pub enum ControlError {
     )]
     Singular(String),
     /// The speed is not positive.
-    #[error("the strain rate of the stage is {0} /s; it must be positive")]
+    #[error(
+        "the strain rate of the stage is {0} /s; it must be positive: a sample that carries no stress has no speed for an inertial \
+         number, unless the stage brings it to a stress, so that such a stage needs strain_rate"
+    )]
     Speed(f64),
 }

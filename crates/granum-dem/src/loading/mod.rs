@@ -8,7 +8,11 @@ mod history;
 pub(crate) mod measure;
 pub mod preset;
 mod recorded_states;
+mod reference_stress;
+mod stage_progress;
+mod tension;
 mod until;
+mod zero_stress;
 
 use serde::{Deserialize, Serialize};
 
@@ -20,8 +24,10 @@ pub use self::control_error::ControlError;
 pub use self::history::{History, HistoryQuantity, MOST_ROWS};
 pub use self::measure::{MacroState, Measure, MeasureGoal};
 pub use self::recorded_states::RecordedStates;
+pub use self::stage_progress::StageProgress;
+use self::tension::Tension;
 pub(crate) use self::until::overlap_text;
-pub use self::until::{Reason, StageProgress, Until};
+pub use self::until::{Reason, Until};
 use crate::config::{LARGEST_OVERLAP, Rate};
 use crate::observer::{Flow, Phase, SimulationObserver, SimulationProgress};
 use crate::simulation::Simulation;
@@ -61,8 +67,8 @@ pub struct Stage {
     /// Its end conditions; the first that is met ends it.
     pub until: Vec<Until>,
     /// Arc length of strain after which it ends in any case. It also ends after the time that four times this arc length
-    /// takes at the speed of the stage, and when the sample no longer carries stress while its volume does not decrease. `None` for a stage that is certain to
-    /// reach its end.
+    /// takes at the speed of the stage, and when the sample no longer carries stress while its volume does not decrease, unless the
+    /// stage asks for no stress. `None` for a stage that is certain to reach its end.
     pub most_arc_length: Option<f64>,
     /// The states that are recorded.
     pub record: RecordedStates,
@@ -242,7 +248,9 @@ pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress
     simulation.damp_globally(if stage.settling { SETTLING } else { 0.0 });
     let mut stage_progress = StageProgress::begin(simulation);
     // While rates increase from zero, only half of the full change takes place.
-    stage_progress.ramp = stage.control.ramp_time(simulation).map(|time| time + 0.5 * control.ease);
+    let ramp = stage.control.ramp_time(simulation);
+    stage_progress.ramp = ramp.map(|time| time + 0.5 * control.ease);
+    stage_progress.tension = Tension::asked_for(&stage.until, &control, ramp, simulation.state());
     let start_up = if stage.control.is_strained() && !stage.control.eases { START_UP } else { 0.0 };
     simulation.judge_servo(stage_progress.start.arc_length + start_up);
     simulation.set_control(control);
@@ -283,7 +291,8 @@ pub fn follow(
             }
             turn(stage, stage_progress, simulation);
             let end = stage_progress.check(&stage.until, simulation.state());
-            let end = end.or_else(|| too_deep(stage, stage_progress, simulation));
+            let torn = stage_progress.note_tension(simulation.state());
+            let end = end.or(torn).or_else(|| too_deep(stage, stage_progress, simulation));
             if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
                 return Ok(Ending::Complete(reason));
             }
@@ -383,7 +392,7 @@ fn cut_short(
     most_time: f64,
 ) -> Option<Reason> {
     let most = stage.most_arc_length?;
-    if let Some(reason) = stage_progress.unjammed(simulation.state()) {
+    if let Some(reason) = stage_progress.unjammed(&stage.until, simulation.state()) {
         return Some(reason);
     }
     let macro_state = simulation.state().macro_state();

@@ -98,9 +98,9 @@ fn a_stage_ends_at_a_critical_state() {
     assert!(ends[0].reason.to_string().starts_with("critical state"), "{}", ends[0].reason);
 }
 
-/// A sample that is stretched until it no longer carries stress ends the stage, which reports this.
+/// Grains without adhesion have no tensile strength: a stage that asks for tension ends with this result.
 #[test]
-fn a_sample_that_carries_nothing_ends_a_stage() {
+fn grains_without_adhesion_have_no_tensile_strength() {
     let mut s = sample();
     let fixed = Drive::Fixed;
     let pull = Drive::Rate(-1.0);
@@ -109,7 +109,24 @@ fn a_sample_that_carries_nothing_ends_a_stage() {
     let until = Until::Reaches { measure: Measure::Strain(0), value: -0.1 };
     let control = Control::new(speed, [pull, held, held, fixed, fixed, fixed]);
     let (ends, _) = run(&mut s, &[Stage::new("pull", control, vec![until])]);
+    let Reason::TensileStrength { strength, measure } = ends[0].reason else { panic!("{}", ends[0].reason) };
+    assert!(strength < 20.0 && measure == Measure::Stress(1), "{}", ends[0].reason);
+    assert!(ends[0].reason.is_asked_for());
+}
+
+/// A sample that loses a stress which its stage holds ends the stage, which reports this.
+#[test]
+fn a_sample_that_loses_its_stress_ends_a_stage() {
+    let mut s = sample();
+    let fixed = Drive::Fixed;
+    let speed = Speed::InertialNumber { number: 1e-2, at: None };
+    let until = Until::Reaches { measure: Measure::Strain(0), value: -0.1 };
+    let pull = Drive::Rate(-1.0);
+    let held = Constraint::stresses([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], Target::held(0.0));
+    let control = Control::new(speed, [pull, pull, Drive::Free, fixed, fixed, fixed]).with(held);
+    let (ends, _) = run(&mut s, &[Stage::new("pull", control, vec![until])]);
     assert!(ends[0].reason.to_string().contains("no longer carries stress"), "{}", ends[0].reason);
+    assert!(!ends[0].reason.is_asked_for());
 }
 
 /// A stage that is saved halfway, together with its run state, continues to the same bits.

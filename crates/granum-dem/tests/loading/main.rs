@@ -3,6 +3,7 @@
 
 mod endings;
 mod same_bits;
+mod zero_stress;
 
 use std::sync::OnceLock;
 
@@ -11,8 +12,8 @@ use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation
 use granum_dem::invariants;
 use granum_dem::loading::preset::{Given, PathValue};
 use granum_dem::loading::{
-    Control, Drive, Ending, History, HistoryQuantity, Measure, Ramp, Reason, Speed, Stage, StageEnd,
-    StageProgress, Start, Target, Turns, Until, begin, follow, preset,
+    Constraint, Control, Drive, Ending, History, HistoryQuantity, Measure, Ramp, Reason, Speed, Stage,
+    StageEnd, StageProgress, Start, Target, Turns, Until, begin, follow, preset,
 };
 use granum_dem::observer::{Flow, NoObserver, SimulationObserver, SimulationProgress, Work};
 use granum_dem::preparation::{SampleSpecification, prepare};

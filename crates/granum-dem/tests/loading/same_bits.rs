@@ -15,6 +15,7 @@ fn short(name: &str) -> Given {
         "proportional" => &[("axial_strain", 1e-3)],
         "cyclic" => &[("stress_amplitude", 3e3), ("cycles", 1.0)],
         "unload-reload" => &[("axial_strain", 2e-3)],
+        "unconfined-strength" => &[("pre_shear_strain", 1e-3), ("axial_strain", 1e-3)],
         "random" => &[("amplitude", 5e-4), ("length", 2e-3)],
         "hold" => &[("duration", 1e-4)],
         "probes" => &[("directions", 2.0), ("unbalanced_force", 2e-3)],

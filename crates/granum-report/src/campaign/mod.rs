@@ -28,7 +28,13 @@ const STRENGTH: [[&str; 2]; 4] = [
     ["peak_deviator_stress", "late_deviator_stress"],
 ];
 /// Further measures, one panel each, if most runs have them.
-const FURTHER: [&str; 3] = ["critical_void_ratio", "largest_dilatancy_angle", "solid_fraction"];
+const FURTHER: [&str; 5] = [
+    "critical_void_ratio",
+    "largest_dilatancy_angle",
+    "solid_fraction",
+    "flow_function_coefficient",
+    "unconfined_yield_strength",
+];
 
 /// Writes the report of a campaign.
 pub fn report(campaign: &CampaignRuns) -> Document {

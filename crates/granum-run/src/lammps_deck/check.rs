@@ -1,10 +1,28 @@
 //! What of a stage a box of LAMMPS and a script can follow.
 
-use granum_dem::loading::{Kinematics, Stage, Start, Until};
+use granum_dem::loading::{Drive, Kinematics, Ramp, Stage, Start, Target, Until};
 
 use super::deck_error::DeckError;
 use super::formula::of_measure;
 use super::motion::Motion;
+
+/// True if a normal stress or the mean stress is brought to zero or into tension.
+fn asks_for_no_stress(stage: &Stage) -> bool {
+    let ends = |target: &Target| match (target.ramp, target.value) {
+        (Some(Ramp::To(value)), _) | (None, Some(value)) => value <= 0.0,
+        _ => false,
+    };
+    let of_axes = stage.control.components[..3]
+        .iter()
+        .any(|drive| matches!(drive, Drive::Stress(target) if ends(target)));
+    let mean = stage
+        .control
+        .constraints
+        .iter()
+        .flatten()
+        .filter(|of| of.stress[..3] == [1.0; 3] && of.strain == [0.0; 6]);
+    of_axes || mean.map(|of| &of.target).any(ends)
+}
 
 /// The motion of a stage, if the deck can express the stage.
 pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<Motion, DeckError> {
@@ -32,6 +50,11 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<Motion, DeckError> 
             "it turns round at {}, which the deck does not follow",
             turns.measure.name()
         )));
+    }
+    if asks_for_no_stress(stage) {
+        return Err(refuse(
+            "it brings a normal stress to zero or into tension, where the script's control in per cent of the stress ends",
+        ));
     }
     if stage.until.is_empty() {
         return Err(refuse("it has no end condition"));

@@ -17,6 +17,8 @@ use super::symmetry;
 /// Share of the mean stress at the start of a test (of an undrained part: at its start) that a state must carry for its stress
 /// ratio and friction angle to count. Below it a sample has liquefied (r_u above 0.95), and ratios of its stresses are noise.
 pub const CARRIES_STRESS: f64 = 0.05;
+/// Share of the largest mean stress of a test below which it starts without stress.
+const NO_STRESS: f64 = 1e-3;
 
 /// Columns of the normal strains, by axis.
 const STRAINS: [&str; 3] = ["axial_strain", "lateral_strain_2", "lateral_strain_3"];
@@ -107,7 +109,7 @@ impl<'a> Curves<'a> {
     }
 
     /// Stress tensor of a row, Pa.
-    fn stress(&self, row: usize) -> Matrix {
+    pub(super) fn stress(&self, row: usize) -> Matrix {
         const NAMES: [[&str; 3]; 3] = [
             ["stress_11", "stress_12", "stress_13"],
             ["stress_21", "stress_22", "stress_23"],
@@ -235,11 +237,13 @@ impl<'a> Curves<'a> {
     }
 
     /// The rows of the test proper: those of the last count of strain in which the sample is sheared, without the isotropic stages and
-    /// the rest before, and without marks and probes. Where nothing is sheared, the last count with two rows or more.
+    /// the rest before, and without marks, probes and compressions without lateral stress. Where nothing is sheared, the last count with two rows or more.
     pub fn test_rows(&self) -> Range<usize> {
+        let is_unconfined = |stage: &Stage| symmetry::unconfined_axis(stage).is_some();
         let shears = |row: usize| {
-            self.stage(row)
-                .is_none_or(|stage| !stage.is_mark() && !stage.settling && !symmetry::is_isotropic(stage))
+            self.stage(row).is_none_or(|stage| {
+                !stage.is_mark() && !stage.settling && !symmetry::is_isotropic(stage) && !is_unconfined(stage)
+            })
         };
         let mut end = self.rows();
         while end > 0 {
@@ -266,13 +270,15 @@ impl<'a> Curves<'a> {
     }
 
     /// True for the rows that carry stress: at least [`CARRIES_STRESS`] of the mean stress at the start of the undrained part, or of
-    /// the test.
+    /// the test; of the largest mean stress of the test where it starts without stress.
     pub fn carry_stress(&self, rows: &Range<usize>) -> Vec<bool> {
         let p = self.mean_stress();
         let at = |row: usize| p.get(row).copied().unwrap_or(f64::NAN);
+        let largest = rows.clone().map(at).fold(0.0, f64::max);
         rows.clone()
             .map(|row| {
                 let start = at(self.undrained_from(row).unwrap_or(rows.start));
+                let start = if start > NO_STRESS * largest { start } else { largest };
                 at(row) > 0.0 && at(row) >= CARRIES_STRESS * start
             })
             .collect()
@@ -291,7 +297,9 @@ impl<'a> Curves<'a> {
     /// True if the rows shear the sample so that they tell its strength: neither isotropic alone, nor oedometric, nor probes.
     pub(super) fn tells_strength(&self, rows: &Range<usize>) -> bool {
         let mut stages = rows.clone().filter_map(|row| self.stage(row));
-        let oedometric = stages.clone().any(symmetry::is_oedometric);
+        let oedometric = stages
+            .clone()
+            .any(|stage| symmetry::is_oedometric(stage) || symmetry::unconfined_axis(stage).is_some());
         // A probe records nothing but its start.
         let recorded = |stage: &Stage| stage.record != granum_dem::loading::RecordedStates::default();
         rows.len() >= 2

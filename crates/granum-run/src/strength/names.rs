@@ -25,7 +25,7 @@ const fn measure(
 /// The measures of a test that a report shows, in its order.
 ///
 /// Sources: the friction angle is that of Mohr and Coulomb; the dilatancy angle follows Schanz and Vermeer (1996); E50 Schanz, Vermeer
-/// and Bonnier (1999); the critical state Roscoe, Schofield and Wroth (1958); liquefaction Seed and Lee (1966) and ASTM D5311.
+/// and Bonnier (1999); the critical state Roscoe, Schofield and Wroth (1958); liquefaction Seed and Lee (1966) and ASTM D5311; the unconfined yield strength and its ratio to the consolidation stress Jenike (1964).
 pub const MEASURES: &[Meaning] = &[
     measure(
         "peak_friction_angle",
@@ -160,6 +160,42 @@ pub const MEASURES: &[Meaning] = &[
         "1",
         "*N* (double amplitude 5 %)",
         "cycles until the double amplitude of the axial strain reaches 5 %",
+    ),
+    measure(
+        "consolidation_stress",
+        "Pa",
+        "*σ*_{1}",
+        "consolidation stress of a powder: the major principal stress, its mean over the last quarter of the strain of the pre-shear",
+    ),
+    measure(
+        "unconfined_yield_strength",
+        "Pa",
+        "*σ*_{c}",
+        "unconfined yield strength: the largest axial less lateral stress of a compression without lateral stress",
+    ),
+    measure(
+        "unconfined_yield_strength_at_least",
+        "Pa",
+        "*σ*_{c}, at least",
+        "lower bound of *σ*_{c}: the axial stress still increases at the end",
+    ),
+    measure(
+        "flow_function_coefficient",
+        "1",
+        "*ff*_{c}",
+        "flow function coefficient *σ*_{1}/*σ*_{c}: below 2 very cohesive, below 4 cohesive, below 10 easy-flowing, above free-flowing",
+    ),
+    measure(
+        "axial_strain_at_failure",
+        "1",
+        "*ε*_{1} at failure",
+        "axial strain at *σ*_{c}, since the start of the compression without lateral stress",
+    ),
+    measure(
+        "tensile_strength",
+        "Pa",
+        "*σ*_{t}",
+        "tensile strength: the largest tension of a stage that asks for more than the sample can carry",
     ),
 ];
 

@@ -66,6 +66,23 @@ pub fn is_oedometric(stage: &Stage) -> bool {
     !matches!(x, Drive::Fixed | Drive::Free) && others.iter().all(|drive| *drive == Drive::Fixed)
 }
 
+/// The axis along which a stage compresses a sample without lateral stress: the two other stresses are held at zero.
+pub fn unconfined_axis(stage: &Stage) -> Option<usize> {
+    let drives = &stage.control.components;
+    let is_zero = |k: &usize| matches!(drives[*k], Drive::Stress(target) if target == Target::held(0.0));
+    let compresses = |k: usize| matches!(drives[k], Drive::Rate(rate) if rate > 0.0);
+    (0..3).find(|axis| compresses(*axis) && others(*axis).iter().all(is_zero))
+}
+
+/// True if every normal stress of a stage is brought to zero and held there.
+pub(super) fn takes_stress_off(stage: &Stage) -> bool {
+    let to_zero = |drive: &Drive| match drive {
+        Drive::Stress(target) => *target == Target::held(0.0) || target.ramp == Some(Ramp::To(0.0)),
+        _ => false,
+    };
+    stage.control.components[..3].iter().all(to_zero)
+}
+
 /// True if a drive strains its component or changes its stress.
 pub fn moves(drive: Drive) -> bool {
     match drive {

@@ -1,12 +1,15 @@
 //! The measures of a finished test as lines of text.
 
 use granum_io::RunRecord;
+use granum_run::strength::flow_class;
 
 /// What a test says of its material, in a few lines.
 pub fn lines(record: &RunRecord) -> Vec<String> {
     let of = Measures(record);
+    let powder = [of.unconfined_strength(), of.tensile_strength()];
     [of.peak_and_late(), of.liquefaction(), of.cycles(), of.strength(), of.critical_state()]
         .into_iter()
+        .chain(powder)
         .flatten()
         .collect()
 }
@@ -107,6 +110,27 @@ impl Measures<'_> {
         .flatten()
         .collect();
         (!parts.is_empty()).then(|| format!("strength: {}", parts.join(", ")))
+    }
+
+    /// Unconfined yield strength of a powder, with its class.
+    fn unconfined_strength(&self) -> Option<String> {
+        let (strength, bound) = match self.value("unconfined_yield_strength") {
+            Some(strength) => (strength, ""),
+            None => (self.value("unconfined_yield_strength_at_least")?, "at least "),
+        };
+        let after = self.value("consolidation_stress").map_or(String::new(), |stress| {
+            format!(" after a consolidation stress of {:.3} kPa", stress / 1e3)
+        });
+        let class = match self.value("flow_function_coefficient") {
+            Some(coefficient) => format!(": ff_c {coefficient:.2}, {}", flow_class(coefficient)),
+            None if strength == 0.0 => format!(": no cohesion, {}", flow_class(f64::INFINITY)),
+            None => "; it still increases at the end: more axial_strain shows its peak".into(),
+        };
+        Some(format!("powder: unconfined yield strength {bound}{:.3} kPa{after}{class}", strength / 1e3))
+    }
+
+    fn tensile_strength(&self) -> Option<String> {
+        Some(format!("tensile strength: {:.4} kPa", self.value("tensile_strength")? / 1e3))
     }
 
     /// The late state, and how much it still changes in ten per cent of strain.

@@ -124,7 +124,7 @@ impl PathValues<'_> {
 }
 
 /// Unbalanced force below which a sample is at rest.
-const AT_REST: f64 = 1e-3;
+pub(super) const AT_REST: f64 = 1e-3;
 
 /// All three axes are brought to a given stress, and the sample comes to rest there.
 pub(super) fn consolidation(stress: f64, inertial_number: f64) -> Stage {

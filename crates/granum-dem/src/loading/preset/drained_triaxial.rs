@@ -1,6 +1,6 @@
 //! Drained triaxial test: axis x is strained, the lateral stresses are held constant.
 
-use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, generous, number, stress};
+use super::{INERTIAL_NUMBER, PathParameter, Preset, STATES, any_stress, generous, number};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -26,7 +26,7 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[PathParameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
-    stress(
+    any_stress(
         "lateral_stress",
         "Stress along y and z, to which the sample is first consolidated on all three axes.",
     ),

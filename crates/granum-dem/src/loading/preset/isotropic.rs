@@ -1,6 +1,6 @@
 //! Isotropic compression or unloading to a mean stress, and back to another one.
 
-use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, consolidation, stress};
+use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, any_stress, consolidation};
 use crate::loading::{Measure, RecordedStates, Speed, Stage};
 
 pub(super) const PRESET: Preset = Preset {
@@ -27,12 +27,12 @@ pub(super) const PRESET: Preset = Preset {
 const PARAMETERS: &[PathParameter] = &[
     PathParameter {
         default: super::PathParameterDefault::Value(100e3),
-        ..stress("mean_stress", "Stress to which all three axes are brought.")
+        ..any_stress("mean_stress", "Stress to which all three axes are brought; negative for tension.")
     },
     INERTIAL_NUMBER,
     INTERVAL,
     PathParameter {
         default: super::PathParameterDefault::Absent("no unloading"),
-        ..stress("unloading_stress", "Stress to which all three axes are brought afterwards.")
+        ..any_stress("unloading_stress", "Stress to which all three axes are brought afterwards.")
     },
 ];

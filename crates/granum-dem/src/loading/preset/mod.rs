@@ -17,6 +17,7 @@ mod proportional;
 mod random;
 mod simple_shear;
 mod simple_shear_constant_volume;
+mod unconfined_strength;
 mod undrained_triaxial;
 mod unload_reload;
 
@@ -27,7 +28,7 @@ pub use self::definition::{PathValues, Preset};
 use self::definition::{consolidation, generous};
 pub use self::parameter::{
     Given, INERTIAL_NUMBER, INTERVAL, PathFault, PathParameter, PathParameterDefault, PathParameterKind,
-    PathValue, STATES, deviator, number, optional, stress, word,
+    PathValue, STATES, any_stress, deviator, number, optional, stress, word,
 };
 
 /// granum's own presets. A new one is a file and a line here.
@@ -44,6 +45,7 @@ pub const ALL: &[Preset] = &[
     proportional::PRESET,
     cyclic::PRESET,
     unload_reload::PRESET,
+    unconfined_strength::PRESET,
     hold::PRESET,
     history::PRESET,
     random::PRESET,

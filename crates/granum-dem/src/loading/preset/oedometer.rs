@@ -1,6 +1,6 @@
 //! Oedometer: axis x is compressed without lateral strain, then unloaded.
 
-use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, stress};
+use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, Preset, any_stress, stress};
 use crate::loading::{Control, Drive, Measure, RecordedStates, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
@@ -35,7 +35,7 @@ const PARAMETERS: &[PathParameter] = &[
     },
     PathParameter {
         default: super::PathParameterDefault::Absent("no unloading"),
-        ..stress("unloading_stress", "Stress along x at the end of the unloading.")
+        ..any_stress("unloading_stress", "Stress along x at the end of the unloading.")
     },
     INERTIAL_NUMBER,
     PathParameter {

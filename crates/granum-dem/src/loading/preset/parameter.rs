@@ -148,6 +148,11 @@ pub const fn stress(key: &'static str, help: &'static str) -> PathParameter {
     PathParameter { key, unit: "Pa", help, default, bounds: [1e-3, 1e11], ..STATES }
 }
 
+/// A stress that may be left out, and may also be zero or a tension; it is then that of the sample.
+pub const fn any_stress(key: &'static str, help: &'static str) -> PathParameter {
+    PathParameter { bounds: [-1e11, 1e11], ..stress(key, help) }
+}
+
 /// A deviator stress with a default of zero.
 pub const fn deviator(key: &'static str, help: &'static str) -> PathParameter {
     PathParameter {

@@ -2,7 +2,8 @@
 
 use granum_core::assembly::Assembly;
 use granum_dem::config::{MOST_CONTACTS, Preparation};
-use granum_dem::loading::{Stage, StageEnd};
+use granum_dem::invariants;
+use granum_dem::loading::{Reason, Stage, StageEnd};
 use granum_dem::simulation::Simulation;
 use granum_dem::state::ServoError;
 use granum_io::run::QualityFlag;
@@ -116,17 +117,27 @@ pub(in crate::engine) fn remark_on_samples(
     })
 }
 
-/// For every state whether the sample carries stress: at least [`CARRIES_STRESS`] of the mean stress at the start of its stage.
+/// Share of the largest mean stress of a stage below which it starts without stress.
+const NO_STRESS: f64 = 1e-3;
+
+/// For every state whether the sample carries stress: at least [`CARRIES_STRESS`] of the mean stress at the start of its stage, or of
+/// the largest of the stage where it starts without stress.
 fn carry_stress(record: &Record) -> Vec<bool> {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let (p, stages) = (column("mean_stress"), column("stage"));
-    let mut start = 0;
+    let most = p.iter().copied().fold(0.0, f64::max);
+    let (mut start, mut least) = (0, f64::NAN);
     (0..p.len())
         .map(|row| {
-            if stages.get(row) != stages.get(start) {
+            if row == 0 || stages.get(row) != stages.get(start) {
                 start = row;
+                let rest = (row..p.len()).take_while(|other| stages.get(*other) == stages.get(row));
+                let largest = rest.map(|other| p[other]).fold(0.0, f64::max);
+                // In a stage without any stress the little that is left is noise.
+                let largest = if largest > NO_STRESS * most { largest } else { f64::INFINITY };
+                least = CARRIES_STRESS * if p[row] > NO_STRESS * largest { p[row] } else { largest };
             }
-            !(p[start] > 0.0 && p[row] < CARRIES_STRESS * p[start])
+            p[row] >= least || p[row].is_nan()
         })
         .collect()
 }
@@ -134,17 +145,32 @@ fn carry_stress(record: &Record) -> Vec<bool> {
 /// For every stage whether its sample lost its stress, by its states or by the reason why it ended.
 pub(in crate::engine) fn stages_without_stress(record: &Record, ends: &[StageEnd]) -> Vec<bool> {
     let stages = record.series.values("stage").unwrap_or(&[]);
-    let mut lost = vec![false; ends.len()];
-    for (row, _) in carry_stress(record).iter().enumerate().filter(|(_, carries)| !**carries) {
+    let mut carries = vec![Vec::new(); ends.len()];
+    for (row, carried) in carry_stress(record).into_iter().enumerate() {
         let stage = stages.get(row).map_or(0, |number| (*number as usize).saturating_sub(1));
-        if let Some(lost) = lost.get_mut(stage) {
-            *lost = true;
+        if let Some(of_stage) = carries.get_mut(stage) {
+            of_stage.push(carried);
         }
     }
+    // A stage that begins without stress has lost none, unless it never carries any.
+    let is_lost = |of_stage: &Vec<bool>| match of_stage.first() {
+        Some(true) => of_stage.contains(&false),
+        Some(false) => !of_stage.contains(&true),
+        None => false,
+    };
+    let mut lost: Vec<bool> = carries.iter().map(is_lost).collect();
     for (lost, end) in lost.iter_mut().zip(ends) {
-        *lost |= ended_liquefied(end);
+        *lost |= ended_liquefied(end) || matches!(end.reason, Reason::TensileStrength { .. });
     }
     lost
+}
+
+/// True if no state of the last stage carries stress.
+fn end_carries_nothing(record: &Record) -> bool {
+    let stages = record.series.values("stage").unwrap_or(&[]);
+    let carries = carry_stress(record);
+    let of_last = carries.iter().enumerate().filter(|(row, _)| stages.get(*row) == stages.last());
+    !carries.is_empty() && of_last.into_iter().all(|(_, carried)| !carried)
 }
 
 /// The mean of a column of a record over the states that count. The first is excluded, since it contains the start of the loading, and so
@@ -186,7 +212,10 @@ pub(super) fn judge(
     } else {
         vec![flags::stages_cut_short(unmet)]
     };
-    let lost = state.target_mean_stress().map_or(0.0, |t| 1.0 - state.mean_stress() / t);
+    // A target of no stress, or of tension, is not lost.
+    let began = invariants::mean(&test.stage_progress.start.stress);
+    let target = state.target_mean_stress().filter(|target| *target > CARRIES_STRESS * began.abs());
+    let lost = target.map_or(0.0, |target| 1.0 - state.mean_stress() / target);
     flags.extend(flags::quasi_static(mean, speed_key));
     flags.extend([
         flags::servo_error(servo_error, servo_limit, speed_key),
@@ -217,8 +246,9 @@ pub(super) fn judge(
     if errors.is_empty() {
         flags.retain(|flag| !flag.name.starts_with("servo_error"));
     }
-    // The energy that global damping takes while a sample comes to rest is not counted, so that there is nothing to judge.
-    if !test.damped {
+    // The energy that global damping takes while a sample comes to rest is not counted, so that there is nothing to judge, and grains
+    // that carry nothing have hardly any energy.
+    if !test.damped && !end_carries_nothing(record) {
         flags.push(QualityFlag::at_most(
             "energy_gap",
             energy_gap(&test.before, end),

@@ -7,7 +7,7 @@ use granum_io::{Case, RunRecord};
 use granum_sensors::Record;
 
 use super::curves::Curves;
-use super::{cyclic, liquefaction, monotonic, stiffness};
+use super::{cyclic, liquefaction, monotonic, stiffness, unconfined};
 
 /// The measures of a test with the given stages ([`granum_io::Case::test_stages`]), by the names of [`super::MEASURES`]. `ends` are the
 /// ends of its stages, as far as they are known: they tell of a state that was reached just after the last recorded one.
@@ -38,6 +38,7 @@ pub fn of_test(record: &Record, stages: &[Stage], ends: &[StageEnd]) -> BTreeMap
         liquefaction::add(&curves, &rows, ends, &mut measures);
         cyclic::add(&curves, &rows, ends, &mut measures);
     }
+    unconfined::add(&curves, stages, ends, &mut measures);
     measures
 }
 
@@ -46,7 +47,7 @@ pub fn of_test(record: &Record, stages: &[Stage], ends: &[StageEnd]) -> BTreeMap
 pub fn of_run(case: &Case, about: &RunRecord, record: &Record) -> BTreeMap<String, f64> {
     let mut measures = of_test(record, &case.test_stages(), &[]);
     let needs_ends = |name: &str| {
-        ["cycles", "liquef", "double_amplitude"].iter().any(|part| name.contains(part))
+        ["cycles", "liquef", "double_amplitude", "tensile_strength"].iter().any(|part| name.contains(part))
             && !name.starts_with("preparation")
     };
     let recorded = about.measures.iter().filter(|(name, _)| needs_ends(name));
