@@ -17,6 +17,9 @@ pub enum CalibrationError {
     /// Curves, errors or parameters do not fit each other.
     #[error("{0}")]
     Input(String),
+    /// No value of the parameters within their priors explains the tests.
+    #[error("nothing within the priors explains the tests, so that there is no posterior: {}", .0.join("; "))]
+    NothingFits(Vec<String>),
     /// The chains do not agree: nothing that they drew may be used.
     #[error(
         "the chains do not agree after {draws} draws each: {parameter} has R-hat {r_hat:.3} (at most {most_r_hat} is needed) and an effective \

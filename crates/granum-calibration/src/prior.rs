@@ -95,6 +95,13 @@ impl Prior {
         }
     }
 
+    /// The bounds between which values lie; `None` where there is no bound.
+    pub fn bounds(&self) -> [Option<f64>; 2] {
+        let (Prior::Uniform { from, to } | Prior::LogUniform { from, to } | Prior::Normal { from, to, .. }) =
+            *self;
+        [from, to].map(|bound| Some(bound).filter(|bound| bound.is_finite()))
+    }
+
     /// The share of the prior below a value, the inverse of [`Prior::value`].
     pub fn share(&self, value: f64) -> f64 {
         let share = match *self {
@@ -134,6 +141,7 @@ mod tests {
         }
         assert!((normal.value(0.5) + 2.0).abs() < 1e-12);
         assert_eq!((CUT.value(0.0), CUT.share(0.0)), (0.1, 0.0));
+        assert_eq!((CUT.bounds(), normal.bounds()), ([Some(0.1), None], [None, None]));
     }
 
     /// Golden: the mean of a normal distribution cut off at one deviation below its mean is larger by

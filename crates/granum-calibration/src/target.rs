@@ -108,6 +108,11 @@ pub fn predicted(
     chosen.into_iter().map(|test| target(file, test)).collect()
 }
 
+/// The first name that is there twice.
+pub fn named_twice(names: &[String]) -> Option<&String> {
+    names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)).map(|(_, name)| name)
+}
+
 /// The tests of these names.
 fn named<'a>(
     file: &CalibrationFile,
@@ -115,6 +120,13 @@ fn named<'a>(
     wanted: &[String],
     span: &Range<usize>,
 ) -> Result<Vec<&'a LaboratoryTest>> {
+    if let Some(twice) = named_twice(wanted) {
+        let message = format!("the test {twice:?} is named twice");
+        let error = file.plan.source.error(span, message);
+        let help =
+            "name it once: a test that counts twice makes the posterior narrower than its readings allow";
+        return Err(CalibrationError::File(Error::from(error.with_help(help.to_string()))));
+    }
     let find = |name: &String| {
         tests.iter().find(|test| test.name == *name).ok_or_else(|| {
             let known: Vec<&str> = tests.iter().map(|test| test.name.as_str()).collect();

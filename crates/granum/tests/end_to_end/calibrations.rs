@@ -11,12 +11,12 @@ use crate::common::{run, stderr};
 use crate::{done, done_json, refused};
 
 /// A drained triaxial test that takes a fraction of a second.
-const SAND: &str = "[grains]\ncount = 80\n[grains.material]\ninterface_energy = 0\nfriction = 0.35\nyoungs_modulus = '3 GPa'\n\
+pub const SAND: &str = "[grains]\ncount = 80\n[grains.material]\ninterface_energy = 0\nfriction = 0.35\nyoungs_modulus = '3 GPa'\n\
                     [contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n[preparation]\nmean_stress = '100 kPa'\nfriction = 0.1\n\
                     solid_fraction = 'none'\ninertial_number = 1e-2\nunbalanced_force = 5e-2\n[[stage]]\npath = 'drained-triaxial'\n\
                     lateral_stress = '100 kPa'\naxial_strain = 0.03\ninertial_number = 1e-2\nstates = 12\n";
 /// What is calibrated on it.
-const MATERIAL: &str = "case = 'sand.toml'
+pub const MATERIAL: &str = "case = 'sand.toml'
 accept = ['servo_error_rms < 1', 'servo_error_largest < 1', 'inertial_number < 1', 'unbalanced_force < 1', 'largest_overlap < 0.5', 'mean_stress_lost < 1', 'energy_gap < 1', 'sample_unbalanced_force < 1', 'sample_mean_stress_missed_by < 1', 'stages_cut_short < 1.5']
 [calibration]
 runs = 16
@@ -51,7 +51,7 @@ test = 'lateral_stress'
 ";
 
 /// A folder with the material and, if asked for, the curves of a simulation as a test of a laboratory.
-fn folder(with_test: bool) -> tempfile::TempDir {
+pub fn folder(with_test: bool) -> tempfile::TempDir {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     std::fs::write(here.join("sand.toml"), SAND).unwrap();
@@ -169,7 +169,13 @@ fn runs_are_shared(here: &Path) {
     assert_eq!(found["predictions"].as_array().unwrap().len(), 4);
     let table = std::fs::read_to_string(here.join("shared/predictions.csv")).unwrap();
     assert_eq!(table.lines().filter(|line| line.starts_with("T2,deviator_stress,")).count(), 6, "{table}");
-    let left = done_json(here, &with(&["--leave-one-out", "--out", "left"]));
+    // One test under two names cannot be left out of itself.
+    let message = refused(here, 1, &with(&["--leave-one-out", "--out", "left"]));
+    assert!(message.contains("\"T1\" and \"T2\"") && message.contains("are one test"), "{message}");
+    std::fs::write(here.join("apart.csv"), apart(&std::fs::read_to_string(here.join("two.csv")).unwrap()))
+        .unwrap();
+    let left = ["calibrate", "material.toml", "apart.csv", "--runs", "out/runs/design", "--leave-one-out"];
+    let left = done_json(here, &[&left[..], &["--out", "left"]].concat());
     assert_eq!(left["predictions"].as_array().unwrap().len(), 4, "{left:#}");
     assert!(!here.join("left/runs").exists());
     let alone = done_json(here, &with(&["--each-alone", "--out", "alone"]));
@@ -181,8 +187,17 @@ fn runs_are_shared(here: &Path) {
     let message = refused(here, 1, &with(&["--test", "T1", "--predict", "T9", "--out", "no"]));
     assert!(message.contains("no test \"T9\"") && message.contains("T1, T2"), "{message}");
     let message =
-        refused(here, 1, &["calibrate", "material.toml", "two.csv", "--runs", "truth", "--out", "no"]);
+        refused(here, 1, &["calibrate", "material.toml", "apart.csv", "--runs", "truth", "--out", "no"]);
     assert!(message.contains("neither a campaign nor a data set"), "{message}");
+}
+
+/// The second test with readings of its own: half a per cent more strain at each of them.
+fn apart(text: &str) -> String {
+    let line = |line: &str| match line.strip_prefix("T2,").and_then(|rest| rest.split_once(',')) {
+        Some((strain, rest)) => format!("T2,{},{rest}\n", 1.005 * strain.parse::<f64>().unwrap()),
+        None => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
 }
 
 /// The posterior is written before simulations confirm it, so that it is there if these end in any way.

@@ -35,6 +35,7 @@ mod sixteen_cases;
 mod stages;
 mod tests_of_grains;
 mod tutorial;
+mod unexplained;
 mod warnings;
 mod words;
 #[cfg(unix)]

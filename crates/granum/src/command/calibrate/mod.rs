@@ -2,6 +2,7 @@
 
 mod calibration;
 mod coverage;
+mod explains;
 mod infer;
 mod next;
 mod posterior_files;
@@ -18,8 +19,9 @@ use granum_calibration::confirmation::{Confirmed, MOST_OUTSIDE, share_outside};
 use granum_calibration::emulator::Emulator;
 use granum_calibration::file::{CalibrationFile, Method, PredictedTests, WHY_PREDICTIONS};
 use granum_calibration::known::KnownRun;
+use granum_calibration::same_readings::{check_different, known_by_another_name};
 use granum_calibration::simulation::{CaseNumbers, parameters};
-use granum_calibration::target::{predicted, targets, understood};
+use granum_calibration::target::{named_twice, predicted, targets, understood};
 use granum_calibration::telling::WhatTestsTell;
 use granum_io::shell::ShowPath;
 use granum_io::{LaboratoryTest, OutputFolder, read_laboratory};
@@ -96,6 +98,7 @@ impl Calibrate {
                 self.file.shown()
             )));
         }
+        self.refuse_named_twice()?;
         if !self.test.is_empty() {
             file.calibration.tests.clone_from(&self.test);
         }
@@ -112,6 +115,7 @@ impl Calibrate {
         let count = all.len();
         all.extend(predicted(&file, &tests, &all)?);
         let (targets, predicted) = all.split_at(count);
+        known_by_another_name(targets, predicted).iter().for_each(|line| context.warn(line));
         let used: Vec<&LaboratoryTest> = all.iter().map(|target| &target.laboratory).collect();
         doubts(&used).iter().for_each(|doubt| context.warn(doubt));
         understood(&file, targets).iter().for_each(|line| context.note(line));
@@ -122,6 +126,9 @@ impl Calibrate {
                  the test that is left out; let all tests share it, or give it by an expression of what the tests have",
                 own.name
             )));
+        }
+        if !self.each_alone {
+            check_different(targets)?;
         }
         let name = || PathBuf::from(self.file.file_stem().unwrap_or(self.file.as_os_str()));
         let out = self.out.clone().unwrap_or_else(name);
@@ -151,6 +158,18 @@ impl Calibrate {
             Method::Surrogate => calibration.by_surrogate(),
             Method::Dem => calibration.by_simulations(),
         }
+    }
+
+    /// A test that counts twice makes the posterior narrower than its readings allow.
+    fn refuse_named_twice(&self) -> Result<(), Failure> {
+        for (option, names) in [("--test", &self.test), ("--predict", &self.predict)] {
+            if let Some(name) = named_twice(names) {
+                return Err(Failure::new(format!(
+                    "{option} {name} is given twice; name each test once: one that counts twice makes the posterior narrower than its readings allow"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// An option that was given and that only a surrogate has, and why.
@@ -205,6 +224,7 @@ impl Calibration<'_> {
         let mut round = 1;
         loop {
             let emulator = self.emulator(numbers.clone(), &known)?;
+            self.check_reach(&emulator, &known)?;
             let telling = self.telling(&emulator)?;
             let next_test = self.next_test(&emulator)?;
             let found = self.infer(&emulator)?;

@@ -24,14 +24,17 @@ impl Calibration<'_> {
         if self.targets.len() < 2 {
             return Err(Failure::new("--leave-one-out needs two tests at least"));
         }
-        let (emulator, _) = self.learned()?;
+        let (emulator, known) = self.learned()?;
+        self.check_reach(&emulator, &known)?;
         let (mut predictions, mut found): (Vec<Prediction>, Vec<(String, Outcome)>) =
             (Vec::new(), Vec::new());
+        let mut not_explained = Vec::new();
         for (k, left_out) in self.targets.iter().enumerate() {
             let rest: Vec<TargetTest> =
                 self.targets.iter().filter(|target| target.name != left_out.name).cloned().collect();
             let phase = format!("without {} ({} of {})", left_out.name, k + 1, self.targets.len());
-            let outcome = self.infer_on(&emulator, &phase, &rest)?;
+            let (outcome, told) = self.infer_on(&emulator, &phase, &rest)?;
+            not_explained.extend(told);
             let all = emulator.for_targets(self.targets);
             predictions.extend(predict(self.file, &all, self.targets, k, &outcome)?);
             found.push((left_out.name.clone(), outcome));
@@ -40,9 +43,10 @@ impl Calibration<'_> {
         write_table(&paths[0], &readings_table(&predictions)?)?;
         write_table(&paths[1], &errors_table(&predictions)?)?;
         write_table(&paths[2], &parameters_table(&found)?)?;
-        let result = json!({ "folder": output::path(&self.out), "predictions": predictions });
+        let result = json!({ "folder": output::path(&self.out), "predictions": predictions, "not_explained": not_explained });
         output::say_complete(self.context, &self.out, &result, || {
-            let mut lines = vec!["each test predicted from the others, by the surrogate:".to_string()];
+            let mut lines = not_explained;
+            lines.extend(["each test predicted from the others, by the surrogate:".to_string()]);
             lines.extend(summary(&predictions));
             lines.push(format!("wrote {}, {}, {}", paths[0].shown(), paths[1].shown(), paths[2].shown()));
             lines.join("\n")
@@ -51,28 +55,42 @@ impl Calibration<'_> {
 
     /// Calibrates on each test alone.
     pub fn each_alone(&self) -> Result<(), Failure> {
-        let (emulator, _) = self.learned()?;
-        let mut found = Vec::new();
+        let (emulator, known) = self.learned()?;
+        self.check_reach(&emulator, &known)?;
+        let (mut found, mut not_explained) = (Vec::new(), Vec::new());
         for (k, target) in self.targets.iter().enumerate() {
             let phase = format!("{} alone ({} of {})", target.name, k + 1, self.targets.len());
-            let outcome = self.infer_on(&emulator, &phase, std::slice::from_ref(target))?;
+            let (outcome, told) = self.infer_on(&emulator, &phase, std::slice::from_ref(target))?;
+            not_explained.extend(told);
             found.push((target.name.clone(), outcome));
         }
         let table = parameters_table(&found)?;
         let path = self.out.join(FILES[3]);
         write_table(&path, &table)?;
         let rows = |(test, outcome): &(String, Outcome)| json!({ "test": test, "mean": outcome.mean(), "parameters": outcome.names });
-        let result = json!({ "folder": output::path(&self.out), "each_alone": found.iter().map(rows).collect::<Vec<_>>() });
+        let each_alone: Vec<serde_json::Value> = found.iter().map(rows).collect();
+        let result = json!({ "folder": output::path(&self.out), "each_alone": each_alone, "not_explained": not_explained });
         output::say_complete(self.context, &self.out, &result, || {
-            let mut lines = text_table::lines(&table);
+            let mut lines = not_explained;
+            lines.extend(text_table::lines(&table));
             lines.push(format!("each test calibrated alone, by the surrogate; wrote {}", path.shown()));
             lines.join("\n")
         })
     }
 
-    fn infer_on(&self, emulator: &Emulator, phase: &str, targets: &[TargetTest]) -> Result<Outcome, Failure> {
+    /// The posterior of some tests, and what speaks against it.
+    fn infer_on(
+        &self,
+        emulator: &Emulator,
+        phase: &str,
+        targets: &[TargetTest],
+    ) -> Result<(Outcome, Vec<String>), Failure> {
         let own = emulator.for_targets(targets);
-        Ok(self.infer_for(phase, &own, targets, self.file.calibration.inadequacy)?.outcome)
+        let outcome = self.infer_for(phase, &own, targets, self.file.calibration.inadequacy)?.outcome;
+        let lines = self.fit(targets, Some(&own), &outcome, &[])?.lines();
+        let told: Vec<String> = lines.iter().map(|line| format!("{phase}: {line}")).collect();
+        told.iter().for_each(|line| self.context.warn(line));
+        Ok((outcome, told))
     }
 
     /// The surrogate and the simulations from which it learned.

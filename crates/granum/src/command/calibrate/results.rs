@@ -26,6 +26,9 @@ use crate::output;
 /// Points of a band.
 const BAND_POINTS: usize = 40;
 
+/// What stands above a posterior against which something speaks.
+const BEFORE_USE: &str = "BEFORE THE POSTERIOR IS USED:";
+
 /// What a surrogate tells beside the posterior.
 pub struct Told<'a> {
     pub emulator: Emulator<'a>,
@@ -52,8 +55,12 @@ impl Calibration<'_> {
         surrogate: Option<&Told>,
         confirmed: &[Confirmed],
         simulated: &[Simulated],
-        remarks: Vec<String>,
+        further: Vec<String>,
     ) -> Result<(), Failure> {
+        // What speaks against the posterior comes before everything else that is said of it.
+        let fit = self.fit(self.targets, surrogate.map(|told| &told.emulator), &found.outcome, confirmed)?;
+        let against = fit.lines();
+        let remarks: Vec<String> = against.iter().cloned().chain(further).collect();
         remarks.iter().for_each(|remark| self.context.warn(remark));
         let at = |name: &str| self.out.join(name);
         let table = self.posterior_table(found)?;
@@ -75,9 +82,21 @@ impl Calibration<'_> {
             remarks: remarks.clone(),
         });
         document.write(&self.out)?;
-        let result = self.as_json(found, surrogate, confirmed, &table, &remarks, &predictions);
+        let mut result = self.as_json(found, surrogate, confirmed, &table, &remarks, &predictions);
+        result["explains_the_tests"] = json!(fit.explains());
+        result["fit"] = json!(fit);
+        result["against_the_posterior"] = json!(against);
         put(format!("{result:#}\n"), &at("calibration.json"))?;
-        output::say_complete(self.context, &self.out, &result, || self.text(&table, confirmed, &predictions))
+        output::say_complete(self.context, &self.out, &result, || {
+            let mut lines = Vec::new();
+            if !against.is_empty() {
+                lines.push(BEFORE_USE.to_string());
+                lines.extend(against.iter().map(|line| format!("  {line}")));
+                lines.push(String::new());
+            }
+            lines.push(self.text(&table, confirmed, &predictions));
+            lines.join("\n")
+        })
     }
 
     /// The measured curves with what the posterior predicts of them.

@@ -46,6 +46,9 @@ impl Calibration<'_> {
                 points.iter().map(|point| priors.iter().zip(point).map(value).collect()).collect();
             let earlier = simulated.len();
             simulated.extend(self.simulate_round(round, &values)?);
+            if round == 1 {
+                self.check_reach_of(&self.predictions_of(&simulated))?;
+            }
             let likelihoods = self.likelihoods(&posterior, &simulated);
             rounds.judge_again(&likelihoods[..earlier])?;
             rounds.take(&points, &likelihoods[earlier..])?;
@@ -120,23 +123,44 @@ impl Calibration<'_> {
     /// The logarithms of the likelihood of all points, with the scatter of samples that all of them tell; minus infinity where no sample of a
     /// test is used.
     fn likelihoods(&self, posterior: &Posterior, points: &[PointCurves]) -> Vec<f64> {
+        let scatters = self.scatters(points);
+        let of_point = |point: &PointCurves| {
+            self.prediction_of(point, &scatters)
+                .map_or(f64::NEG_INFINITY, |predicted| posterior.marginal_log_likelihood(&predicted))
+        };
+        points.iter().map(of_point).collect()
+    }
+
+    /// The predictions of all points of which samples of every test are used.
+    fn predictions_of(&self, points: &[PointCurves]) -> Vec<Vec<PredictedCurve>> {
+        let scatters = self.scatters(points);
+        points.iter().filter_map(|point| self.prediction_of(point, &scatters)).collect()
+    }
+
+    /// The scatter of samples of each test.
+    fn scatters(&self, points: &[PointCurves]) -> Vec<Option<SampleScatter>> {
         let scatter_of = |test: usize| {
             let of_test: Vec<Vec<Vec<f64>>> = points.iter().map(|point| point[test].clone()).collect();
             SampleScatter::pooled(&of_test)
         };
-        let scatters: Vec<Option<SampleScatter>> = (0..self.targets.len()).map(scatter_of).collect();
-        let of_point = |point: &PointCurves| {
-            if point.iter().any(Vec::is_empty) {
-                return f64::NEG_INFINITY;
-            }
-            let mut predicted = Vec::new();
-            for ((samples, target), scatter) in point.iter().zip(self.targets).zip(&scatters) {
-                let lengths: Vec<usize> = target.curves.iter().map(|(_, curve)| curve.strain.len()).collect();
-                push_predicted(&mut predicted, samples, &lengths, scatter.as_ref());
-            }
-            posterior.marginal_log_likelihood(&predicted)
-        };
-        points.iter().map(of_point).collect()
+        (0..self.targets.len()).map(scatter_of).collect()
+    }
+
+    /// The curves that the samples of a point predict; `None` where no sample of a test is used.
+    fn prediction_of(
+        &self,
+        point: &PointCurves,
+        scatters: &[Option<SampleScatter>],
+    ) -> Option<Vec<PredictedCurve>> {
+        if point.iter().any(Vec::is_empty) {
+            return None;
+        }
+        let mut predicted = Vec::new();
+        for ((samples, target), scatter) in point.iter().zip(self.targets).zip(scatters) {
+            let lengths: Vec<usize> = target.curves.iter().map(|(_, curve)| curve.strain.len()).collect();
+            push_predicted(&mut predicted, samples, &lengths, scatter.as_ref());
+        }
+        Some(predicted)
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use granum_calibration::known::{EarlierRuns, KnownRun};
 use granum_calibration::simulation::{CaseNumbers, DesignPoint, Simulated, plan, planned, simulated};
+use granum_calibration::unvaried::check_varied;
 use granum_campaign::data_set::{DATA_SET, DataSet};
 use granum_campaign::plan::FixedKey;
 use granum_io::OutputFolder;
@@ -52,7 +53,8 @@ impl Calibration<'_> {
         // The case of the first simulation that would be carried out says what those of this file have.
         let first = planned(&plan(self.file, self.all, &design[..1]))?.runs.swap_remove(0).case;
         let EarlierRuns { numbers, runs, remarks } = EarlierRuns::new(self.file, &first, runs)?;
-        remarks.iter().for_each(|remark| self.context.warn(remark));
+        let unvaried = check_varied(self.file, self.targets, &numbers, &runs)?;
+        remarks.iter().chain(&unvaried).for_each(|remark| self.context.warn(remark));
         Ok((numbers, runs))
     }
 
