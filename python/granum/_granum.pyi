@@ -633,11 +633,12 @@ class Family:
     def limits(self) -> list[str]:
         """What it cannot answer."""
     def predict(self, inputs: Mapping[str, keys.Quantity], *, level: float = 0.9) -> dict[str, Any]:
-        """Predicts the curves of a test. Inputs that are not given have typical values, whose uncertainty widens the intervals.
+        """Predicts the curves of a test. Properties of the grains that are not given are integrated over their ranges; what is not given of the sample
+        has typical values, whose uncertainty widens the intervals.
 
         The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
-        interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
-        the runs; and as `unseen_combination` the names of two inputs that the runs do not have together, or `None`.
+        interval of the given `level`; the `inputs` that were given, the `typical_inputs`, the ranges of the `integrated_inputs`, and the names of
+        those `outside` the range of the runs; and as `unseen_combination` the names of two inputs that the runs do not have together, or `None`.
         """
     def _repr_html_(self) -> str: ...
     def __reduce__(self) -> Any: ...

@@ -90,11 +90,12 @@ impl Family {
         self.model.definition().limits.to_vec()
     }
 
-    /// Predicts the curves of a test. Inputs that are not given have typical values, whose uncertainty widens the intervals.
+    /// Predicts the curves of a test. Properties of the grains that are not given are integrated over their ranges; what is not given of the sample
+    /// has typical values, whose uncertainty widens the intervals.
     ///
     /// The answer has `coordinate` and its `points`; `curves`, which has for each output its `mean` and the ends `lower` and `upper` of the
-    /// interval of the given `level`; the `inputs` that were given, the `typical_inputs`, and the names of those `outside` the range of
-    /// the runs; and as `unseen_combination` the names of two inputs that the runs do not have together, or `None`.
+    /// interval of the given `level`; the `inputs` that were given, the `typical_inputs`, the ranges of the `integrated_inputs`, and the names of
+    /// those `outside` the range of the runs; and as `unseen_combination` the names of two inputs that the runs do not have together, or `None`.
     #[pyo3(signature = (inputs, *, level=0.9))]
     fn predict<'py>(
         &self,
@@ -117,14 +118,17 @@ impl Family {
         let answer = PyDict::new(py);
         let used = PyDict::new(py);
         let typical = PyDict::new(py);
+        let integrated = PyDict::new(py);
         for input in &found.inputs {
             match input.source {
                 InputSource::Given => used.set_item(&input.name, input.value)?,
                 InputSource::Typical(_) => typical.set_item(&input.name, input.value)?,
+                InputSource::Integrated([low, high]) => integrated.set_item(&input.name, (low, high))?,
             }
         }
         answer.set_item("inputs", used)?;
         answer.set_item("typical_inputs", typical)?;
+        answer.set_item("integrated_inputs", integrated)?;
         let outside = found.outside.iter().map(|outside| outside.name.clone()).collect::<Vec<String>>();
         answer.set_item("outside", PyList::new(py, outside)?)?;
         let combination = found.combination.map(|found| found.inputs.map(|(name, _)| name).to_vec());

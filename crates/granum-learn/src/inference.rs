@@ -4,7 +4,7 @@ use granum_core::{Column, Table};
 
 use crate::dataset::Category;
 use crate::error::{LearnError, Result};
-use crate::surrogate::{Estimate, Prediction, RunInputs, Surrogate};
+use crate::surrogate::{Estimate, Prediction, RunInputs, Surrogate, check_finite};
 
 /// The column of a table with the number of the run of each row.
 pub const RUN: &str = "run";
@@ -35,13 +35,15 @@ pub const RUN: &str = "run";
 /// ```
 ///
 /// # Errors
-/// If a column is missing, and as [`Surrogate::predict`].
+/// If a column is missing, an answer is not a finite number, and as [`Surrogate::predict`].
 pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Result<Table> {
     let columns = surrogate.columns();
     let categories = columns.categories();
     let table = &with_columns_of_words(table, &categories)?;
     let inputs = chosen(table, &columns.input_names())?;
-    let predictions = surrogate.predict(&run_inputs(table, &inputs)?, level)?;
+    let rows = run_inputs(table, &inputs)?;
+    let predictions = surrogate.predict(&rows, level)?;
+    check_finite(surrogate.method(), columns, &rows, &predictions)?;
     // What was given as words is shown as words.
     let words = categories.iter().filter_map(|category| table.get(&category.name));
     let mut all: Vec<Column> = words.cloned().collect();

@@ -2,14 +2,17 @@
 
 use super::definition::FamilyInput;
 
-/// The friction of the grains.
-pub(super) const FRICTION: FamilyInput = FamilyInput {
-    name: "friction",
-    meaning: "coefficient of friction of the grains",
-    key: "grains.material.friction",
-    over: &[],
-    is_required: true,
-};
+/// The friction of the grains, from a tenth to a value that the family has.
+pub(super) const fn friction(most: f64) -> FamilyInput {
+    FamilyInput {
+        name: "friction",
+        meaning: "coefficient of friction of the grains",
+        key: "grains.material.friction",
+        over: &[],
+        is_required: true,
+        limits: Some([0.1, most]),
+    }
+}
 
 /// How loosely a sample was made.
 pub(super) const PREPARATION_RATIO: FamilyInput = FamilyInput {
@@ -18,6 +21,7 @@ pub(super) const PREPARATION_RATIO: FamilyInput = FamilyInput {
     key: "preparation.friction",
     over: &["grains.material.friction"],
     is_required: false,
+    limits: Some([0.0, 1.0]),
 };
 
 /// The void ratio of a sample.
@@ -27,6 +31,7 @@ pub(super) const VOID_RATIO: FamilyInput = FamilyInput {
     key: "sample.void_ratio",
     over: &[],
     is_required: false,
+    limits: None,
 };
 
 /// The mechanical coordination number of a sample.
@@ -36,4 +41,5 @@ pub(super) const COORDINATION_NUMBER: FamilyInput = FamilyInput {
     key: "sample.mechanical_coordination_number",
     over: &[],
     is_required: false,
+    limits: None,
 };

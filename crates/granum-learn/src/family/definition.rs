@@ -50,8 +50,12 @@ pub struct FamilyInput {
     pub key: &'static str,
     /// The columns by which it is divided.
     pub over: &'static [&'static str],
-    /// True if a prediction cannot be made without it; otherwise a typical value stands for it.
+    /// True for a property of the grains and their stress: where it is not given, a prediction is the mean over its range. For anything else a
+    /// typical value stands.
     pub is_required: bool,
+    /// The range that the plan of the family states; `None` for what is measured on a sample. Its ends are as good as known where runs come
+    /// close to them.
+    pub limits: Option<[f64; 2]>,
 }
 
 /// An output.
@@ -95,7 +99,9 @@ impl FamilyInput {
     pub fn from_numbers(&self, number: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
         let mut value = number(self.key)?;
         for key in self.over {
-            value /= number(key)?;
+            let divisor = number(key)?;
+            // As in a run: without any friction there is no ratio of frictions.
+            value = if divisor == 0.0 && value == 0.0 { 0.0 } else { value / divisor };
         }
         value.is_finite().then_some(value)
     }

@@ -11,6 +11,7 @@ mod common_inputs;
 mod common_outputs;
 mod definition;
 mod file;
+mod integrated;
 mod model;
 mod powder;
 mod prediction;

@@ -13,6 +13,11 @@ use crate::surrogate::{
     EndedEarly, FitSpec, FittedCurves, GaussianProcessOfCurves, Surrogate, SurrogateMethod,
 };
 
+/// Part of the range between two limits up to which runs are close to one of them.
+const CLOSE: f64 = 0.05;
+/// Ratio of two limits beyond which the logarithm counts.
+const WIDE: f64 = 10.0;
+
 /// How the surrogate of a family is fitted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FamilyFit {
@@ -84,10 +89,21 @@ impl FamilyModel {
         self.curves().map_or(&[], FittedCurves::left_out)
     }
 
-    /// The range of each input over the runs.
+    /// The range of each input in which a prediction is no extrapolation: that of the runs, up to the limits that the plan of the family states
+    /// where runs come as close to them as their number allows.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
-        let inputs = self.definition.inputs.len();
-        (0..inputs).map(|input| range(self.rows.iter().map(|row| row[input]))).collect()
+        let own = self.definition.inputs.iter().zip(self.run_ranges());
+        own.map(|(input, runs)| input.limits.map_or(runs, |limits| up_to_limits(runs, limits))).collect()
+    }
+
+    /// The range of each input over the runs.
+    pub(super) fn run_ranges(&self) -> Vec<[f64; 2]> {
+        (0..self.definition.inputs.len()).map(|input| range(self.values_of(input).into_iter())).collect()
+    }
+
+    /// The values of an input in all runs.
+    pub(super) fn values_of(&self, input: usize) -> Vec<f64> {
+        self.rows.iter().map(|row| row[input]).collect()
     }
 
     /// The scores on runs that it has not seen.
@@ -122,6 +138,20 @@ impl FamilyModel {
     }
 }
 
+/// A range of runs with those of its limits to which it comes close, over its width or over that of its logarithm.
+fn up_to_limits(runs: [f64; 2], limits: [f64; 2]) -> [f64; 2] {
+    let [low, high] = limits;
+    let is_logarithmic = low > 0.0 && high > WIDE * low;
+    let place = |value: f64| match is_logarithmic {
+        true => libm::log(value.max(f64::MIN_POSITIVE) / low) / libm::log(high / low),
+        false => (value - low) / (high - low),
+    };
+    [
+        if place(runs[0]) <= CLOSE { runs[0].min(low) } else { runs[0] },
+        if place(runs[1]) >= 1.0 - CLOSE { runs[1].max(high) } else { runs[1] },
+    ]
+}
+
 /// The runs with the inputs and outputs of the family.
 pub(super) fn with_columns(definition: &FamilyDefinition, dataset: &Dataset) -> Result<Dataset> {
     Dataset::new(dataset.runs().iter().map(|run| definition.with_columns(run)).collect::<Result<_>>()?)
@@ -135,4 +165,19 @@ pub(super) fn inputs_of(definition: &FamilyDefinition, run: &RunStates) -> Resul
 /// The error of content that does not fit together.
 pub(super) fn unfit(reason: &str) -> LearnError {
     LearnError::Content(format!("family: {reason}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_within_where_runs_come_close_to_them() {
+        assert_eq!(up_to_limits([0.101, 0.799], [0.1, 0.8]), [0.1, 0.8]);
+        // Runs of another plan stay what they are.
+        assert_eq!(up_to_limits([0.3, 0.5], [0.1, 0.8]), [0.3, 0.5]);
+        assert_eq!(up_to_limits([0.05, 0.9], [0.1, 0.8]), [0.05, 0.9]);
+        assert_eq!(up_to_limits([1.1e-5, 3.9e-4], [1e-5, 4e-4]), [1e-5, 4e-4]);
+        assert_eq!(up_to_limits([2e-5, 1e-4], [1e-5, 4e-4]), [2e-5, 1e-4]);
+    }
 }

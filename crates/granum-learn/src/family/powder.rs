@@ -1,6 +1,6 @@
 //! Powder: fine grains that stick to each other and rub, in compression.
 
-use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
+use super::common_inputs::{COORDINATION_NUMBER, PREPARATION_RATIO, VOID_RATIO, friction};
 use super::common_outputs::{OUTPUTS, OUTPUTS_TO_A_STRESS};
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
 use super::test_progress::TEST_PROGRESS;
@@ -12,13 +12,14 @@ const fn words(path: &'static str) -> [(&'static str, &'static str); 3] {
 
 /// What is known of grains and sample.
 const INPUTS: &[FamilyInput] = &[
-    FRICTION,
+    friction(0.6),
     FamilyInput {
         name: "adhesion_number",
         meaning: "interface energy over the stress of the sample and the mean diameter",
         key: "grains.material.interface_energy",
         over: &["preparation.mean_stress", "grains.diameter"],
         is_required: true,
+        limits: Some([0.01, 10.0]),
     },
     FamilyInput {
         name: "stress_over_modulus",
@@ -26,6 +27,7 @@ const INPUTS: &[FamilyInput] = &[
         key: "preparation.mean_stress",
         over: &["grains.material.youngs_modulus"],
         is_required: true,
+        limits: Some([1e-5, 1e-4]),
     },
     PREPARATION_RATIO,
     VOID_RATIO,

@@ -1,5 +1,7 @@
 //! What a fitted family answers.
 
+use granum_core::quantity::format_number;
+
 use super::model::{FamilyModel, unfit};
 use super::typical::{TypicalValue, typical_value};
 use crate::error::{LearnError, Result};
@@ -12,6 +14,8 @@ pub enum InputSource {
     Given,
     /// It is the typical value of the runs of the family with the given inputs; its deviation has the part of other typical values as well.
     Typical(TypicalValue),
+    /// It is a property of the grains that is not known: the answer is the mean over its range, from the first to the second value.
+    Integrated([f64; 2]),
 }
 
 /// An input with its value.
@@ -57,7 +61,23 @@ pub struct FamilyPrediction {
     pub curves: Vec<FamilyCurve>,
 }
 
+/// Relative difference of a value from the end of a range that is rounding, as 50 kPa over 5 GPa has.
+const ROUNDING: f64 = 1e-12;
+
 impl FamilyPrediction {
+    /// The inputs that are outside of their ranges, or all of them if none is.
+    fn far(&self) -> Vec<String> {
+        if self.outside.is_empty() {
+            let one = |input: &UsedInput| format!("{} = {}", input.name, format_number(input.value));
+            return self.inputs.iter().map(one).collect();
+        }
+        let far = |outside: &Outside| {
+            let [value, low, high] = [outside.value, outside.range[0], outside.range[1]].map(format_number);
+            format!("{} = {value} (the runs have {low} to {high})", outside.name)
+        };
+        self.outside.iter().map(far).collect()
+    }
+
     /// True if the runs say little of these inputs: one is outside its range, or two do not occur together.
     pub fn is_extrapolated(&self) -> bool {
         !self.outside.is_empty() || self.combination.is_some()
@@ -65,17 +85,18 @@ impl FamilyPrediction {
 }
 
 /// Mean, lower and upper end of each output at each point.
-struct Plain {
-    curves: Vec<[Vec<f64>; 3]>,
-    combination: Option<UnseenCombination>,
+pub(super) struct Plain {
+    pub(super) curves: Vec<[Vec<f64>; 3]>,
+    pub(super) combination: Option<UnseenCombination>,
 }
 
 impl FamilyModel {
-    /// Predicts the curves of a test. `given` has a value for each input of the family, or `None` where it is not known and a typical
-    /// value is to stand for it; what such a value does not say widens the intervals.
+    /// Predicts the curves of a test. `given` has a value for each input of the family, or `None` where it is not known. For a property of the
+    /// grains the answer is then the mean over its range; for anything else a typical value stands, and what such a value does not say widens the
+    /// intervals.
     ///
     /// # Errors
-    /// If a required input is missing, a value is not finite, or the level is not between 0 and 1.
+    /// If nothing is given, a value or an answer is not finite, or the level is not between 0 and 1.
     pub fn predict(&self, given: &[Option<f64>], level: f64) -> Result<FamilyPrediction> {
         let definition = self.definition;
         let failed =
@@ -84,16 +105,35 @@ impl FamilyModel {
             return Err(failed(format!("it has {} inputs, not {}", definition.inputs.len(), given.len())));
         }
         for (input, value) in definition.inputs.iter().zip(given) {
-            match value {
-                None if input.is_required => {
-                    return Err(failed(format!("it needs {} ({})", input.name, input.meaning)));
-                }
-                Some(value) if !value.is_finite() => {
-                    return Err(failed(format!("{} is {value}, not a finite number", input.name)));
-                }
-                _ => {}
+            if let Some(value) = value.filter(|value| !value.is_finite()) {
+                return Err(failed(format!("{} is {value}, not a finite number", input.name)));
             }
         }
+        if given.iter().all(Option::is_none) {
+            let needed = definition.inputs.iter().filter(|input| input.is_required);
+            let needed: Vec<String> =
+                needed.map(|input| format!("{} ({})", input.name, input.meaning)).collect();
+            return Err(failed(format!("nothing is given; it needs {}", needed.join(", "))));
+        }
+        let is_open =
+            definition.inputs.iter().zip(given).any(|(input, value)| input.is_required && value.is_none());
+        let answer = if is_open { self.integrated(given, level)? } else { self.of_known(given, level)? };
+        let is_finite = |curve: &FamilyCurve| {
+            [&curve.mean, &curve.lower, &curve.upper].iter().all(|ends| ends.iter().all(|x| x.is_finite()))
+        };
+        match answer.curves.iter().find(|curve| !is_finite(curve)) {
+            None => Ok(answer),
+            Some(curve) => Err(failed(format!(
+                "it has no finite value of {} at {}: that is too far from its runs",
+                curve.column,
+                answer.far().join(", ")
+            ))),
+        }
+    }
+
+    /// The answer where all properties of the grains are given.
+    fn of_known(&self, given: &[Option<f64>], level: f64) -> Result<FamilyPrediction> {
+        let definition = self.definition;
         let (values, typical) = self.completed(given, None);
         let plain = self.plain(&values, level)?;
         // What each missing input could change, with those after it following as they usually do.
@@ -139,26 +179,34 @@ impl FamilyModel {
                 mean,
             }
         });
-        let named = definition.inputs.iter().zip(&values).zip(self.ranges());
-        let outside =
-            named.clone().filter(|((_, value), [low, high])| !(**value >= *low && **value <= *high));
-        let outside =
-            outside.map(|((input, value), range)| Outside { name: input.name.into(), value: *value, range });
-        let inputs =
-            named.zip(typical.iter().zip(&spreads)).map(|(((input, value), _), (typical, spread))| {
-                let source = typical.map_or(InputSource::Given, |typical| {
-                    InputSource::Typical(TypicalValue { deviation: spread.sqrt(), ..typical })
-                });
-                UsedInput { name: input.name.into(), value: *value, source }
+        let named = definition.inputs.iter().zip(&values);
+        let inputs = named.zip(typical.iter().zip(&spreads)).map(|((input, value), (typical, spread))| {
+            let source = typical.map_or(InputSource::Given, |typical| {
+                InputSource::Typical(TypicalValue { deviation: spread.sqrt(), ..typical })
             });
+            UsedInput { name: input.name.into(), value: *value, source }
+        });
         Ok(FamilyPrediction {
-            outside: outside.collect(),
+            outside: self.outside(&values),
             combination: plain.combination,
             inputs: inputs.collect(),
             points,
             level,
             curves: curves.collect(),
         })
+    }
+
+    /// The inputs that lie outside of their ranges, by more than rounding.
+    pub(super) fn outside(&self, values: &[f64]) -> Vec<Outside> {
+        let named = self.definition.inputs.iter().zip(values).zip(self.ranges());
+        let is_outside = |((_, value), [low, high]): &((_, &f64), [f64; 2])| {
+            let slight = ROUNDING * low.abs().max(high.abs());
+            !(**value >= low - slight && **value <= high + slight)
+        };
+        let found = named.filter(is_outside);
+        found
+            .map(|((input, value), range)| Outside { name: input.name.into(), value: *value, range })
+            .collect()
     }
 
     /// The values of all inputs, those that are missing in order from those that are given or estimated before; `fixed` sets a missing one.
@@ -187,12 +235,12 @@ impl FamilyModel {
         (values, typical)
     }
 
-    fn points(&self) -> Result<&[f64]> {
+    pub(super) fn points(&self) -> Result<&[f64]> {
         self.curves().map(|curves| curves.points()).ok_or_else(|| unfit("its surrogate has no curves"))
     }
 
     /// The curves for values of all inputs.
-    fn plain(&self, values: &[f64], level: f64) -> Result<Plain> {
+    pub(super) fn plain(&self, values: &[f64], level: f64) -> Result<Plain> {
         let points = self.points()?;
         let rows = points.iter().flat_map(|x| std::iter::once(*x).chain(values.iter().copied())).collect();
         let inputs = RunInputs::new(rows, values.len() + 1, vec![points.len()])?;

@@ -1,6 +1,6 @@
 //! Sand: stiff grains without adhesion that resist rolling, along four paths.
 
-use super::common_inputs::{COORDINATION_NUMBER, FRICTION, PREPARATION_RATIO, VOID_RATIO};
+use super::common_inputs::{COORDINATION_NUMBER, PREPARATION_RATIO, VOID_RATIO, friction};
 use super::common_outputs::{OUTPUTS, OUTPUTS_AT_CONSTANT_VOLUME, OUTPUTS_WITH_STRAIN};
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
 use super::test_progress::TEST_PROGRESS;
@@ -17,13 +17,14 @@ const fn words(path: &'static str) -> [(&'static str, &'static str); 4] {
 
 /// What is known of grains and sample.
 const INPUTS: &[FamilyInput] = &[
-    FRICTION,
+    friction(0.8),
     FamilyInput {
         name: "rolling_friction",
         meaning: "coefficient of rolling friction of the grains",
         key: "contact.rolling_friction",
         over: &[],
         is_required: true,
+        limits: Some([0.0, 0.5]),
     },
     FamilyInput {
         name: "stress_over_modulus",
@@ -31,6 +32,7 @@ const INPUTS: &[FamilyInput] = &[
         key: "preparation.mean_stress",
         over: &["grains.material.youngs_modulus"],
         is_required: true,
+        limits: Some([1e-5, 4e-4]),
     },
     FamilyInput {
         name: "spread",
@@ -38,6 +40,7 @@ const INPUTS: &[FamilyInput] = &[
         key: "grains.spread",
         over: &[],
         is_required: false,
+        limits: Some([0.0, 0.4]),
     },
     PREPARATION_RATIO,
     VOID_RATIO,

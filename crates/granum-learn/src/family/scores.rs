@@ -175,7 +175,12 @@ impl FamilyModel {
                 runs: quarters.each_ref().map(|own| own.iter().map(Vec::len).sum()),
             }
         };
-        self.ranges().into_iter().enumerate().filter(|(_, [low, high])| high > low).map(of_input).collect()
+        self.run_ranges()
+            .into_iter()
+            .enumerate()
+            .filter(|(_, [low, high])| high > low)
+            .map(of_input)
+            .collect()
     }
 }
 

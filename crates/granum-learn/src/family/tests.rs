@@ -170,6 +170,35 @@ fn a_family_answers_with_what_it_was_not_given_and_says_so() {
     assert_eq!(far.outside.iter().map(|outside| outside.name.as_str()).collect::<Vec<_>>(), ["friction"]);
     let told = model.predict(&[None; 7], 0.9).unwrap_err().to_string();
     assert!(told.contains("it needs friction (coefficient of friction of the grains)"), "{told}");
+    // Beyond all numbers there is no answer.
+    let huge = model.predict(&[Some(0.4), Some(1e300), Some(1e300), None, None, None, None], 0.9);
+    let told = huge.unwrap_err().to_string();
+    assert!(told.contains("no finite value of") && told.contains("rolling_friction = 1e300"), "{told}");
+}
+
+/// A property of the grains that is not given is integrated over its range, and the answer has the values between those of its ends.
+#[test]
+fn a_property_that_is_not_known_is_integrated_over() {
+    let model = fitted(&dataset(40, 1, 1), &mut NoObserver);
+    let at = |friction: Option<f64>, void_ratio: Option<f64>| {
+        model.predict(&[friction, Some(0.2), Some(4e-5), None, None, void_ratio, None], 0.9).unwrap()
+    };
+    let open = at(None, None);
+    let InputSource::Integrated([low, high]) = open.inputs[0].source else { panic!("{:?}", open.inputs[0]) };
+    assert!(low < 0.15 && high > 0.75, "{low} {high}");
+    assert!((open.inputs[0].value - 0.45).abs() < 0.05, "{:?}", open.inputs[0]);
+    let last = open.points.len() - 1;
+    let strength = |answer: &FamilyPrediction| {
+        let curve = answer.curves.iter().find(|curve| curve.column == "stress_ratio").unwrap();
+        [curve.lower[last], curve.mean[last], curve.upper[last]]
+    };
+    let [weak, strong] = [0.1, 0.8].map(|friction| strength(&at(Some(friction), None)));
+    let [lower, mean, upper] = strength(&open);
+    assert!(weak[1] < mean && mean < strong[1], "{weak:?} {mean} {strong:?}");
+    assert!(lower < weak[2] && upper > strong[0] && lower > weak[0] && upper < strong[2], "{lower} {upper}");
+    // The same again, and what is given of the sample counts.
+    assert_eq!(at(None, None), open);
+    assert_eq!(at(None, Some(0.62)).inputs[5].source, InputSource::Given);
 }
 
 #[test]

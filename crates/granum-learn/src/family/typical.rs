@@ -7,15 +7,15 @@
 //! x_k = a + sum_i b_i z_i + sum_(i <= j) c_ij z_i z_j + deviation
 //! ```
 //!
-//! with the known inputs `z`, scaled to mean zero and standard deviation one, positive ones that vary by more than a factor of five as
-//! their logarithms. The standard deviation of the runs about it says how uncertain the value is.
+//! with the known inputs `z`, scaled to mean zero and standard deviation one, those as their logarithms that vary by more than a factor of ten and
+//! are spread more evenly so. A quadratic function has no sense outside of the runs that it was fitted to: a known input outside of their range
+//! counts with the nearer end. The standard deviation of the runs about it says how uncertain the value is.
 
 use granum_nets::dot;
 
+use crate::curve::{is_logarithmic, range};
 use crate::regression::deviations::Equations;
 
-/// Ratio of the largest to the smallest value beyond which logarithms are taken.
-const WIDE: f64 = 5.0;
 /// Penalty on the square of each coefficient, in rows.
 const PENALTY: f64 = 0.3;
 
@@ -31,16 +31,15 @@ pub struct TypicalValue {
 /// Scales a column of values to mean zero and standard deviation one.
 struct Scale {
     is_logarithmic: bool,
+    range: [f64; 2],
     mean: f64,
     deviation: f64,
 }
 
 impl Scale {
     fn new(values: &[f64]) -> Scale {
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let is_logarithmic = least > 0.0 && most > WIDE * least;
-        let mut scale = Scale { is_logarithmic, mean: 0.0, deviation: 1.0 };
+        let range = range(values.iter().copied());
+        let mut scale = Scale { is_logarithmic: is_logarithmic(values), range, mean: 0.0, deviation: 1.0 };
         let plain: Vec<f64> = values.iter().map(|value| scale.scaled(*value)).collect();
         let count = plain.len() as f64;
         scale.mean = plain.iter().sum::<f64>() / count;
@@ -50,7 +49,9 @@ impl Scale {
     }
 
     fn scaled(&self, value: f64) -> f64 {
-        let value = if self.is_logarithmic { libm::log(value.max(f64::MIN_POSITIVE)) } else { value };
+        let [low, high] = self.range;
+        let value = value.max(low).min(high);
+        let value = if self.is_logarithmic { libm::log(value) } else { value };
         (value - self.mean) / self.deviation
     }
 }
@@ -108,6 +109,9 @@ mod tests {
         // What is known of x_2 tells something of x_1.
         let back = typical_value(&rows, 1, &[(0, 6.0), (2, 0.5 + 0.2 * 6.0f64.ln() + 0.64)]);
         assert!((back.mean - 0.8).abs() < 0.1, "{back:?}");
+        // Outside of the range of what is known it is what it is at its end.
+        let ends = [[0.1, -5.0], [1.0, 0.0]].map(|[a, b]| typical_value(&rows, 2, &[(0, a), (1, b)]).mean);
+        assert!(ends[0].to_bits() == ends[1].to_bits() && (ends[0] - 0.5).abs() < 0.02, "{ends:?}");
         // With nothing known it is the mean of the runs.
         let mean = typical_value(&rows, 1, &[]);
         assert!((mean.mean - 0.5).abs() < 0.03 && (0.28..0.36).contains(&mean.deviation), "{mean:?}");

@@ -126,4 +126,5 @@ pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;
 pub use run_inputs::RunInputs;
 pub use spec::{Columns, FitSpec};
+pub(crate) use surrogate_trait::check_finite;
 pub use surrogate_trait::{Surrogate, SurrogateMethod};

@@ -4,10 +4,11 @@ use std::any::Any;
 use std::sync::Arc;
 
 use granum_core::observer::{Flow, Observer, Progress};
+use granum_core::quantity::format_number;
 
 use super::content::Content;
 use super::possible_values::{cut_to_possible, possible_values};
-use super::prediction::Prediction;
+use super::prediction::{Estimate, Prediction};
 use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::{Dataset, Variable};
@@ -184,7 +185,7 @@ pub trait Surrogate: Any + Send + Sync {
     /// is the first state of a run of its own.
     ///
     /// # Errors
-    /// As [`Surrogate::predict`], and if `rows` does not contain a whole number of rows.
+    /// As [`Surrogate::predict`], and if `rows` does not contain a whole number of rows, or an answer is not a finite number.
     fn predict_rows(&self, rows: &[f64], level: f64) -> Result<Vec<Prediction>> {
         let names = self.columns().input_names();
         let inputs = RunInputs::separate(rows.to_vec(), names.len()).map_err(|_| {
@@ -193,7 +194,9 @@ pub trait Surrogate: Any + Send + Sync {
                 format!("a row has {needed} values ({list}); {found} values are not a whole number of rows");
             LearnError::Surrogate { method: self.method().into(), reason }
         })?;
-        self.predict(&inputs, level)
+        let predictions = self.predict(&inputs, level)?;
+        check_finite(self.method(), self.columns(), &inputs, &predictions)?;
+        Ok(predictions)
     }
 }
 
@@ -208,6 +211,52 @@ fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<(
     if let Some(k) = inputs.values().iter().position(|value| !value.is_finite()) {
         let (row, name, value) = (k / names.len() + 1, &names[k % names.len()], inputs.values()[k]);
         return problem(format!("row {row}: {name} is {value}, not a finite number"));
+    }
+    Ok(())
+}
+
+/// Refuses predictions that are not finite numbers, as they may be far outside of what a surrogate was fitted to: they are no answer.
+///
+/// # Errors
+/// With the row, the output and the inputs outside of their ranges, or all of them.
+pub(crate) fn check_finite(
+    method: &str,
+    columns: &Columns,
+    inputs: &RunInputs,
+    predictions: &[Prediction],
+) -> Result<()> {
+    let names = columns.input_names();
+    for (row, prediction) in predictions.iter().enumerate() {
+        let is_finite = |estimate: &Estimate| {
+            let interval = estimate.interval.as_ref();
+            let ends = interval.map_or([0.0; 2], |interval| [interval.lower, interval.upper]);
+            estimate.mean.is_finite() && ends.iter().all(|end| end.is_finite())
+        };
+        let Some(output) = prediction.values.iter().position(|estimate| !is_finite(estimate)) else {
+            continue;
+        };
+        let output = columns.outputs.get(output).map_or("", |output| output.name.as_str());
+        let far = prediction.outside.iter().map(|outside| {
+            let [value, low, high] = [outside.value, outside.range[0], outside.range[1]].map(format_number);
+            format!("{} = {value} (fitted from {low} to {high})", outside.name)
+        });
+        let mut said: Vec<String> = far.collect();
+        if said.is_empty() {
+            let own = inputs.values().chunks(names.len().max(1)).nth(row).unwrap_or_default();
+            said = names
+                .iter()
+                .zip(own)
+                .map(|(name, value)| format!("{name} = {}", format_number(*value)))
+                .collect();
+        }
+        return Err(LearnError::Surrogate {
+            method: method.into(),
+            reason: format!(
+                "row {}: it has no finite value of {output} at {}: that is too far from what it was fitted to",
+                row + 1,
+                said.join(", ")
+            ),
+        });
     }
     Ok(())
 }

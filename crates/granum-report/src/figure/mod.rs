@@ -45,6 +45,9 @@ const SINGLE: f64 = 1.25;
 /// Space between panels, px.
 const GUTTER: f64 = 14.0;
 
+/// Height of a line of the heading, px.
+const HEADING_ROW: f64 = 15.0;
+
 /// A figure: a grid of panels with a common legend or a legend in each panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -60,6 +63,8 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Position of the legend.
     pub legend: Legend,
+    /// Marked-up text above everything, broken where lines are full; empty for none.
+    pub heading: Vec<String>,
 }
 
 /// Position of the legend.
@@ -145,7 +150,15 @@ impl Figure {
             columns: columns.max(1),
             panels,
             legend: Legend::Inside,
+            heading: Vec::new(),
         }
+    }
+
+    /// Sets the text above everything: what the figure shows, for whoever sees it without its caption. It is broken between the parts, of
+    /// which as many stand on a line as have room.
+    pub fn headed(mut self, parts: &[String]) -> Self {
+        self.heading = parts.to_vec();
+        self
     }
 
     /// Sets the width and the height of a row, px.
@@ -221,9 +234,15 @@ impl Figure {
 
     fn draw(&self, above: &[legend::Entry], inside: &[InsideLegend], own_file: bool) -> String {
         let rows = legend::lines(above, self.width - 20.0).len();
-        let top = if rows > 0 { legend::ROW * rows as f64 + 8.0 } else { 0.0 };
+        let heading = heading_lines(&self.heading, self.width - 20.0);
+        let head = if heading.is_empty() { 0.0 } else { HEADING_ROW * heading.len() as f64 + 6.0 };
+        let top = head + if rows > 0 { legend::ROW * rows as f64 + 8.0 } else { 0.0 };
         let mut svg = Svg::new();
-        legend::draw_rows(&mut svg, 10.0, 4.0, self.width - 20.0, above);
+        for (k, line) in heading.iter().enumerate() {
+            let at = [10.0, HEADING_ROW * (k as f64 + 1.0)];
+            rich::text(&mut svg, at, line, plot::plain(INK, Anchor::Start, LABEL_SIZE));
+        }
+        legend::draw_rows(&mut svg, 10.0, head + 4.0, self.width - 20.0, above);
         svg.begin_group(&format!("transform=\"translate(0 {})\"", number(top)));
         for (k, (panel, frame)) in self.panels.iter().zip(self.frames()).enumerate() {
             self.draw_panel(&mut svg, k, panel, &frame);
@@ -340,4 +359,18 @@ impl Figure {
         }
         rich::text(svg, [x, base], &panel.title, plot::plain(INK, Anchor::Start, LABEL_SIZE));
     }
+}
+
+/// The lines of a heading: as many of its parts on each as have room.
+fn heading_lines(parts: &[String], width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for part in parts {
+        match lines.last_mut() {
+            Some(line) if Rich::new(&format!("{line}; {part}")).width(LABEL_SIZE) <= width => {
+                *line += &format!("; {part}");
+            }
+            _ => lines.push(part.clone()),
+        }
+    }
+    lines
 }

@@ -156,3 +156,17 @@ fn a_single_plot_has_larger_type() {
     assert!(figure(1).to_svg().contains("width=\"480\" height=\"270\" viewBox=\"0 0 384 216\""));
     assert!(figure(2).to_svg().contains("width=\"720\" height=\"270\" viewBox=\"0 0 720 270\""));
 }
+
+#[test]
+fn a_heading_stands_above_everything_and_is_broken_where_lines_are_full() {
+    let plot =
+        || Plot::new(Axis::new("x"), Axis::new("y")).with(Layer::line(vec![[0.0, 0.0], [1.0, 1.0]], "#000"));
+    let plain = Figure::new("a figure", 2, vec![Panel::plot(plot()), Panel::plot(plot())]);
+    let parts: Vec<String> = (0..12).map(|k| format!("input number {k} = 0.{k}")).collect();
+    let headed = plain.clone().headed(&parts).to_svg();
+    assert!(parts.iter().all(|part| headed.contains(part.as_str())), "{headed}");
+    let height = |svg: &str| -> f64 {
+        svg.split("height=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap().parse().unwrap()
+    };
+    assert!(height(&headed) > height(&plain.to_svg()) + 2.0 * HEADING_ROW, "more than one line");
+}

@@ -5,14 +5,15 @@ use granum_core::quantity::format_number;
 use granum_io::Case;
 use granum_io::case::field;
 use granum_learn::RunStates;
-use granum_learn::family::FamilyModel;
+use granum_learn::family::{FamilyModel, FamilyPrediction};
 use granum_run::laboratory::Source;
 use granum_run::{Laboratory, RunKind};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::family_chart::short;
-use super::family_flags::{KnownNumbers, VOID_RATIO, inputs_of_run};
+use super::family_flags::{VOID_RATIO, inputs_of_run};
 use super::hardware::Show;
+use super::known_numbers::KnownNumbers;
 use super::prediction_input::LEVEL;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -44,8 +45,14 @@ pub struct Checked {
     /// The void ratio that was given, if no sample could be made with it.
     missed: Option<f64>,
     outputs: Vec<CheckedOutput>,
-    /// True if the test ended before the curves do.
-    is_short: bool,
+    /// The prediction for the sample that was made, and the test: values by column and point. `None` if the test ended before the curves do.
+    pub drawn: Option<Drawn>,
+}
+
+/// A test and the prediction for its sample.
+pub struct Drawn {
+    pub prediction: FamilyPrediction,
+    pub measured: Vec<Vec<f64>>,
 }
 
 /// Makes the sample and tests it; the prediction that is judged is that for the sample that was made.
@@ -77,31 +84,35 @@ pub fn run(
             sample: Vec::new(),
             missed: None,
             outputs: Vec::new(),
-            is_short: true,
+            drawn: None,
         });
     };
     let shares = model.shares();
-    let outputs = family.outputs.iter().map(|output| {
-        let (mut error, mut square, mut held, mut all) = (0.0, 0.0, 0.0, 0.0);
-        for column in model.columns_of(output) {
-            let curve = &prediction.curves[column];
-            for (k, share) in shares.iter().enumerate() {
-                let exact = measured[column][k];
-                error += share * (curve.mean[k] - exact).powi(2);
-                square += share * exact * exact;
-                let slight = 1e-9 * (1.0 + exact.abs());
-                let is_held = curve.lower[k] - slight <= exact && exact <= curve.upper[k] + slight;
-                held += share * f64::from(u8::from(is_held));
-                all += share;
+    let outputs: Vec<CheckedOutput> = family
+        .outputs
+        .iter()
+        .map(|output| {
+            let (mut error, mut square, mut held, mut all) = (0.0, 0.0, 0.0, 0.0);
+            for column in model.columns_of(output) {
+                let curve = &prediction.curves[column];
+                for (k, share) in shares.iter().enumerate() {
+                    let exact = measured[column][k];
+                    error += share * (curve.mean[k] - exact).powi(2);
+                    square += share * exact * exact;
+                    let slight = 1e-9 * (1.0 + exact.abs());
+                    let is_held = curve.lower[k] - slight <= exact && exact <= curve.upper[k] + slight;
+                    held += share * f64::from(u8::from(is_held));
+                    all += share;
+                }
             }
-        }
-        CheckedOutput {
-            column: output.column.into(),
-            meaning: output.meaning,
-            error: (error / square).sqrt(),
-            held: held / all,
-        }
-    });
+            CheckedOutput {
+                column: output.column.into(),
+                meaning: output.meaning,
+                error: (error / square).sqrt(),
+                held: held / all,
+            }
+        })
+        .collect();
     let sample = prediction.inputs.iter().filter(|input| input.name.starts_with("sample."));
     let sample: Vec<(String, f64)> = sample.map(|input| (input.name.clone(), input.value)).collect();
     let made = sample.iter().find(|(name, _)| name == VOID_RATIO).map(|(_, value)| *value);
@@ -110,8 +121,8 @@ pub fn run(
         grains: case.grains.count,
         sample,
         missed: missed.map(|(given, _)| given),
-        outputs: outputs.collect(),
-        is_short: false,
+        outputs,
+        drawn: Some(Drawn { prediction, measured }),
     })
 }
 
@@ -183,7 +194,28 @@ fn case(
     Ok(case)
 }
 
+impl Drawn {
+    /// The measured curve of each column, and the prediction for the sample that was made.
+    fn curves_as_json(&self) -> Vec<(String, Value)> {
+        let of_curve = |(k, curve): (usize, &granum_learn::family::FamilyCurve)| {
+            let own = json!({
+                "measured": self.measured[k],
+                "mean": curve.mean,
+                "lower": curve.lower,
+                "upper": curve.upper,
+            });
+            (curve.column.clone(), own)
+        };
+        self.prediction.curves.iter().enumerate().map(of_curve).collect()
+    }
+}
+
 impl Checked {
+    /// Number of the grains of the sample.
+    pub fn grains(&self) -> usize {
+        self.grains
+    }
+
     pub fn lines(&self) -> Vec<String> {
         let sample: Vec<String> = self
             .sample
@@ -192,7 +224,7 @@ impl Checked {
                 format!("{} {}", name.trim_start_matches("sample.").replace('_', " "), short(*value))
             })
             .collect();
-        if self.is_short {
+        if self.drawn.is_none() {
             return vec![
                 String::new(),
                 "check: the test ended before the curves do, and cannot be compared with them".into(),
@@ -219,11 +251,13 @@ impl Checked {
             |output| json!({ "output": output.column, "relative_error": output.error, "held": output.held }),
         );
         let sample = self.sample.iter().map(|(name, value)| (name.clone(), json!(value)));
+        let curves: Map<String, Value> = self.drawn.iter().flat_map(Drawn::curves_as_json).collect();
         json!({
             "grains": self.grains,
             "sample": sample.collect::<serde_json::Map<String, Value>>(),
             "void_ratio_missed": self.missed,
-            "complete": !self.is_short,
+            "complete": self.drawn.is_some(),
+            "curves": curves,
             "outputs": outputs.collect::<Vec<_>>(),
         })
     }

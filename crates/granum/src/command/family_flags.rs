@@ -4,13 +4,15 @@ use std::path::Path;
 
 use clap::Args;
 use granum::families;
-use granum_core::quantity::{Dimension, parse_quantity};
+use granum_core::quantity::Dimension;
 use granum_io::Case;
 use granum_io::case::ParameterValue;
 use granum_learn::dataset::RunStates;
 use granum_learn::family::{ALL, FamilyDefinition, FamilyModel, by_name};
 use granum_run::derived_columns::single_parameters;
 
+use super::family_rows::{Asked, Property, check_used, combinations, of_table, values_of_flag};
+use super::known_numbers::KnownNumbers;
 use crate::context::Context;
 use crate::failure::Failure;
 
@@ -24,9 +26,10 @@ pub const VOID_RATIO: &str = "sample.void_ratio";
 #[command(next_help_heading = "Families of tests")]
 pub struct FamilyFlags {
     /// Predict the curves of a test of this family, or of a fitted family in a file (NAME.json); without a name: list the families.
-    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["mapping", "values", "input"])]
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["mapping", "values"])]
     pub family: Option<String>,
-    /// Coefficient of friction of the grains.
+    /// Coefficient of friction of the grains. As for all properties, several values stand between commas: all combinations are answered; a property
+    /// of the grains that is not given is integrated over its range.
     #[arg(long, value_name = "NUMBER", requires = "family")]
     friction: Option<String>,
     /// Coefficient of rolling friction of the grains.
@@ -59,7 +62,7 @@ pub struct FamilyFlags {
     /// Path of the test; that of the case, or the first one of the family by default.
     #[arg(long, value_name = "NAME", requires = "family")]
     path: Option<String>,
-    /// Make a sample and test it as well, and say how far off the prediction was.
+    /// Make a sample and test it as well, say how far off the prediction was, and draw the test over the prediction for its sample.
     #[arg(long, requires = "family", conflicts_with = "card")]
     pub check: bool,
     /// Number of grains of the sample of --check; by default that of the family.
@@ -68,25 +71,6 @@ pub struct FamilyFlags {
     /// Print the card of the family: how it was made, how good it is on runs that it has not seen, where not to use it.
     #[arg(long, requires = "family")]
     pub card: bool,
-}
-
-/// Numbers of a test by their keys.
-#[derive(Clone, Debug, Default)]
-pub struct KnownNumbers(pub Vec<(String, f64)>);
-
-impl KnownNumbers {
-    pub fn get(&self, key: &str) -> Option<f64> {
-        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| *value)
-    }
-
-    fn set(&mut self, key: &str, value: f64) {
-        self.0.retain(|(known, _)| known != key);
-        self.0.push((key.into(), value));
-    }
-
-    fn forget(&mut self, key: &str) {
-        self.0.retain(|(known, _)| known != key);
-    }
 }
 
 impl FamilyFlags {
@@ -135,28 +119,41 @@ impl FamilyFlags {
         fitted(name, self.path.as_deref())
     }
 
-    /// The numbers that flags and the case give, flags before the case.
-    pub fn known(
+    /// The tests that are asked for by flags, the case and the rows of a table, flags and rows before the case.
+    pub fn asked(
         &self,
         context: &Context,
         family: &FamilyDefinition,
         case: Option<&Path>,
-    ) -> Result<KnownNumbers, Failure> {
+        input: Option<&Path>,
+    ) -> Result<Vec<Asked>, Failure> {
         let mut known = KnownNumbers::default();
         if let Some(path) = case {
             let case = Case::read_as(path, context.reading())?;
             known = of_case(context, family, &case)?;
         }
+        let properties = self.numbers().map(|(flag, key, dimension, _)| (flag, key, dimension));
+        let mut given: Vec<(Property, Vec<f64>)> = Vec::new();
         for (flag, key, dimension, text) in self.numbers() {
             let Some(text) = text else { continue };
-            let value = parse_quantity(text, dimension)
-                .map_err(|why| Failure::new(format!("{flag} {text:?}: {why}")))?;
-            if value < 0.0 {
-                return Err(Failure::new(format!("{flag} {text:?}: it cannot be negative")));
-            }
-            known.set(key, value);
+            check_used(family, flag, key, &properties)?;
+            given.push(((flag, key, dimension), values_of_flag((flag, key, dimension), text)?));
         }
-        Ok(known)
+        let asked = combinations(&known, &given)?;
+        match input {
+            Some(path) => of_table(context, path, family, &properties, &asked),
+            None => Ok(asked),
+        }
+    }
+
+    /// Refuses options that a list or a card has no use for.
+    pub fn refuse_properties(&self, of: &str) -> Result<(), Failure> {
+        match self.numbers().into_iter().find(|(.., text)| text.is_some()) {
+            Some((flag, ..)) => {
+                Err(Failure::new(format!("{flag}: {of} does not depend on it; leave it out")))
+            }
+            None => Ok(()),
+        }
     }
 }
 
@@ -176,6 +173,15 @@ fn of_case(context: &Context, family: &FamilyDefinition, case: &Case) -> Result<
                 }
             }
             ParameterValue::List(_) => {}
+        }
+    }
+    for (key, text) in family.settings.iter().filter(|(key, _)| key.starts_with("contact.")) {
+        let Some((of_case, of_family)) = known.get(key).zip(text.parse::<f64>().ok()) else { continue };
+        if of_case != of_family {
+            context.warn(&format!(
+                "{key} of the case is {of_case}, and all tests of the family {} have {of_family}: the answer is for that",
+                family.name
+            ));
         }
     }
     let target = known.get("preparation.void_ratio");
@@ -243,10 +249,28 @@ pub fn listed() -> Vec<String> {
     ALL.iter().map(line).collect()
 }
 
-/// The value of every input that the numbers give.
+/// The value of every input that the numbers give; at least one must be given.
 pub fn inputs_of(family: &FamilyDefinition, known: &KnownNumbers) -> Result<Vec<Option<f64>>, Failure> {
     let value = |key: &str| known.get(key);
     let inputs: Vec<Option<f64>> = family.inputs.iter().map(|input| input.from_numbers(&value)).collect();
+    for (input, found) in family.inputs.iter().zip(&inputs) {
+        let keys: Vec<&str> = std::iter::once(input.key).chain(input.over.iter().copied()).collect();
+        if found.is_none() && keys.iter().all(|key| known.get(key).is_some()) {
+            let each = |key: &&str| {
+                format!("{} = {}", FamilyFlags::flag_of(key), known.get(key).unwrap_or(f64::NAN))
+            };
+            let each: Vec<String> = keys.iter().map(each).collect();
+            return Err(Failure::new(format!(
+                "{} ({}) has no finite value with {}; give numbers that grains can have",
+                input.name,
+                input.meaning,
+                each.join(" and ")
+            )));
+        }
+    }
+    if inputs.iter().any(Option::is_some) {
+        return Ok(inputs);
+    }
     let lacking =
         family.inputs.iter().zip(&inputs).filter(|(input, value)| input.is_required && value.is_none());
     let keys = lacking.flat_map(|(input, _)| std::iter::once(input.key).chain(input.over.iter().copied()));
@@ -256,11 +280,9 @@ pub fn inputs_of(family: &FamilyDefinition, known: &KnownNumbers) -> Result<Vec<
             missing.push(flag);
         }
     }
-    if missing.is_empty() {
-        return Ok(inputs);
-    }
     Err(Failure::new(format!(
-        "missing: {}; the family {} needs them (a case file gives them too: granum predict --family {} CASE)",
+        "missing: {}; the family {} has these properties, of which one at least must be given (a case file gives them too: granum predict --family {} \
+         CASE)",
         missing.join(", "),
         family.name,
         family.name

@@ -52,7 +52,8 @@ pub struct Predict {
     /// One input of the state; every input must be given once.
     #[arg(short = 's', long = "set", value_name = "INPUT=VALUE", conflicts_with = "input")]
     values: Vec<String>,
-    /// Table (CSV or Parquet) with a column for every input; other columns are ignored.
+    /// Table (CSV or Parquet) with a column for every input; other columns are ignored. With --family a row for each test, with a column for each
+    /// property that is known, named as its flag, with the unit in brackets: `pressure (kPa)`.
     #[arg(short, long, value_name = "FILE")]
     input: Option<PathBuf>,
     /// File for the predictions (CSV or Parquet by extension); standard output by default. Of a family also a figure (SVG) or JSON.
@@ -66,8 +67,12 @@ impl Predict {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("predicting"));
         if let Some(family) = &self.family.family {
-            let (case, output) = (self.study.as_deref(), self.output.as_deref());
-            return predict_family::run(context, family, &self.family, case, output);
+            let files = predict_family::Files {
+                case: self.study.as_deref(),
+                input: self.input.as_deref(),
+                out: self.output.as_deref(),
+            };
+            return predict_family::run(context, family, &self.family, files);
         }
         if let Some(output) = self.output.as_ref().filter(|_| self.input.is_none()) {
             return Err(Failure::new(format!(

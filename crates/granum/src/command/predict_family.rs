@@ -4,16 +4,19 @@ use std::path::Path;
 
 use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
-use granum_io::{atomic::write_atomically, check_output_file, write_table};
-use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource, UsedInput};
-use serde_json::{Map, Value, json};
+use granum_io::{check_output_file, write_table};
+use granum_learn::family::{FamilyDefinition, FamilyModel, FamilyPrediction};
+use serde_json::{Value, json};
 
+use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
 use super::family_card;
 use super::family_chart::{ChartPoint, chart, short};
-use super::family_check;
-use super::family_figure;
+use super::family_check::{self, Checked};
+use super::family_figure::{self, Shown};
 use super::family_flags::{self, FamilyFlags};
-use super::prediction_input::{LEVEL, combination_json, combination_text, outside_text};
+use super::family_rows::Asked;
+use super::family_several;
+use super::prediction_input::LEVEL;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -21,39 +24,84 @@ use crate::output;
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;
 
+/// What is asked beside the properties: files.
+#[derive(Clone, Copy)]
+pub struct Files<'a> {
+    /// A case that gives properties.
+    pub case: Option<&'a Path>,
+    /// A table whose rows give them.
+    pub input: Option<&'a Path>,
+    /// Where the curves are written to.
+    pub out: Option<&'a Path>,
+}
+
 /// Predicts, lists the families, or prints a card.
-pub fn run(
-    context: &Context,
-    name: &str,
-    flags: &FamilyFlags,
-    case: Option<&Path>,
-    out: Option<&Path>,
-) -> Result<(), Failure> {
+pub fn run(context: &Context, name: &str, flags: &FamilyFlags, files: Files) -> Result<(), Failure> {
+    let Files { case, input, out } = files;
+    let refuse_files = |of: &str| {
+        let given = [("--output", out), ("--input", input)];
+        match given.into_iter().find_map(|(flag, path)| Some((flag, path?))) {
+            Some((flag, path)) => {
+                Err(Failure::new(format!("{flag} {}: {of} has no use for it; leave it out", path.shown())))
+            }
+            None => flags.refuse_properties(of),
+        }
+    };
     if name.is_empty() {
+        refuse_files("the list of the families")?;
+        if flags.check || flags.card || case.is_some() {
+            return Err(Failure::new(
+                "give the name of a family: --family NAME (`granum predict --family` lists them)",
+            ));
+        }
         let lines = family_flags::listed();
         return output::say(context, &json!({ "families": lines }), || lines.join("\n"));
     }
     let model = flags.fitted(context, name, case)?;
     if flags.card {
+        refuse_files("a card")?;
         let card = family_card::text(&model);
         return output::say(context, &family_card::as_json(&model), || card);
     }
     if let Some(path) = out {
         check_output_file(path, context.force)?;
     }
+    let asked = flags.asked(context, model.definition(), case, input)?;
+    match asked.as_slice() {
+        [one] => single(context, &model, one, flags, out),
+        _ if flags.check => Err(Failure::new(format!(
+            "--check makes and tests one sample, and {} tests are asked for; ask for one",
+            asked.len()
+        ))),
+        _ => family_several::run(context, &model, &asked, out),
+    }
+}
+
+/// A single test.
+fn single(
+    context: &Context,
+    model: &FamilyModel,
+    asked: &Asked,
+    flags: &FamilyFlags,
+    out: Option<&Path>,
+) -> Result<(), Failure> {
     let family = model.definition();
-    let known = flags.known(context, family, case)?;
-    let inputs = family_flags::inputs_of(family, &known)?;
+    let known = &asked.known;
+    let inputs = family_flags::inputs_of(family, known)?;
+    if flags.check {
+        refuse_unknown(family, &inputs)?;
+    }
     let prediction = model.predict(&inputs, LEVEL)?;
     flags_of(&prediction).iter().for_each(|text| context.warn_in_json(text));
     let checked = match flags.check {
-        true => Some(family_check::run(context, &model, &known, &inputs, flags.grains)?),
+        true => Some(family_check::run(context, model, known, &inputs, flags.grains)?),
         false => None,
     };
+    let answer = Answer { model, prediction: &prediction, checked: checked.as_ref() };
     if let Some(path) = out {
-        write(path, &model, &prediction)?;
+        answer.write(path)?;
     }
-    let mut result = as_json(&model, &prediction);
+    let mut result = as_json(model, &prediction);
     if let (Value::Object(object), Some(checked)) = (&mut result, &checked) {
         object.insert("check".into(), checked.as_json());
     }
@@ -61,64 +109,141 @@ pub fn run(
         object.insert("output".into(), output::path(path));
     }
     output::say(context, &result, || {
-        let mut lines = text(&model, &prediction);
+        let mut lines = answer.text();
         lines.extend(checked.iter().flat_map(|checked| checked.lines()));
         lines.extend(out.map(|path| format!("wrote {}", path.shown())));
         lines.join("\n")
     })
 }
 
-/// What is said of an answer for which there are no runs.
-fn flags_of(prediction: &FamilyPrediction) -> Vec<String> {
-    let combination = combination_text(prediction.combination.as_ref());
-    outside_text(&prediction.outside).into_iter().chain(combination).collect()
+/// A sample has one value of every property.
+fn refuse_unknown(family: &FamilyDefinition, inputs: &[Option<f64>]) -> Result<(), Failure> {
+    let open = family.inputs.iter().zip(inputs).filter(|(input, value)| input.is_required && value.is_none());
+    let open: Vec<&str> = open.map(|(input, _)| input.name).collect();
+    match open.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::new(format!(
+            "--check makes one sample, and {} of its grains is not given; give it",
+            open.join(", ")
+        ))),
+    }
 }
 
-/// What the answer is made of, and its curves.
-fn text(model: &FamilyModel, prediction: &FamilyPrediction) -> Vec<String> {
-    let family = model.definition();
-    let mut lines = vec![format!("{}: {} (fitted to {} runs)", family.name, family.title, model.runs())];
-    lines.extend(prediction.inputs.iter().map(input_line));
-    lines.extend(flags_of(prediction));
-    for output in family.outputs {
-        let columns = model.columns_of(output);
-        let symbol = if output.symbol.is_empty() { String::new() } else { format!("{} = ", output.symbol) };
-        let points: Vec<ChartPoint> = match columns[..] {
-            [column] => {
-                let curve = &prediction.curves[column];
-                let point = |k: usize| ChartPoint {
-                    x: prediction.points[k],
-                    mean: curve.mean[k],
-                    lower: curve.lower[k],
-                    upper: curve.upper[k],
-                };
-                (0..prediction.points.len()).map(point).collect()
-            }
-            _ => at_the_end(prediction, &columns),
-        };
-        let along = match columns.len() {
-            1 => family.coordinate.replace('_', " "),
-            _ => "force over its mean, at the end".into(),
-        };
-        let most = points.iter().map(|point| point.mean).fold(f64::NEG_INFINITY, f64::max);
-        lines.push(String::new());
-        lines.push(format!("{symbol}{} over {along}; 90 % interval", output.meaning));
-        lines.extend(chart(&points));
-        if let (Some(last), 1) = (points.last(), columns.len()) {
-            let ends = format!("{} to {}", short(last.lower), short(last.upper));
-            lines.push(format!(
-                "{:>11}largest {}, at the end {} ({ends})",
-                "",
-                short(most),
-                short(last.mean)
-            ));
+/// An answer with the test that it was checked by.
+struct Answer<'a> {
+    model: &'a FamilyModel,
+    prediction: &'a FamilyPrediction,
+    checked: Option<&'a Checked>,
+}
+
+impl Answer<'_> {
+    /// The curves that are drawn: those for the sample that was made, if there is one, with the test over them.
+    fn drawn(&self) -> (&FamilyPrediction, Option<&[Vec<f64>]>) {
+        match self.checked.and_then(|checked| checked.drawn.as_ref()) {
+            Some(drawn) => (&drawn.prediction, Some(drawn.measured.as_slice())),
+            None => (self.prediction, None),
         }
     }
-    lines
+
+    /// What the answer is made of, and its curves.
+    fn text(&self) -> Vec<String> {
+        let family = self.model.definition();
+        let mut lines =
+            vec![format!("{}: {} (fitted to {} runs)", family.name, family.title, self.model.runs())];
+        lines.extend(self.prediction.inputs.iter().map(input_line));
+        lines.extend(flags_of(self.prediction));
+        let (prediction, measured) = self.drawn();
+        if measured.is_some() {
+            lines.push(String::new());
+            lines.push("curves for the sample that was made (●), and its test (×):".into());
+        }
+        for output in family.outputs {
+            let columns = self.model.columns_of(output);
+            let symbol =
+                if output.symbol.is_empty() { String::new() } else { format!("{} = ", output.symbol) };
+            let points = match columns[..] {
+                [column] => along(prediction, measured, column),
+                _ => at_the_end(prediction, measured, &columns),
+            };
+            let coordinate = match columns.len() {
+                1 => family.coordinate.replace('_', " "),
+                _ => "force over its mean, at the end".into(),
+            };
+            let most = points.iter().map(|point| point.mean).fold(f64::NEG_INFINITY, f64::max);
+            lines.push(String::new());
+            lines.push(format!("{symbol}{} over {coordinate}; 90 % interval", output.meaning));
+            lines.extend(chart(&points));
+            if let (Some(last), 1) = (points.last(), columns.len()) {
+                let ends = format!("{} to {}", short(last.lower), short(last.upper));
+                lines.push(format!(
+                    "{:>11}largest {}, at the end {} ({ends})",
+                    "",
+                    short(most),
+                    short(last.mean)
+                ));
+            }
+        }
+        lines
+    }
+
+    /// Writes the curves by the ending of the file: a figure, JSON, or a table.
+    fn write(&self, path: &Path) -> Result<(), Failure> {
+        let text = match ending(path).as_str() {
+            "svg" => {
+                let (prediction, measured) = self.drawn();
+                let grains = self.checked.map_or(0, Checked::grains);
+                let measured =
+                    measured.map(|measured| (measured, format!("a simulation of {grains} grains")));
+                family_figure::svg(self.model, &[Shown { prediction, label: String::new(), measured }])
+            }
+            "json" => {
+                let mut result = as_json(self.model, self.prediction);
+                if let (Value::Object(object), Some(checked)) = (&mut result, self.checked) {
+                    object.insert("check".into(), checked.as_json());
+                }
+                format!("{result:#}\n")
+            }
+            "csv" | "parquet" => return Ok(write_table(path, &self.table()?)?),
+            _ => return Err(wrong_ending(path)),
+        };
+        write_text(path, &text)
+    }
+
+    /// A column of the coordinate, and three for each output; of a check also what was measured and the prediction for its sample.
+    fn table(&self) -> Result<Table, Failure> {
+        let coordinate = self.model.definition().coordinate;
+        let mut columns = vec![Column::new(coordinate, "", self.prediction.points.clone())];
+        columns.extend(curve_columns("", self.prediction));
+        if let (prediction, Some(measured)) = self.drawn() {
+            let named = prediction.curves.iter().zip(measured);
+            columns.extend(named.map(|(curve, values)| {
+                Column::new(format!("measured_{}", curve.column), "", values.clone())
+            }));
+            columns.extend(curve_columns("of_sample_", prediction));
+        }
+        Ok(Table::new(columns)?)
+    }
+}
+
+/// An output along the coordinate.
+fn along(prediction: &FamilyPrediction, measured: Option<&[Vec<f64>]>, column: usize) -> Vec<ChartPoint> {
+    let curve = &prediction.curves[column];
+    let point = |k: usize| ChartPoint {
+        x: prediction.points[k],
+        mean: curve.mean[k],
+        lower: curve.lower[k],
+        upper: curve.upper[k],
+        measured: measured.map(|measured| measured[column][k]),
+    };
+    (0..prediction.points.len()).map(point).collect()
 }
 
 /// A distribution in the last state: centre of the bin, density, its interval. Bins before the first that can have something are left out.
-fn at_the_end(prediction: &FamilyPrediction, columns: &[usize]) -> Vec<ChartPoint> {
+fn at_the_end(
+    prediction: &FamilyPrediction,
+    measured: Option<&[Vec<f64>]>,
+    columns: &[usize],
+) -> Vec<ChartPoint> {
     let last = prediction.points.len() - 1;
     let bin = |column: &usize| {
         let curve = &prediction.curves[*column];
@@ -128,85 +253,8 @@ fn at_the_end(prediction: &FamilyPrediction, columns: &[usize]) -> Vec<ChartPoin
             mean: curve.mean[last],
             lower: curve.lower[last],
             upper: curve.upper[last],
+            measured: measured.map(|measured| measured[*column][last]),
         }
     };
     columns.iter().map(bin).skip_while(|point| point.upper < NOTHING).collect()
-}
-
-/// `  void ratio = 0.7 (given)`, or what is typical and by how much it varies.
-fn input_line(input: &UsedInput) -> String {
-    let name = input.name.trim_start_matches("sample.").replace('_', " ");
-    match input.source {
-        InputSource::Given => format!("  {name} = {} (given)", crate::numbers::rounded(input.value, 4)),
-        InputSource::Typical(typical) => format!(
-            "  {name} = {} +- {} (not given: typical of the runs with the inputs that are)",
-            crate::numbers::rounded(input.value, 4),
-            crate::numbers::rounded(typical.deviation, 2)
-        ),
-    }
-}
-
-fn as_json(model: &FamilyModel, prediction: &FamilyPrediction) -> Value {
-    let input = |input: &UsedInput| {
-        let deviation = match input.source {
-            InputSource::Given => None,
-            InputSource::Typical(typical) => Some(typical.deviation),
-        };
-        json!({
-            "input": input.name,
-            "value": input.value,
-            "given": deviation.is_none(),
-            "standard_deviation": deviation,
-        })
-    };
-    let curves: Map<String, Value> = prediction
-        .curves
-        .iter()
-        .map(|curve| {
-            let own = json!({ "mean": curve.mean, "lower": curve.lower, "upper": curve.upper });
-            (curve.column.clone(), own)
-        })
-        .collect();
-    let outside = prediction.outside.iter();
-    json!({
-        "family": model.definition().name,
-        "path": model.definition().path,
-        "runs": model.runs(),
-        "level": prediction.level,
-        "inputs": prediction.inputs.iter().map(input).collect::<Vec<_>>(),
-        "outside": outside.map(|o| json!({ "input": o.name, "value": o.value, "range": o.range })).collect::<Vec<_>>(),
-        "unseen_combination": combination_json(prediction.combination.as_ref()),
-        model.definition().coordinate: prediction.points,
-        "curves": curves,
-    })
-}
-
-/// Writes the curves by the ending of the file: a figure, JSON, or a table.
-fn write(path: &Path, model: &FamilyModel, prediction: &FamilyPrediction) -> Result<(), Failure> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let text = match ending.as_deref() {
-        Some("svg") => family_figure::svg(model, prediction),
-        Some("json") => format!("{:#}\n", as_json(model, prediction)),
-        Some("csv" | "parquet") => return Ok(write_table(path, &table(model, prediction)?)?),
-        _ => {
-            let message = format!(
-                "-o {}: its name must end in .svg (a figure), .csv or .parquet (a table) or .json",
-                path.shown()
-            );
-            return Err(Failure::new(message));
-        }
-    };
-    Ok(write_atomically(path, |file| std::io::Write::write_all(file, text.as_bytes()))?)
-}
-
-/// A column of the coordinate, and three for each output.
-fn table(model: &FamilyModel, prediction: &FamilyPrediction) -> Result<Table, Failure> {
-    let mut columns = vec![Column::new(model.definition().coordinate, "", prediction.points.clone())];
-    for curve in &prediction.curves {
-        let name = &curve.column;
-        columns.push(Column::new(name, "", curve.mean.clone()));
-        columns.push(Column::new(format!("{name}_lower"), "", curve.lower.clone()));
-        columns.push(Column::new(format!("{name}_upper"), "", curve.upper.clone()));
-    }
-    Ok(Table::new(columns)?)
 }

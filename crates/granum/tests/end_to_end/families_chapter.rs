@@ -81,7 +81,7 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     let commands = commands("## What is asked and answered");
-    assert_eq!(commands.len(), 6, "{commands:?}");
+    assert_eq!(commands.len(), 7, "{commands:?}");
     let readme = include_str!("../../../../README.md").replace("\\\n", " ");
     assert!(readme.lines().any(|line| words(line) == commands[0]), "README has another command");
     let said = |words: &[String]| done(here, &words[1..].iter().map(String::as_str).collect::<Vec<_>>());
@@ -96,7 +96,13 @@ fn the_family_of_the_program_answers_as_in_the_chapter() {
     assert!(said[2].contains("## Where not to use it"), "{}", said[2]);
     assert!(said[4].contains("friction = 0.5 (given)"), "{}", said[4]);
     assert!(said[5].contains("interface energy over") || said[5].contains("adhesion number"), "{}", said[5]);
-    assert!(here.join("curves.svg").is_file() && here.join("oedometer.svg").is_file());
+    assert!(
+        said[6].contains("0.3") && said[6].contains("0.7") && said[6].contains("integrated over"),
+        "{}",
+        said[6]
+    );
+    let figures = ["curves.svg", "oedometer.svg", "frictions.svg"];
+    assert!(figures.iter().all(|name| here.join(name).is_file()));
 }
 
 /// The family of the program on further sands, of which there are two here, and whose tests go as far as those of the family.
@@ -163,6 +169,10 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     assert!(figure.contains("<svg") && figure.contains("Mechanical coordination number"), "{figure}");
     let table = std::fs::read_to_string(here.join("curves.csv")).unwrap();
     assert!(table.starts_with("axial_strain,stress_ratio,stress_ratio_lower,stress_ratio_upper"), "{table}");
+    // The test of the check stands beside the prediction for its sample.
+    for column in [",measured_stress_ratio,", ",of_sample_stress_ratio,", ",of_sample_stress_ratio_upper,"] {
+        assert!(table.lines().next().unwrap().contains(column), "{column}: {table}");
+    }
 
     // What sensors are worth to the family, along its coordinate and from its inputs.
     let asked = ["worth", "sands", "--family", "sand", "--unseen", "unseen", "--method", "ridge"];
@@ -191,13 +201,13 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     assert_eq!(answer["outside"][0]["input"], "stress_over_modulus");
     assert_eq!(answer["curves"]["stress_ratio"]["mean"].as_array().map(Vec::len), Some(65));
     // What lacks, and what is of another kind, is told by its flag.
-    let told = refused(here, 1, &["predict", "--family", "sand.json", "--friction", "0.4"]);
-    assert!(told.contains("missing: --rolling-friction, --pressure, --youngs-modulus"), "{told}");
+    let told = refused(here, 1, &["predict", "--family", "sand.json"]);
+    assert!(told.contains("missing: --friction, --rolling-friction, --pressure, --youngs-modulus"), "{told}");
     let path = [&far[..], &["--path", "oedometer"]].concat();
     assert!(refused(here, 1, &path).contains("the tests of sand.json have the path drained-triaxial"));
-    let path = ["predict", "--family", "powder", "--path", "oedometer", "--friction", "0.4"];
+    let path = ["predict", "--family", "powder", "--path", "oedometer"];
     let told = refused(here, 1, &path);
-    assert!(told.contains("missing: --interface-energy, --pressure, --diameter, --youngs-modulus"), "{told}");
+    assert!(told.contains("missing: --friction, --interface-energy, --pressure, --diameter"), "{told}");
     let told = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
     assert!(told.contains("curves.pdf: its name must end in .svg"), "{told}");
     let told = refused(here, 1, &["predict", "--family", "sandy"]);

@@ -15,6 +15,7 @@ mod comparisons;
 mod data_sets;
 mod escape;
 mod families_chapter;
+mod family_questions;
 mod further_sensors;
 mod inputs;
 mod lammps_decks;
