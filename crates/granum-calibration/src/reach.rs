@@ -153,7 +153,7 @@ struct Nearest {
 impl Nearest {
     fn see(&mut self, apart: f64, deviation: f64, value: f64) {
         let deviations = apart / deviation.max(f64::MIN_POSITIVE);
-        if !(deviations.is_finite() || deviations.is_infinite()) {
+        if deviations.is_nan() {
             return;
         }
         if !self.is_known {

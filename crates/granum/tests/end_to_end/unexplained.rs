@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::calibrations::{MATERIAL, SAND, folder};
 use crate::common::{json, run, stderr, stdout};
-use crate::{done, done_json, refused};
+use crate::{done, refused};
 
 /// Writes the test of the laboratory with its stresses and strains times factors; the mean stress is that of the lateral stress.
 fn changed(here: &Path, name: &str, stress: f64, volume: f64) {
@@ -32,94 +32,62 @@ fn calibrated<'a>(material: &'a str, laboratory: &'a str, more: &[&'a str]) -> V
 fn where_nothing_fits_there_is_no_posterior_or_it_is_said_first() {
     let base = folder(true);
     let here = base.path();
+    said_first(here);
     let quick = MATERIAL.replace("confirm = 2", "confirm = 0");
     std::fs::write(here.join("quick.toml"), &quick).unwrap();
     let right = quick.replace("confirm = 0", "confirm = 0\ninadequacy = false");
     std::fs::write(here.join("right.toml"), &right).unwrap();
 
-    // Curves far beyond what any simulation reaches, before anything is inferred.
+    // Curves far beyond what any simulation reaches, before anything is inferred, with or without an inadequacy.
     changed(here, "fifty.csv", 50.0, 1.0);
-    let told = refused(here, 1, &["calibrate", "material.toml", "fifty.csv", "--out", "out"]);
-    for part in [
-        "nothing within the priors explains the tests",
-        "deviator stress of T1",
-        "far above everything that the priors reach",
-        "units and signs",
-        "curves.svg",
-    ] {
-        assert!(told.contains(part), "{part}: {told}");
-    }
-    let out = here.join("out");
-    assert!(out.join("curves.svg").is_file() && out.join("runs/design").is_dir());
-    for file in ["posterior.csv", "draws.toml", "calibration.json", "runs/confirmation-1"] {
-        assert!(!out.join(file).exists(), "{file}");
-    }
-
-    // Whatever is not reached, with or without an inadequacy, and however tests are used.
     changed(here, "swollen.csv", 1.0, 40.0);
-    for (laboratory, part) in [("fifty.csv", "far above"), ("swollen.csv", "volumetric strain of T1")] {
+    for (laboratory, part) in
+        [("fifty.csv", "deviator stress of T1"), ("swollen.csv", "volumetric strain of T1")]
+    {
         for material in ["quick.toml", "right.toml"] {
             let told = refused(here, 1, &calibrated(material, laboratory, &["--out", "no"]));
-            assert!(
-                told.contains("nothing within the priors") && told.contains(part),
-                "{laboratory}: {told}"
-            );
+            for part in [
+                "nothing within the priors explains the tests",
+                part,
+                "everything that the priors reach",
+                "units and signs",
+                "curves.svg",
+            ] {
+                assert!(told.contains(part), "{laboratory} {part}: {told}");
+            }
         }
     }
     let told = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--each-alone", "--out", "no"]));
     assert!(told.contains("nothing within the priors explains the tests"), "{told}");
-    assert!(!here.join("no/posterior.csv").exists() && !here.join("no/each-alone.csv").exists());
-
-    // What is less far is refused or said, and never passed over.
-    for (laboratory, factor) in [("five.csv", 5.0), ("low.csv", 0.1)] {
-        changed(here, laboratory, factor, 1.0);
-        for material in ["quick.toml", "right.toml"] {
-            let output = run(here, &calibrated(material, laboratory, &["--out", "less"]));
-            match output.status.success() {
-                true => assert!(stdout(&output).starts_with("BEFORE THE POSTERIOR"), "{}", stdout(&output)),
-                false => {
-                    assert!(stderr(&output).contains("nothing within the priors"), "{}", stderr(&output))
-                }
-            }
-        }
+    assert!(here.join("no/curves.svg").is_file());
+    for file in ["posterior.csv", "each-alone.csv", "draws.toml", "calibration.json"] {
+        assert!(!here.join("no").join(file).exists(), "{file}");
     }
-    said_first(here);
     numbers_beyond_reason(here);
     counted_once(here);
 }
 
-/// What a posterior does not explain, or only at the end of its prior, stands above its table, in the results and in the report.
+/// What a posterior does not explain stands above its table, in the results and in the report.
 fn said_first(here: &Path) {
-    changed(here, "more.csv", 3.0, 1.0);
-    for material in ["quick.toml"] {
-        let output = run(here, &calibrated(material, "more.csv", &["--out", "more"]));
-        let said = stdout(&output);
-        assert!(output.status.success(), "{}", stderr(&output));
-        let at = |text: &str| said.find(text).unwrap_or_else(|| panic!("{material} {text}: {said}"));
-        assert!(
-            at("BEFORE THE POSTERIOR IS USED:") < at("the deviator stress of T1: predictions miss"),
-            "{said}"
-        );
-        assert!(at("predictions miss the readings by") < at("standard_deviation"), "{said}");
-        let result: Value = json(&std::fs::read_to_string(here.join("more/calibration.json")).unwrap());
-        assert_eq!(result["explains_the_tests"], false, "{result:#}");
-        let curve = &result["fit"]["curves"][0];
-        assert_eq!((&curve["quantity"], &curve["is_explained"]), (&"deviator_stress".into(), &false.into()));
-        assert!(curve["misfit"].as_f64().unwrap() > 0.08, "{curve:#}");
-        assert_eq!(result["against_the_posterior"][0], result["remarks"][0], "{result:#}");
-        let report = std::fs::read_to_string(here.join("more/report.html")).unwrap();
-        let at = |text: &str| report.find(text).unwrap_or_else(|| panic!("{text}"));
-        assert!(at("does not explain the deviator stress of T1") < at("id=\"posterior\""));
-    }
-    let alone = calibrated("quick.toml", "more.csv", &["--each-alone", "--out", "alone"]);
-    assert!(done_json(here, &alone)["not_explained"][0].as_str().unwrap().contains("T1 alone (1 of 1): "));
-
-    // A test that is explained has no such words.
-    let output = run(here, &calibrated("quick.toml", "lab.csv", &["--out", "good"]));
-    assert!(!stdout(&output).contains("BEFORE THE POSTERIOR"), "{}", stdout(&output));
-    let result: Value = json(&std::fs::read_to_string(here.join("good/calibration.json")).unwrap());
-    assert_eq!(result["explains_the_tests"], true, "{:#}", result["fit"]);
-    assert_eq!(result["against_the_posterior"].as_array().map(Vec::len), Some(0), "{:#}", result["fit"]);
+    changed(here, "three.csv", 3.0, 1.0);
+    let output = run(here, &["calibrate", "material.toml", "three.csv", "--out", "out"]);
+    let said = stdout(&output);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(said.starts_with("BEFORE THE POSTERIOR IS USED:\n"), "{said}");
+    assert!(
+        said.contains("does not explain the deviator stress of T1: predictions miss the readings"),
+        "{said}"
+    );
+    let result: Value = json(&std::fs::read_to_string(here.join("out/calibration.json")).unwrap());
+    assert_eq!(result["explains_the_tests"], false, "{result:#}");
+    let curve = &result["fit"]["curves"][0];
+    assert_eq!((&curve["quantity"], &curve["is_explained"]), (&"deviator_stress".into(), &false.into()));
+    assert!(curve["misfit"].as_f64().unwrap() > 0.3, "{curve:#}");
+    assert!(curve["probability"].as_f64().unwrap() < 1e-6, "{curve:#}");
+    assert_eq!(result["against_the_posterior"][0], result["remarks"][0], "{result:#}");
+    let report = std::fs::read_to_string(here.join("out/report.html")).unwrap();
+    let at = |text: &str| report.find(text).unwrap_or_else(|| panic!("{text}"));
+    assert!(at("does not explain the deviator stress of T1") < at("id=\"posterior\""));
 }
 
 /// Numbers beyond all reason have no answer, and none that is not a number.
@@ -134,10 +102,10 @@ fn numbers_beyond_reason(here: &Path) {
             false => assert!(told.contains("no finite value of"), "{told}"),
         }
     };
-    answer(&["predict", "good/surrogate.json", "--input", "huge.csv"]);
+    answer(&["predict", "out/surrogate.json", "--input", "huge.csv"]);
     let inputs = columns.split(',').flat_map(|name| ["--set".to_string(), format!("{name}=1e308")]);
     let inputs: Vec<String> = inputs.collect();
-    let asked = ["predict", "good/surrogate.json"].into_iter().chain(inputs.iter().map(String::as_str));
+    let asked = ["predict", "out/surrogate.json"].into_iter().chain(inputs.iter().map(String::as_str));
     answer(&asked.collect::<Vec<_>>());
 }
 
