@@ -64,11 +64,29 @@ fn number(name: &str, key: &str, dimension: Dimension, text: &str) -> Result<f64
             .set(key, text)
             .and_then(|()| case.check_bare_numbers(&before, &[SetKey { flag: name, path: key, text }]));
         asked.map_err(|error| match error {
-            Error::Value { message, .. } => Failure::new(format!("{name} {text:?} {message}")),
+            Error::Value { message, .. } => {
+                let meant = probably_meant(key, text).filter(|_| !message.contains("was meant"));
+                Failure::new(format!("{name} {text:?} {message}{}", meant.unwrap_or_default()))
+            }
             other => other.into(),
         })?;
     }
     Ok(value)
+}
+
+/// What was probably meant by a number without a unit that no case accepts, in the unit in which such a property is usually given.
+fn probably_meant(key: &str, text: &str) -> Option<String> {
+    text.trim().parse::<f64>().ok()?;
+    let unit = match key {
+        "grains.material.youngs_modulus" => "GPa",
+        "preparation.mean_stress" => "kPa",
+        "grains.diameter" => "um",
+        "grains.material.interface_energy" => "mJ/m2",
+        _ => return None,
+    };
+    let with_unit = format!("{} {unit}", text.trim());
+    let accepted = Case::default().set(key, &with_unit).is_ok();
+    accepted.then(|| format!("; probably {with_unit} was meant: write \"{with_unit}\""))
 }
 
 /// Refuses a property that the family does not have, which would be without any effect.
@@ -242,7 +260,7 @@ mod tests {
     #[test]
     fn numbers_in_doubt_are_asked_about() {
         let told = |property: Property, text: &str| values_of_flag(property, text).unwrap_err().message();
-        assert!(told(MODULUS, "70").contains("out of bounds"), "{}", told(MODULUS, "70"));
+        assert!(told(MODULUS, "70").contains("probably 70 GPa was meant"), "{}", told(MODULUS, "70"));
         assert!(told(FRICTION, "0,3").contains("decimal comma"), "{}", told(FRICTION, "0,3"));
         assert!(told(FRICTION, "-0.3").contains("cannot be negative"));
         assert_eq!(name_and_unit("pressure (kPa)", ""), ("pressure".into(), "kPa".into()));
