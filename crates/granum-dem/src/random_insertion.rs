@@ -266,7 +266,7 @@ impl Boxes {
                 let square: f64 = (0..3)
                     .map(|a| {
                         let d = x[a] - other.0[a];
-                        (d - self.length * (d / self.length).round()).powi(2)
+                        (d - self.length * libm::round(d / self.length)).powi(2)
                     })
                     .sum();
                 square > (radius + other.0[3]).powi(2)

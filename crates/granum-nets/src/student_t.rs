@@ -22,7 +22,7 @@ pub fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
         if sum + next > wanted {
             let quantile = n.sqrt() * libm::tan(step * (k as f64 + (wanted - sum) / next));
             // More decimals than these are not accurate.
-            return (quantile * 1e6).round() / 1e6;
+            return libm::round(quantile * 1e6) / 1e6;
         }
         sum += next;
     }

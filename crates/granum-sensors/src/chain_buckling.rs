@@ -96,7 +96,7 @@ fn inner_angle(assembly: &Assembly, [first, middle, last]: [usize; 3]) -> Option
     let middle = centre(middle)?;
     let arm = |end: Vector| -> Vector {
         let place = apply(&inverse, std::array::from_fn(|a| end[a] - middle[a]));
-        apply(cell, place.map(|s| s - s.round()))
+        apply(cell, place.map(|s| s - libm::round(s)))
     };
     let (a, b) = (arm(centre(first)?), arm(centre(last)?));
     let dot = |a: &Vector, b: &Vector| (0..3).map(|k| a[k] * b[k]).sum::<f64>();

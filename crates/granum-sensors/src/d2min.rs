@@ -91,7 +91,7 @@ fn rearrangements(cells: [&Matrix; 2], centres: [&[Vector]; 2], reach: f64) -> V
             let carried = apply(&back, before);
             let place = std::array::from_fn(|k| {
                 let step = places[j][k] - places[i][k] - carried[k];
-                carried[k] + (step - step.round())
+                carried[k] + (step - libm::round(step))
             });
             branches.push([before, apply(cells[1], place)]);
         });

@@ -68,7 +68,7 @@ fn root_mean_square(cell: &Matrix, before: &[f64], places: &[Vector]) -> f64 {
         .map(|(before, now)| {
             let step = std::array::from_fn(|a| {
                 let step = now[a] - before[a];
-                step - step.round()
+                step - libm::round(step)
             });
             apply(cell, step)
         })

@@ -299,7 +299,7 @@ fn read_histogram(
     let (Some(&first_centre), Some(&bin_width)) = (centres.first(), widths.first()) else {
         return Err(RecordError::BrokenBins { row: start, state, bin_width: 0.0 });
     };
-    let first = (first_centre / bin_width - 0.5).round();
+    let first = libm::round(first_centre / bin_width - 0.5);
     if !(bin_width > 0.0 && bin_width.is_finite() && first.abs() < 1e9) {
         let name = "bin_width".to_owned();
         return Err(RecordError::BadValue {

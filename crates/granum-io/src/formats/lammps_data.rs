@@ -248,7 +248,7 @@ pub fn restricted(cell: &Matrix) -> (Matrix, Matrix) {
     let mut edges = if upper { *cell } else { multiply(&turn, cell) };
     (edges[1][0], edges[2][0], edges[2][1]) = (0.0, 0.0, 0.0);
     for (edge, by) in [(2, 1), (1, 0), (2, 0)] {
-        let times = (edges[by][edge] / edges[by][by]).round();
+        let times = libm::round(edges[by][edge] / edges[by][by]);
         if times != 0.0 {
             for row in &mut edges {
                 row[edge] -= times * row[by];

@@ -134,7 +134,7 @@ impl<'a> Grid<'a> {
         let other = self.place(self.assembly.grains[k].position);
         let apart: Vector = std::array::from_fn(|a| other[a] - place[a]);
         let vector =
-            if self.is_cell { apply(&self.assembly.cell, apart.map(|s| s - s.round())) } else { apart };
+            if self.is_cell { apply(&self.assembly.cell, apart.map(|s| s - libm::round(s))) } else { apart };
         vector.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 }

@@ -87,7 +87,7 @@ fn unflipped(before: &Matrix, after: &Matrix) -> Matrix {
             &invert(&edges),
             std::array::from_fn(|a| column(&edges, edge)[a] - column(before, edge)[a]),
         );
-        let times = moved[by].round();
+        let times = libm::round(moved[by]);
         for row in &mut edges {
             row[edge] -= times * row[by];
         }

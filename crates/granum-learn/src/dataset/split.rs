@@ -121,7 +121,7 @@ pub fn unseen_runs<S: AsRef<str>>(names: &[S], share: f64, seed: u64) -> Vec<usi
         names.iter().enumerate().map(|(k, name)| (rank(name), k)).collect();
     ranked.sort();
     let most = names.len().saturating_sub(1);
-    let count = ((share * names.len() as f64).round() as usize).clamp(1.min(most), most);
+    let count = (libm::round(share * names.len() as f64) as usize).clamp(1.min(most), most);
     let mut chosen: Vec<usize> = ranked.into_iter().take(count).map(|(_, k)| k).collect();
     chosen.sort_unstable();
     chosen

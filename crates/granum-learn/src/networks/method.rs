@@ -102,7 +102,7 @@ impl NetworksBySubModel {
         };
         let data = states.data(k, self.rule).map_err(failed)?;
         let epochs = self.epoch_factor.zip(sub_model.epochs);
-        let epochs = epochs.map(|(factor, epochs)| (epochs as f64 * factor).round().max(1.0) as u64);
+        let epochs = epochs.map(|(factor, epochs)| libm::round(epochs as f64 * factor).max(1.0) as u64);
         let settings = Options { epochs, first_ratio: first_ratio(mapping), ..Options::default() };
         let definition = ModelDefinition {
             inputs: mapping.network_inputs(),

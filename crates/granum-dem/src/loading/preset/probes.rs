@@ -59,7 +59,7 @@ fn directions(values: &PathValues) -> Vec<(String, [f64; 6])> {
 
 /// Cosine and sine of a share of the full circle, by their series: the standard library's differ between machines.
 fn on_circle(share: f64) -> [f64; 2] {
-    let quarters = (4.0 * share).round();
+    let quarters = libm::round(4.0 * share);
     let angle = std::f64::consts::FRAC_PI_2 * (4.0 * share - quarters);
     let square = angle * angle;
     // Horner's scheme; |angle| is at most pi / 4, so that ten terms are exact to rounding.

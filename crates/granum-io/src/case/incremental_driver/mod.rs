@@ -234,7 +234,7 @@ impl<'a> Steps<'a> {
             let share = k as f64 / count as f64;
             let sine = libm::sin(2.0 * std::f64::consts::PI * share + values[1]);
             // Zeros of a sine are zeros.
-            values[0] * (sine * 1e12).round() / 1e12 + values[2] * share
+            values[0] * libm::round(sine * 1e12) / 1e12 + values[2] * share
         };
         let part = |k: usize| {
             let change =

@@ -301,7 +301,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
 
 /// The procedure of a trial in words.
 fn described(trial: &Trial) -> String {
-    let friction = (trial.friction * 1e3).round() / 1e3;
+    let friction = libm::round(trial.friction * 1e3) / 1e3;
     let stress = trial.mean_stress / 1e3;
     match trial.cycles {
         0 => format!("friction {friction} at {stress:.4} kPa"),
