@@ -589,6 +589,10 @@ class ConstantPStage(TypedDict, total=False):
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class IsotropicStage(TypedDict, total=False):
@@ -624,6 +628,10 @@ class IsotropicStage(TypedDict, total=False):
     """Stress to which all three axes are brought afterwards. (from -1e11 Pa to 1e11 Pa, or a number in Pa) If left
     out: no unloading.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class DrainedTriaxialStage(TypedDict, total=False):
@@ -652,6 +660,10 @@ class DrainedTriaxialStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -690,6 +702,10 @@ class UndrainedTriaxialStage(TypedDict, total=False):
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class ConstantPAndBStage(TypedDict, total=False):
@@ -725,6 +741,10 @@ class ConstantPAndBStage(TypedDict, total=False):
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class OedometerStage(TypedDict, total=False):
@@ -756,6 +776,10 @@ class OedometerStage(TypedDict, total=False):
     """Stress along x at the end of the unloading. (from -1e11 Pa to 1e11 Pa, or a number in Pa) If left out: no
     unloading.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class SimpleShearStage(TypedDict, total=False):
@@ -784,6 +808,10 @@ class SimpleShearStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -814,6 +842,10 @@ class SimpleShearConstantVolumeStage(TypedDict, total=False):
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class PlaneStrainStage(TypedDict, total=False):
@@ -842,6 +874,10 @@ class PlaneStrainStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -885,6 +921,10 @@ class ProportionalStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -946,6 +986,10 @@ class CyclicStage(TypedDict, total=False):
     strain_amplitude. (from 0.001 Pa to 1e11 Pa, or a number in Pa) If left out: the turning points are given by
     strain_amplitude.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class UnloadReloadStage(TypedDict, total=False):
@@ -983,6 +1027,10 @@ class UnloadReloadStage(TypedDict, total=False):
     """Deviator stress sigma_x - sigma_y at the end of an unloading. (from -1e11 Pa to 1e11 Pa, or a number in Pa)
     Default: 0.0.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class UnconfinedStrengthStage(TypedDict, total=False):
@@ -1017,6 +1065,10 @@ class UnconfinedStrengthStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -1057,6 +1109,10 @@ class HoldStage(TypedDict, total=False):
     """Unbalanced force over the mean contact force below which the sample is at rest. (from 1e-9 to 1) Default:
     0.001.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class HistoryStage(TypedDict, total=False):
@@ -1094,6 +1150,10 @@ class HistoryStage(TypedDict, total=False):
     strain_rate: Quantity
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 
@@ -1140,6 +1200,10 @@ class RandomStage(TypedDict, total=False):
     """Driving strain rate, which can be given instead of inertial_number. (from 1e-12 1/s to 1e9 1/s, or a number in
     1/s) If left out: given by inertial_number.
     """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
+    """
 
 
 class ProbesStage(TypedDict, total=False):
@@ -1181,6 +1245,10 @@ class ProbesStage(TypedDict, total=False):
     unbalanced_force: Quantity
     """Unbalanced force over the mean contact force below which the sample is at rest before the probes. (from 1e-9
     to 1) Default: 0.0001.
+    """
+    until: dict[str, Any]
+    """End conditions in addition to those of the path, as a stage with an explicit control has them, where the path
+    has one stage that is driven, e.g. { mean_stress = "10 kPa" }.
     """
 
 

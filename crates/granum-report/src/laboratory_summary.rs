@@ -1,18 +1,27 @@
-//! What a laboratory reports of a triaxial test, from its curves alone, so that it is the same for a test and for a run.
+//! What a laboratory reports of a triaxial test, beside each other for tests and runs. Its strength is that of [`granum_run::strength`], so that a
+//! measure has one definition wherever it is named; deviator stresses and secant moduli are of the curves.
 
 use granum_core::{Column, Table, TableError};
 use granum_io::LaboratoryTest;
-use granum_sensors::dilatancy::dilatancy_angle as of_increment;
-use granum_sensors::friction_angle::friction_angle as mobilised;
+use granum_run::strength::{MEASURES, late_mean, of_laboratory};
 
-/// Share of the axial strain, at its end, over which residual values are means.
-const RESIDUAL: f64 = 0.1;
-/// Axial strain over which the dilatancy angle is taken.
-const WINDOW: f64 = 0.02;
-/// Axial strain before which elastic strains would be mistaken for dilatancy.
-const DILATANCY_FROM: f64 = 0.005;
+use super::strength::Measures;
+
 /// Axial strains of the secant moduli.
 pub const SECANTS: [f64; 4] = [0.001, 0.005, 0.01, 0.02];
+
+/// The measures of [`MEASURES`] that a laboratory reports.
+const REPORTED: [&str; 9] = [
+    "peak_friction_angle",
+    "critical_friction_angle",
+    "cohesive",
+    "largest_dilatancy_angle",
+    "critical_void_ratio",
+    "secant_modulus_50",
+    "secant_modulus_50_at_least",
+    "undrained_secant_modulus_50",
+    "undrained_secant_modulus_50_at_least",
+];
 
 /// Strength, dilatancy and stiffness of a triaxial compression test as a laboratory reports them; not finite where the curves do not say.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,88 +32,45 @@ pub struct LaboratorySummary {
     pub mean_stress: f64,
     /// Void ratio at the start.
     pub void_ratio: f64,
+    /// Largest axial strain, over the initial length.
+    pub largest_axial_strain: f64,
     /// Largest deviator stress, Pa.
     pub peak: f64,
-    /// Axial strain at the largest deviator stress.
+    /// Axial strain at the largest deviator stress, over the initial length.
     pub peak_strain: f64,
-    /// Largest friction angle, degrees: `sin phi = (s1 - s3) / (s1 + s3)` with the principal effective stresses.
-    pub peak_friction_angle: f64,
-    /// Mean deviator stress over the last tenth of the axial strain, Pa.
-    pub residual: f64,
-    /// Friction angle of the residual stresses, degrees.
-    pub residual_friction_angle: f64,
-    /// Largest dilatancy angle over 2 % of axial strain, degrees: `sin psi = D / (2 + D)` with `D = -d eps_v / d eps_1` (Schanz and Vermeer 1996).
-    pub dilatancy_angle: f64,
-    /// Secant modulus at half of the largest deviator stress, Pa.
-    pub e50: f64,
+    /// Mean deviator stress over the last quarter of the axial strain, Pa.
+    pub late: f64,
     /// Secant moduli at the axial strains [`SECANTS`], Pa.
     pub secant: [f64; SECANTS.len()],
+    /// The measures of its strength, by name.
+    pub measures: Measures,
 }
 
 impl LaboratorySummary {
-    /// From the curves up to an axial strain.
-    pub fn new(test: &LaboratoryTest, up_to: f64) -> LaboratorySummary {
-        let count = test.axial_strain.iter().take_while(|x| **x <= up_to * (1.0 + 1e-9)).count();
-        let strain = &test.axial_strain[..count];
-        let curve = |values: &[f64]| if values.len() < count { Vec::new() } else { values[..count].to_vec() };
-        let [q, p, volume] =
-            [&test.deviator_stress, &test.mean_stress, &test.volumetric_strain].map(|v| curve(v));
+    /// Of a test of a laboratory.
+    pub fn of_test(test: &LaboratoryTest) -> LaboratorySummary {
+        LaboratorySummary::of_curves(test, of_laboratory(test))
+    }
+
+    /// Of curves whose measures are known, as those of a run are.
+    pub fn of_curves(test: &LaboratoryTest, measures: Measures) -> LaboratorySummary {
+        let strain = &test.axial_strain;
+        let q: &[f64] = if test.deviator_stress.len() == strain.len() { &test.deviator_stress } else { &[] };
         let highest = (0..q.len()).max_by(|a, b| q[*a].total_cmp(&q[*b]));
-        let angles: Vec<f64> = q.iter().zip(&p).map(|(q, p)| friction_angle(*q, *p)).collect();
-        let last = strain.last().copied().unwrap_or(f64::NAN);
-        let late = |values: &[f64]| {
-            let own: Vec<f64> = values
-                .iter()
-                .zip(strain)
-                .filter(|(_, x)| **x >= last * (1.0 - RESIDUAL))
-                .map(|(y, _)| *y)
-                .collect();
-            own.iter().sum::<f64>() / own.len() as f64
-        };
-        let first = q.first().copied().unwrap_or(f64::NAN);
-        let secant = |x: f64| (at(x, strain, &q) - first) / x;
-        let half = highest.and_then(|peak| {
-            let half = first + 0.5 * (q[peak] - first);
-            let k = (1..=peak).find(|k| q[*k] >= half)?;
-            let share = (half - q[k - 1]) / (q[k] - q[k - 1]);
-            let x = strain[k - 1] + share * (strain[k] - strain[k - 1]);
-            Some((half - first) / x)
-        });
+        let first = |values: &[f64]| values.first().copied().unwrap_or(f64::NAN);
+        let secant = |x: f64| (at(x, strain, q) - first(q)) / x;
         LaboratorySummary {
             name: test.name.clone(),
-            mean_stress: p.first().copied().unwrap_or(f64::NAN),
-            void_ratio: test.void_ratio.first().copied().unwrap_or(f64::NAN),
+            mean_stress: first(&test.mean_stress),
+            void_ratio: first(&test.void_ratio),
+            largest_axial_strain: strain.iter().copied().fold(f64::NAN, f64::max),
             peak: highest.map_or(f64::NAN, |k| q[k]),
             peak_strain: highest.map_or(f64::NAN, |k| strain[k]),
-            peak_friction_angle: angles.iter().copied().filter(|x| x.is_finite()).fold(f64::NAN, f64::max),
-            residual: late(&q),
-            residual_friction_angle: friction_angle(late(&q), late(&p)),
-            dilatancy_angle: dilatancy_angle(strain, &volume),
-            e50: half.unwrap_or(f64::NAN),
+            late: late_mean(strain, q).unwrap_or(f64::NAN),
             secant: SECANTS.map(secant),
+            measures,
         }
     }
-}
-
-/// The friction angle in triaxial compression, degrees, from deviator and mean stress.
-fn friction_angle(q: f64, p: f64) -> f64 {
-    let (axial, lateral) = (p + 2.0 * q / 3.0, p - q / 3.0);
-    if p > 0.0 { mobilised(&[[axial, 0.0, 0.0], [0.0, lateral, 0.0], [0.0, 0.0, lateral]]) } else { f64::NAN }
-}
-
-/// The largest dilatancy angle over [`WINDOW`], degrees.
-fn dilatancy_angle(strain: &[f64], volume: &[f64]) -> f64 {
-    let mut largest = f64::NAN;
-    for (from, start) in strain.iter().enumerate().filter(|(_, x)| **x >= DILATANCY_FROM) {
-        let Some(to) = (from + 1..volume.len()).find(|to| strain[*to] >= start + WINDOW * (1.0 - 1e-9))
-        else {
-            break;
-        };
-        let axial = strain[to] - start;
-        let lateral = 0.5 * (volume[to] - volume[from] - axial);
-        largest = largest.max(of_increment(&[[axial, 0.0, 0.0], [0.0, lateral, 0.0], [0.0, 0.0, lateral]]));
-    }
-    largest
 }
 
 /// The value at x, by linear interpolation; not finite beyond the ends.
@@ -126,14 +92,17 @@ pub fn summary_table(all: &[LaboratorySummary]) -> Result<Table, TableError> {
         Column::of_words("curve", all.iter().map(|one| one.name.clone())),
         column("mean_stress", "Pa", &|one| one.mean_stress),
         column("void_ratio", "", &|one| one.void_ratio),
+        column("largest_axial_strain", "", &|one| one.largest_axial_strain),
         column("peak_deviator_stress", "Pa", &|one| one.peak),
-        column("peak_axial_strain", "", &|one| one.peak_strain),
-        column("peak_friction_angle", "deg", &|one| one.peak_friction_angle),
-        column("residual_deviator_stress", "Pa", &|one| one.residual),
-        column("residual_friction_angle", "deg", &|one| one.residual_friction_angle),
-        column("dilatancy_angle", "deg", &|one| one.dilatancy_angle),
-        column("e50", "Pa", &|one| one.e50),
+        column("axial_strain_at_peak_deviator_stress", "", &|one| one.peak_strain),
+        column("late_deviator_stress", "Pa", &|one| one.late),
     ];
+    let reported = MEASURES.iter().filter(|known| REPORTED.contains(&known.name));
+    for known in reported.filter(|known| all.iter().any(|one| one.measures.contains_key(known.name))) {
+        let unit = if known.unit == "1" { "" } else { known.unit };
+        columns
+            .push(column(known.name, unit, &|one| one.measures.get(known.name).copied().unwrap_or(f64::NAN)));
+    }
     for (k, strain) in SECANTS.iter().enumerate() {
         let name = format!("secant_modulus_at_{}_percent", 100.0 * strain).replace('.', "_");
         columns.push(column(&name, "Pa", &|one| one.secant[k]));
@@ -145,7 +114,8 @@ pub fn summary_table(all: &[LaboratorySummary]) -> Result<Table, TableError> {
 mod tests {
     use super::*;
 
-    /// A test at 100 kPa of lateral stress whose q rises to 200 kPa at 5 % and falls to 150 kPa, and which dilates by half of its axial strain.
+    /// A test at 100 kPa of lateral stress whose q rises to 200 kPa at 5 % and falls to 150 kPa at 10 %, and which dilates by half of its axial
+    /// strain.
     fn test() -> LaboratoryTest {
         let strain: Vec<f64> = (0..=200).map(|k| 0.001 * f64::from(k)).collect();
         let q = |x: f64| {
@@ -170,28 +140,32 @@ mod tests {
 
     #[test]
     fn a_summary_by_hand() {
-        let found = LaboratorySummary::new(&test(), 0.2);
+        let found = LaboratorySummary::of_test(&test());
         assert!((found.peak - 2e5).abs() < 1e-6 && (found.peak_strain - 0.05).abs() < 1e-12);
+        assert!((found.late - 1.5e5).abs() < 1e-6 && (found.largest_axial_strain - 0.2).abs() < 1e-12);
         // s1 = 300 kPa, s3 = 100 kPa: sin phi = 1/2.
-        assert!((found.peak_friction_angle - 30.0).abs() < 1e-9, "{found:?}");
+        assert!((found.measures["peak_friction_angle"] - 30.0).abs() < 1e-9, "{found:?}");
         // s1 = 250 kPa: sin phi = 150 / 350.
-        assert!((found.residual_friction_angle - (150.0f64 / 350.0).asin().to_degrees()).abs() < 1e-9);
-        // D = 1/2: sin psi = 0.2.
-        assert!((found.dilatancy_angle - 0.2f64.asin().to_degrees()).abs() < 1e-6);
-        assert!((found.e50 / 4e6 - 1.0).abs() < 1e-9);
+        let late = (150.0f64 / 350.0).asin().to_degrees();
+        assert!((found.measures["critical_friction_angle"] - late).abs() < 1e-9, "{found:?}");
+        // D = 1/2: sin psi = 0.2, of logarithmic strains a little less at large strain.
+        assert!(
+            (found.measures["largest_dilatancy_angle"] - 0.2f64.asin().to_degrees()).abs() < 0.2,
+            "{found:?}"
+        );
+        // The logarithmic strain of 2.5 % is 2.53 %.
+        assert!((found.measures["secant_modulus_50"] / 4e6 - 0.9875).abs() < 2e-3, "{found:?}");
         assert!(found.secant.iter().all(|modulus| (modulus / 4e6 - 1.0).abs() < 1e-9));
-        // Up to 10 %: residual values are those of the last tenth of it.
-        assert!(LaboratorySummary::new(&test(), 0.1).residual > 1.5e5);
         let table = summary_table(&[found]).unwrap();
         assert_eq!(table.values("peak_deviator_stress").unwrap().len(), 1);
         assert!(table.values("secant_modulus_at_0_1_percent").is_some());
+        assert!(table.values("peak_friction_angle").is_some() && table.values("cohesive").is_none());
     }
 
     #[test]
     fn what_curves_do_not_say_is_not_a_number() {
         let lacking = LaboratoryTest { deviator_stress: Vec::new(), volumetric_strain: Vec::new(), ..test() };
-        let found = LaboratorySummary::new(&lacking, 0.2);
-        assert!(found.peak.is_nan() && found.dilatancy_angle.is_nan() && found.e50.is_nan());
-        assert!(LaboratorySummary::new(&test(), 0.0).residual_friction_angle.abs() < 1e-9);
+        let found = LaboratorySummary::of_test(&lacking);
+        assert!(found.peak.is_nan() && found.late.is_nan() && found.measures.is_empty());
     }
 }

@@ -16,6 +16,7 @@ mod forces;
 mod further;
 pub mod laboratory_summary;
 mod learning_curve;
+pub mod lines_of_tests;
 mod material;
 pub mod numbers;
 pub mod other_data;

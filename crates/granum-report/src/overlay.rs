@@ -14,7 +14,7 @@ use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
 use super::forces::density;
 use super::numbers::{quantity, trimmed};
 use super::page::{Document, Page, PageTable, rich};
-use super::{path, strength, trust};
+use super::{lines_of_tests, path, strength, trust};
 
 /// Patterns of lines after the colours have been used once.
 const DASHES: [&[f64]; 4] = [&[], &[7.0, 3.0], &[2.0, 2.5], &[8.0, 3.0, 2.0, 3.0]];
@@ -56,8 +56,10 @@ pub fn report(runs: &[RunReport]) -> Document {
         let caption = "Strength of the runs; of those that differ in their seeds alone the mean and the standard deviation.";
         of_all = html! { (of_all) (results(&label, caption, &scatter).html()) };
     }
-    if let Some(line) = strength::critical_state_line(&mut page, runs) {
-        of_all = html! { (of_all) (line) };
+    for lines in
+        [lines_of_tests::critical_state_line(&mut page, runs), lines_of_tests::envelope(&mut page, runs)]
+    {
+        of_all = html! { (of_all) @if let Some(lines) = lines { (lines) } };
     }
     page.section("results", "Results", of_all);
     page.section("quality", "Can they be trusted?", trust::of_several(runs));

@@ -1,5 +1,6 @@
 //! The report of one run.
 
+use granum_run::strength::COHESIVE;
 use granum_run::strength::symmetry::shear_at_constant_p;
 use maud::{Markup, html};
 
@@ -110,7 +111,13 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     let degrees = |name: &str| measure(name).map(|angle| format!("{angle:.1}°"));
     out.push(degrees("peak_friction_angle").map(|peak| {
         let late = degrees("critical_friction_angle").map_or(String::new(), |late| format!("late: {late}"));
-        [peak, "peak friction angle".into(), late]
+        let is_secant = measures.contains_key(COHESIVE);
+        let name = if is_secant {
+            "peak friction angle, of a secant: the grains are cohesive"
+        } else {
+            "peak friction angle"
+        };
+        [peak, name.into(), late]
     }));
     out.push(strength::liquefaction(&measures));
     for (name, value) in run.run.measures.iter().filter(|(name, _)| name.starts_with("k0_")) {

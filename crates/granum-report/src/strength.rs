@@ -1,17 +1,13 @@
-//! The strength of tests at a glance, with the scatter of several runs, and the critical state line through their late states.
+//! The strength of tests at a glance, with the scatter of several runs.
 
 use std::collections::BTreeMap;
 
 use granum_core::Column;
 use granum_run::runs_table::{RunEntry, RunGroup, groups};
-use granum_run::strength::critical_state_line::{CriticalStateLine, LateState, REFERENCE_STRESS};
-use granum_run::strength::one_material;
-use granum_run::strength::{MEASURES, Meaning};
-use maud::{Markup, html};
+use granum_run::strength::{COHESIVE, MEASURES, Meaning, SECANT_REMARK};
+use maud::Markup;
 
 use super::data::RunReport;
-use super::figure::palette::{INK, color};
-use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke};
 use super::numbers::{percent, quantity, significant};
 use super::page::{Page, PageTable};
 
@@ -58,6 +54,9 @@ pub(crate) fn table(page: &mut Page, run: &RunReport) -> Option<Markup> {
     table.note = "States that carry less than 5 % of the mean stress at the start of the test do not count for peaks. Late values are \
                   those of the critical state only as far as their drift is small."
         .into();
+    if measures.contains_key(COHESIVE) {
+        table.note += &format!(" {}.", capital(SECANT_REMARK));
+    }
     Some(table.html())
 }
 
@@ -87,7 +86,8 @@ pub fn scatter_table(entries: &[RunEntry], measures: &[Measures]) -> granum_core
     granum_core::Table::new(columns).unwrap_or_default()
 }
 
-fn capital(text: &str) -> String {
+/// A text with a large first letter.
+pub(crate) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
@@ -107,66 +107,6 @@ pub(crate) fn liquefaction(measures: &Measures) -> Option<[String; 3]> {
     };
     let [number, name] = what;
     Some([number, name, largest.unwrap_or_default()])
-}
-
-/// The late state of a test; `None` if it has none, as where its sample has liquefied.
-pub fn late_state(measures: &Measures) -> Option<LateState> {
-    Some(LateState {
-        mean_stress: *measures.get("critical_mean_stress")?,
-        void_ratio: *measures.get("critical_void_ratio")?,
-    })
-}
-
-/// A number with its standard error.
-fn with_error(value: f64, error: Option<f64>) -> String {
-    match error {
-        Some(error) => format!("{value:.4} ± {error:.4}"),
-        None => format!("{value:.4}"),
-    }
-}
-
-/// The critical state line of several tests of one material as a table and a figure; `None` if their late states make no line.
-pub fn critical_state_line(page: &mut Page, runs: &[RunReport]) -> Option<Markup> {
-    let states: Vec<LateState> = runs.iter().filter_map(|run| late_state(&run.measures())).collect();
-    let cases: Vec<_> = runs.iter().map(|run| &run.case).collect();
-    let line = CriticalStateLine::through(&states).filter(|_| one_material::differing(&cases).is_empty())?;
-    let (figure, caption) = line_figure(&line, &states);
-    let figure = page.own_figure("critical-state-line", &caption, &figure);
-    let label = page.own_table_label();
-    let caption = "Critical state line *e* = *Γ* − *λ* ln(*p* / 1 kPa) through the late states of the tests.";
-    let mut table = PageTable::new(&label, caption, &["Parameter", "Value", "Unit"]);
-    table.row(vec![
-        "*Γ*, void ratio at 1 kPa".into(),
-        with_error(line.intercept, line.intercept_error),
-        "1".into(),
-    ]);
-    table.row(vec!["*λ*, slope".into(), with_error(line.slope, line.slope_error), "1".into()]);
-    let scatter = line.scatter.map_or("–".to_owned(), |scatter| format!("{scatter:.4}"));
-    table.row(vec!["scatter of *e* about the line".into(), scatter, "1".into()]);
-    table.row(vec!["tests".into(), line.tests.to_string(), "".into()]);
-    let [low, high] = line.range.map(|p| quantity(p, "Pa"));
-    table.note = format!(
-        "Least squares over the void ratios, with standard errors of the regression (n − 2 degrees of freedom). The tests end at mean \
-         stresses from {low} to {high}; beyond them the line is extrapolated."
-    );
-    Some(html! { (table.html()) (figure) })
-}
-
-/// The late states, void ratio over the logarithm of p, and the line.
-fn line_figure(line: &CriticalStateLine, states: &[LateState]) -> (Figure, String) {
-    let [low, high] = line.range;
-    let drawn: Vec<[f64; 2]> = [low, high].map(|p| [p, line.void_ratio(p)]).to_vec();
-    let points = states.iter().map(|state| [state.mean_stress, state.void_ratio]).collect();
-    let plot = Plot::new(Axis::new("Mean stress *p*").unit("Pa").logarithmic(), Axis::new("Void ratio *e*"))
-        .with(Layer::stroked(drawn, Stroke::new(color(0), 1.6)).named("critical state line"))
-        .with(Layer::points(points, SHAPES[0], INK).named("late states"));
-    let caption = format!(
-        "Void ratio against mean stress over the last quarter of the strain, and the line *e* = {:.3} − {:.4} ln(*p* / {}).",
-        line.intercept,
-        line.slope,
-        quantity(REFERENCE_STRESS, "Pa")
-    );
-    (Figure::new("Critical state line", 1, vec![Panel::plot(plot)]), caption)
 }
 
 #[cfg(test)]
@@ -202,14 +142,5 @@ mod tests {
             (table.columns()[1].name.as_str(), table.columns()[1].unit.as_str()),
             ("peak_friction_angle", "deg")
         );
-    }
-
-    #[test]
-    fn a_line_is_drawn_with_its_states() {
-        let states = [50e3, 100e3, 400e3]
-            .map(|p| LateState { mean_stress: p, void_ratio: 0.9 - 0.02 * f64::ln(p / 1e3) });
-        let line = CriticalStateLine::through(&states).unwrap();
-        let (figure, caption) = line_figure(&line, &states);
-        assert!(figure.to_svg().contains("late states") && caption.contains("0.900 − 0.0200"), "{caption}");
     }
 }

@@ -57,6 +57,7 @@ fn every_case_is_read_and_has_a_title() {
         case.check().unwrap();
         assert!(ready.title().len() > 30 && ready.title().ends_with('.'), "{}", ready.name);
         assert_eq!(CASES.iter().filter(|other| other.name == ready.name).count(), 1);
+        assert_eq!(granum_run::engine::foreseen_failures(&case), [], "{}: a check must fail", ready.name);
     }
     assert_eq!(Case::parse(ReadyCase::named("paper").unwrap().text, "paper").unwrap(), Case::default());
 }
@@ -183,6 +184,10 @@ fn a_powder_collapses_and_stays_so() {
     let least = void.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(void[0] > 0.9 && least < void[0] - 0.2, "{void:?}");
     assert!(void[void.len() - 1] - least < 0.1 * (void[0] - least), "{void:?}");
+    // At its own speed it is quasi-static.
+    let slow = test(&small("powder-oedometer", &[("grains.count", "100")]));
+    let flag = slow.about.quality.iter().find(|flag| flag.name == "inertial_number").unwrap();
+    assert!(flag.passed, "{flag:?}");
 }
 
 /// A cohesive powder has a strength without lateral stress, and grains without adhesion have none. Its flow function coefficient grows

@@ -1,7 +1,7 @@
 //! One table `[[stage]]` of a case, and the stages that it expands to.
 
-use granum_dem::loading::Stage;
 use granum_dem::loading::preset::{self, Given, Preset};
+use granum_dem::loading::{Stage, Until};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -37,6 +37,9 @@ pub enum CaseStage {
         /// False if strain, time and energy continue to count from an earlier stage.
         #[serde(default = "yes")]
         resets: bool,
+        /// End conditions in addition to those of the path, of its stage that is driven.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        until: Vec<Until>,
     },
     /// A stage with an explicit control.
     Control(Box<Stage>),
@@ -47,6 +50,16 @@ pub enum CaseStage {
         /// What.
         stages: Vec<CaseStage>,
     },
+}
+
+/// The stage of a path to which further end conditions belong: the only one beside those in which the sample comes to rest and those
+/// that are only marks; `None` where there are several.
+pub(super) fn driven(stages: &[Stage]) -> Option<usize> {
+    let mut driven = stages.iter().enumerate().filter(|(_, stage)| !stage.settling && !stage.is_mark());
+    match (driven.next(), driven.next()) {
+        (Some((place, _)), None) => Some(place),
+        _ => None,
+    }
 }
 
 fn yes() -> bool {
@@ -66,10 +79,13 @@ impl CaseStage {
     /// The stages that it expands to.
     pub fn stages(&self) -> Vec<Stage> {
         match self {
-            CaseStage::Path { path, parameters, resets } => {
+            CaseStage::Path { path, parameters, resets, until } => {
                 let mut stages = path.expand(parameters);
                 for stage in &mut stages {
                     stage.resets &= resets;
+                }
+                if let (false, Some(driven)) = (until.is_empty(), driven(&stages)) {
+                    stages[driven].until.extend(until);
                 }
                 stages
             }

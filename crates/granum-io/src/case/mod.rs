@@ -51,6 +51,7 @@ pub use field::{Field, Value};
 pub use fields::{Fields, field};
 pub use parameters::{CaseParameter, ParameterValue};
 pub use reading::Reading;
+pub use stage_values::{CRITICAL_STRESS_RATIO, CRITICAL_VOLUMETRIC_STRAIN, CRITICAL_WINDOW};
 pub use test_definition::TestDefinition;
 pub use value_list::{ValueShape, values_in};
 pub use vocabulary::Vocabulary;

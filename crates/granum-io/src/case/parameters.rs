@@ -132,10 +132,13 @@ fn add_stages(all: &mut Vec<CaseParameter>, place: &str, stages: &[CaseStage]) {
     for (k, stage) in stages.iter().enumerate() {
         let place = format!("{place}.{}", k + 1);
         match stage {
-            CaseStage::Path { path, parameters, resets } => {
+            CaseStage::Path { path, parameters, resets, until } => {
                 let name = ParameterValue::Word(path.name.to_string());
                 all.push(CaseParameter::new(format!("{place}.path"), "", name));
                 add_path(all, &place, path, parameters);
+                if !until.is_empty() {
+                    add_text(all, &place, &super::stage_write::ends_toml(until));
+                }
                 if !resets {
                     all.push(CaseParameter::new(
                         format!("{place}.resets"),
@@ -184,6 +187,16 @@ fn add_path(all: &mut Vec<CaseParameter>, place: &str, path: &Preset, given: &Gi
         };
         all.push(CaseParameter::new(format!("{place}.{}", parameter.key), &unit, value));
     }
+}
+
+/// The values of keys that a stage has beside its parameters, from their lines in a case file.
+fn add_text(all: &mut Vec<CaseParameter>, place: &str, lines: &str) {
+    let Ok(table) = DeTable::parse(lines) else { return };
+    let mut found = BTreeMap::new();
+    for (key, value) in table.get_ref() {
+        flatten(&format!("{place}.{}", key.get_ref()), value.get_ref(), &mut found);
+    }
+    all.extend(found.into_iter().map(|(key, value)| CaseParameter::new(key, "", value)));
 }
 
 /// The values of a stage with explicit control, by the keys that a case file has for them.

@@ -179,6 +179,7 @@ fn what_a_program_gives_is_checked_as_well() {
         path: preset::named(name).unwrap(),
         parameters: Given::from([(key.to_string(), PathValue::Number(value))]),
         resets: true,
+        until: Vec::new(),
     };
     let message = |stage| fault(stage).unwrap_err();
     assert!(fault(path("oedometer", "axial_stress", 1e5)).is_ok());
@@ -221,9 +222,9 @@ fn unrecorded(stage: CaseStage) -> Option<CaseStage> {
         return None;
     }
     Some(match without_recording(stage) {
-        CaseStage::Path { path, mut parameters, resets } => {
+        CaseStage::Path { path, mut parameters, resets, until } => {
             RECORDING_KEYS.iter().for_each(|key| drop(parameters.remove(*key)));
-            CaseStage::Path { path, parameters, resets }
+            CaseStage::Path { path, parameters, resets, until }
         }
         CaseStage::Repeat { times, stages } => {
             CaseStage::Repeat { times, stages: stages.into_iter().map(unrecorded).collect::<Option<_>>()? }

@@ -176,6 +176,8 @@ fn of_path(preset: &preset::Preset) -> Value {
         "resets".into(),
         json!({ "type": "boolean", "description": "False if strain, time and energy continue to count from an earlier stage.", "default": true }),
     );
+    let until = json!({ "type": "object", "description": "End conditions in addition to those of the path, as a stage with an explicit control has them, where the path has one stage that is driven, e.g. { mean_stress = \"10 kPa\" }." });
+    keys.insert("until".into(), until);
     if preset.parameters().any(|parameter| parameter.kind == PathParameterKind::History) {
         let columns =
             json!({ "type": "array", "description": "Names of the columns, if the case contains the rows." });

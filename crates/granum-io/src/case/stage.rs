@@ -8,7 +8,7 @@ use granum_dem::loading::preset::{
 };
 use granum_dem::loading::{RecordedStates, Stage, Start};
 
-use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES, PREPARATION_STAGE, STAGE};
+use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES, PREPARATION_STAGE, STAGE, driven};
 use super::case_test::CaseTest;
 use super::definition::Case;
 use super::doubt::in_per_cent_instead;
@@ -144,7 +144,8 @@ impl Case {
             recording.observations_per_state = own.observations_per_state;
             (recording.sensors, recording.parameters) = (own.sensors, own.parameters);
         });
-        let stage = CaseStage::Path { path: preset, parameters: Given::new(), resets: true };
+        let stage =
+            CaseStage::Path { path: preset, parameters: Given::new(), resets: true, until: Vec::new() };
         case.test = CaseTest::Stages(vec![stage]);
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {
@@ -360,7 +361,15 @@ fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
     for (k, stage) in stages.iter().enumerate() {
         let place = format!("{place}.{}", k + 1);
         match stage {
-            CaseStage::Path { path, parameters, .. } => check_path(path, parameters, &place)?,
+            CaseStage::Path { path, parameters, until, .. } => {
+                check_path(path, parameters, &place)?;
+                if !until.is_empty() && driven(&path.expand(parameters)).is_none() {
+                    return Err(Error::Rule(format!(
+                        "{place}.until: the path {} has several stages that are driven; write them out, each with its own until",
+                        path.name
+                    )));
+                }
+            }
             CaseStage::Control(_) => {}
             CaseStage::Repeat { times, stages } if *times == 0 || stages.is_empty() => {
                 return Err(Error::Rule(format!("{place} has no stages to repeat")));

@@ -79,20 +79,9 @@ impl TableReader<'_, '_> {
         }
         self.records_nothing(table, &["record"]);
         let mut control = self.control(table);
-        let mut until = Vec::new();
-        match table.get("until").map(|value| (value, value.get_ref())) {
-            Some((_, DeValue::Table(ends))) => {
-                let mut ends: Vec<_> = ends.iter().collect();
-                ends.sort_by_key(|(key, _)| key.span().start);
-                for (key, value) in ends {
-                    let found = end(key.get_ref(), value);
-                    until.extend(self.take(&format!("until.{}", key.get_ref()), found));
-                }
-            }
-            Some((value, _)) => {
-                let example = "e.g. until = { xx_strain = 0.1 }".to_string();
-                self.take::<()>("until", Err(Mistake(value.span(), "is not a table".into(), Some(example))));
-            }
+        let mut until = self.ends(table);
+        match table.get("until") {
+            Some(_) => {}
             None if control.has_ramp() => until.push(Until::RampOver),
             None => {
                 let span = table.values().next().map_or(0..0, Spanned::span);
@@ -128,6 +117,27 @@ impl TableReader<'_, '_> {
         stage.density_scaling = scaling.unwrap_or(1.0);
         stage.start = self.key(table, "start", start).unwrap_or_default();
         Some(CaseStage::Control(Box::new(stage)))
+    }
+
+    /// The end conditions of a stage, in the order of the file.
+    pub(super) fn ends(&mut self, table: &DeTable<'_>) -> Vec<Until> {
+        let mut until = Vec::new();
+        match table.get("until").map(|value| (value, value.get_ref())) {
+            Some((_, DeValue::Table(ends))) => {
+                let mut ends: Vec<_> = ends.iter().collect();
+                ends.sort_by_key(|(key, _)| key.span().start);
+                for (key, value) in ends {
+                    let found = end(key.get_ref(), value);
+                    until.extend(self.take(&format!("until.{}", key.get_ref()), found));
+                }
+            }
+            Some((value, _)) => {
+                let example = "e.g. until = { xx_strain = 0.1 }".to_string();
+                self.take::<()>("until", Err(Mistake(value.span(), "is not a table".into(), Some(example))));
+            }
+            None => {}
+        }
+        until
     }
 
     fn control(&mut self, table: &DeTable<'_>) -> Control {

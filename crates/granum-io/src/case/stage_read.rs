@@ -6,7 +6,7 @@ use granum_dem::loading::preset::{Given, PathParameterKind, PathValue, Preset};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::case_stage::{CaseStage, MOST_STAGES, PREPARATION_STAGE, STAGE};
+use super::case_stage::{CaseStage, MOST_STAGES, PREPARATION_STAGE, STAGE, driven};
 use super::history::{self, HISTORY_KEYS};
 use super::incremental_driver::{self, Options};
 use super::reader::Reader;
@@ -176,14 +176,14 @@ impl TableReader<'_, '_> {
             parameters.insert(parameter.key.to_string(), PathValue::History(history));
         }
         for (key, value) in
-            table.iter().filter(|(key, _)| !["path", "resets"].contains(&key.get_ref().as_ref()))
+            table.iter().filter(|(key, _)| !["path", "resets", "until"].contains(&key.get_ref().as_ref()))
         {
             let name = key.get_ref();
             if of_history.is_some() && HISTORY_KEYS.contains(&name.as_ref()) {
                 continue;
             }
             let Some(parameter) = preset.parameter(name) else {
-                let known = preset.parameters().map(|known| known.key).chain(["resets"]);
+                let known = preset.parameters().map(|known| known.key).chain(["resets", "until"]);
                 self.unknown(name, key.span(), known);
                 continue;
             };
@@ -199,13 +199,22 @@ impl TableReader<'_, '_> {
             }
         }
         let resets = self.key(table, "resets", boolean).unwrap_or(true);
+        let until = self.ends(table);
+        if let (Some((key, _)), true) = (table.get_key_value("until"), self.reader.errors.len() == before)
+            && driven(&preset.expand(&parameters)).is_none()
+        {
+            let message =
+                format!("{}.until: the path {} has several stages that are driven", self.name, preset.name);
+            self.reader.error(key.span(), message).help =
+                Some("write the stages out, each as a [[stage]] with its own until".into());
+        }
         if self.reader.errors.len() == before
             && let Some((key, message)) = path_fault(preset, &parameters)
         {
             let at = table.get_key_value(key).map_or(span.clone(), |(key, _)| key.span());
             self.reader.error(at, format!("{}.{message}", self.name));
         }
-        Some(CaseStage::Path { path: preset, parameters, resets })
+        Some(CaseStage::Path { path: preset, parameters, resets, until })
     }
 
     /// The history of a path, in a file in the folder of the case or in the table itself; mistakes in the file are reported with

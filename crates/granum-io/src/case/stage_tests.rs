@@ -6,6 +6,7 @@ use granum_dem::loading::{
 };
 use proptest::prelude::*;
 
+use super::case_stage::driven;
 use super::*;
 
 fn parse(text: &str) -> Case {
@@ -33,6 +34,28 @@ until = { xx_strain = 0.2, mean_stress = "5 kPa", reversals = 4, unbalanced_forc
 turns = { measure = "xx_strain", high = 0.1, low = -0.1 }
 record = { measure = "arc_length", every = 1e-3 }
 "#;
+
+/// A named path can also end at what `until` says, beside its own end: an undrained test at a stress.
+#[test]
+fn a_named_path_ends_at_a_stress_as_well() {
+    let text = "[[stage]]\npath = 'undrained-triaxial'\nmean_stress = '100 kPa'\naxial_strain = 0.1\nuntil = { mean_stress = '10 kPa' }\n";
+    let case = parse(text);
+    let stages = case.test_stages();
+    let at_strain = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
+    let at_stress = Until::Reaches { measure: Measure::MeanStress, value: 1e4 };
+    assert_eq!(stages[1].until, [at_strain, at_stress]);
+    assert_eq!(stages[0].until.len(), 1, "the sample comes to rest as before");
+    assert_eq!(parse(&case.resolved_toml()), case);
+    let bare = parse(&text.replace("until = { mean_stress = '10 kPa' }\n", ""));
+    assert!(bare.digest() != case.digest() && !bare.resolved_toml().contains("until"));
+    assert!(case.parameters().iter().any(|found| found.key == "stage.1.until.mean_stress"));
+    let several =
+        "[[stage]]\npath = 'oedometer'\nunloading_stress = '10 kPa'\nuntil = { mean_stress = '10 kPa' }\n";
+    let found = message(several);
+    assert!(found.contains("case.toml:4:1") && found.contains("several stages"), "{found}");
+    let found = message(&text.replace("mean_stress = '10 kPa'", "mean_stres = '10 kPa'"));
+    assert!(found.contains("did you mean mean_stress"), "{found}");
+}
 
 /// A case as deep as it may be can be written and read again; a deeper one is refused.
 #[test]
@@ -370,7 +393,10 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
                 parameters.clear();
             }
         }
-        CaseStage::Path { path, parameters, resets }
+        let ends =
+            vec![Until::Reaches { measure: Measure::MeanStress, value: 5e3 }, Until::PorePressureRatio(0.9)];
+        let until = if resets && driven(&path.expand(&parameters)).is_some() { ends } else { Vec::new() };
+        CaseStage::Path { path, parameters, resets, until }
     })
 }
 

@@ -14,8 +14,18 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 /// A value with its position in the file.
 pub(super) type Node<'a> = Spanned<DeValue<'a>>;
 
+/// Arc length of strain over which a state is critical, unless a case says otherwise.
+pub const CRITICAL_WINDOW: f64 = 0.05;
+/// Change of q/p in it below which the state is critical, unless a case says otherwise.
+pub const CRITICAL_STRESS_RATIO: f64 = 0.02;
+/// Change of the volumetric strain in it below which the state is critical, unless a case says otherwise.
+pub const CRITICAL_VOLUMETRIC_STRAIN: f64 = 0.002;
 /// Keys of the end condition `critical_state`, with their defaults.
-const CRITICAL: [(&str, f64); 3] = [("window", 0.05), ("stress_ratio", 0.02), ("volumetric_strain", 0.002)];
+const CRITICAL: [(&str, f64); 3] = [
+    ("window", CRITICAL_WINDOW),
+    ("stress_ratio", CRITICAL_STRESS_RATIO),
+    ("volumetric_strain", CRITICAL_VOLUMETRIC_STRAIN),
+];
 
 /// A mistake: its position, what is wrong, and what would be right.
 pub(super) struct Mistake(pub(super) Range<usize>, pub(super) String, pub(super) Option<String>);

@@ -15,7 +15,10 @@ impl CaseStage {
     /// The table as TOML in SI units, below a heading of such a name.
     pub(super) fn toml(&self, heading: &str) -> String {
         let body = match self {
-            CaseStage::Path { path, parameters, resets } => path_toml(path, parameters, *resets),
+            CaseStage::Path { path, parameters, resets, until } => {
+                let until = if until.is_empty() { String::new() } else { ends_toml(until) };
+                format!("{}{until}", path_toml(path, parameters, *resets))
+            }
             CaseStage::Control(stage) => stage_toml(stage),
             CaseStage::Repeat { times, stages } => {
                 let inner: String = stages
@@ -127,10 +130,7 @@ fn stage_toml(stage: &Stage) -> String {
             measure.name()
         ));
     }
-    text.push_str(&format!(
-        "until = {{ {} }}\n",
-        stage.until.iter().map(until_toml).collect::<Vec<_>>().join(", ")
-    ));
+    text.push_str(&ends_toml(&stage.until));
     if let Some(most) = stage.most_arc_length {
         text.push_str(&format!("most_arc_length = {}\n", format_number(most)));
     }
@@ -147,6 +147,11 @@ fn stage_toml(stage: &Stage) -> String {
         Start::Back => text.push_str("start = \"back\"\n"),
     }
     text
+}
+
+/// The end conditions of a stage as a line.
+pub(super) fn ends_toml(until: &[Until]) -> String {
+    format!("until = {{ {} }}\n", until.iter().map(until_toml).collect::<Vec<_>>().join(", "))
 }
 
 fn until_toml(until: &Until) -> String {

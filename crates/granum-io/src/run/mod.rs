@@ -6,6 +6,7 @@ mod content;
 mod record;
 mod removal;
 mod run_folder;
+mod stage_end;
 mod states;
 mod times;
 
@@ -37,6 +38,8 @@ pub use check::{FileFault, file_digest};
 pub(crate) use content::{CASE, RECORD};
 pub use content::{CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT};
 pub use run_folder::RunFolder;
+
+pub use stage_end::StageEndRecord;
 
 pub use record::{
     Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunKind, RunRecord, RunSource, RunStatus,

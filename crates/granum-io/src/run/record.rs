@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::stage_end::StageEndRecord;
 use crate::case::Case;
 
 /// Newest layout of `run.json` that this version reads and writes. Since format 2 times are in `seconds.json` and the file ends
@@ -195,6 +196,9 @@ pub struct RunRecord {
     /// Quantities that the run measured once, by name, in SI units: solid fraction, coordination numbers...
     #[serde(default, deserialize_with = "nulls_are_nan")]
     pub measures: BTreeMap<String, f64>,
+    /// The ends of the stages of its test so far, with the states there; empty in records of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stage_ends: Vec<StageEndRecord>,
     /// The machine; in the file `seconds.json`.
     #[serde(default, skip_serializing)]
     pub machine: Machine,

@@ -217,6 +217,6 @@ impl Draws {
             }
             _ => {}
         }
-        CaseStage::Path { path, parameters: given, resets: true }
+        CaseStage::Path { path, parameters: given, resets: true, until: Vec::new() }
     }
 }

@@ -3,9 +3,9 @@
 use granum_io::run::QualityFlag;
 
 /// Largest ratio of overlap to the sum of the radii for which the theory of small contacts holds.
-const LARGEST_OVERLAP: f64 = 0.02;
+pub(super) const LARGEST_OVERLAP: f64 = 0.02;
 /// Largest mean inertial number of a quasi-static test.
-const LARGEST_INERTIAL_NUMBER: f64 = 1.05e-3;
+pub(super) const LARGEST_INERTIAL_NUMBER: f64 = 1.05e-3;
 /// Largest mean unbalanced force of a quasi-static test.
 const LARGEST_UNBALANCED_FORCE: f64 = 0.05;
 
@@ -16,17 +16,17 @@ pub(super) fn stages_cut_short(count: usize) -> QualityFlag {
 }
 
 /// The mean inertial number and the mean unbalanced force of a test; `speed_key` is what sets its speed in the case.
-pub(super) fn quasi_static(mean: impl Fn(&str) -> f64, speed_key: &str) -> [QualityFlag; 2] {
+pub(super) fn quasi_static(inertial_number: f64, unbalanced_force: f64, speed_key: &str) -> [QualityFlag; 2] {
     [
         QualityFlag::at_most(
             "inertial_number",
-            mean("inertial_number"),
+            inertial_number,
             LARGEST_INERTIAL_NUMBER,
             format!("the test is too fast to be quasi-static; lower {speed_key}"),
         ),
         QualityFlag::at_most(
             "unbalanced_force",
-            mean("unbalanced_force"),
+            unbalanced_force,
             LARGEST_UNBALANCED_FORCE,
             format!("grains are far from equilibrium; lower {speed_key}"),
         ),

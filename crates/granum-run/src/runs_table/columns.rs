@@ -23,17 +23,19 @@ const SAMPLE: [&str; 7] = [
 ];
 
 /// The measures that [`Selection::Main`] keeps, as far as the runs have them.
-const MAIN: [&str; 20] = [
+const MAIN: [&str; 22] = [
     "void_ratio",
     "mechanical_coordination_number",
     "peak_friction_angle",
     "critical_friction_angle",
+    "cohesive",
     "largest_dilatancy_angle",
     "peak_stress_ratio",
     "late_stress_ratio",
     "peak_von_mises_ratio",
     "late_von_mises_ratio",
     "critical_void_ratio",
+    "at_critical_state",
     "secant_modulus_50",
     "secant_modulus_50_at_least",
     "undrained_secant_modulus_50",

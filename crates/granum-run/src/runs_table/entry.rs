@@ -63,6 +63,9 @@ impl RunEntry {
             let found = strength::of_run(&self.case, &self.record, &read_record(&run)?);
             self.record.measures.extend(found);
         }
+        if self.record.measures.contains_key("peak_friction_angle") {
+            self.record.measures.extend(strength::cohesion_of(&self.case));
+        }
         Ok(self)
     }
 

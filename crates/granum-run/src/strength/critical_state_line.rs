@@ -1,8 +1,10 @@
 //! The critical state line: void ratio against the logarithm of the mean stress, fitted through the late states of several tests.
 //!
 //! `e_c = Gamma - lambda ln(p / 1 kPa)` (Roscoe, Schofield and Wroth 1958; Schofield and Wroth 1968), by least squares over the void
-//! ratios. The standard errors are those of the linear regression with n - 2 degrees of freedom; the late state of a
-//! test counts as one point whatever drift is left in it.
+//! ratios. The standard errors are those of the linear regression with n - 2 degrees of freedom. Which tests are critical is judged by
+//! [`super::CriticalStates`].
+
+use super::regression::Regression;
 
 /// Mean stress at which the line has the void ratio Gamma, Pa.
 pub const REFERENCE_STRESS: f64 = 1e3;
@@ -60,19 +62,13 @@ impl CriticalStateLine {
         if points.len() < 2 || high - low < libm::log(LEAST_RANGE) {
             return None;
         }
-        let count = points.len() as f64;
-        let [x, y] = [0, 1].map(|k| points.iter().map(|point| point[k]).sum::<f64>() / count);
-        let square: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
-        let cross: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
-        let gradient = cross / square;
-        let left: f64 = points.iter().map(|point| (point[1] - y - gradient * (point[0] - x)).powi(2)).sum();
-        let scatter = (points.len() > 2).then(|| (left / (count - 2.0)).sqrt());
+        let line = Regression::through(&points)?;
         Some(CriticalStateLine {
-            intercept: y - gradient * x,
-            intercept_error: scatter.map(|scatter| scatter * (1.0 / count + x * x / square).sqrt()),
-            slope: -gradient,
-            slope_error: scatter.map(|scatter| scatter / square.sqrt()),
-            scatter,
+            intercept: line.intercept,
+            intercept_error: line.intercept_error,
+            slope: -line.gradient,
+            slope_error: line.gradient_error,
+            scatter: line.scatter,
             tests: points.len(),
             range: [low, high].map(|x| REFERENCE_STRESS * libm::exp(x)),
         })

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use granum_dem::loading::{Reason, StageEnd, Until};
+use granum_dem::loading::{Measure, Reason, StageEnd, Until};
 
 use super::curves::Curves;
 
@@ -23,6 +23,16 @@ pub(crate) fn ended_liquefied(end: &StageEnd) -> bool {
         || matches!(end.reason, Reason::Unjammed { .. })
 }
 
+/// True if a stage ended at a mean stress that is that of liquefaction, with the mean stress at the start of the undrained part, Pa.
+fn ended_at_no_stress(end: &StageEnd, start: Option<f64>) -> bool {
+    match (end.reason, start) {
+        (Reason::End(Until::Reaches { measure: Measure::MeanStress, value }), Some(start)) => {
+            value <= (1.0 - LIQUEFIED_RATIO) * start
+        }
+        _ => false,
+    }
+}
+
 /// The first row of a range that has liquefied by its pore pressure.
 pub(super) fn first_liquefied(
     ratios: &[f64],
@@ -34,7 +44,10 @@ pub(super) fn first_liquefied(
     let last = rows.end.checked_sub(1)?;
     let by_end = || {
         let undrained = ratios[last].is_finite();
-        (undrained && ends.get(curves.stage_index(last)).is_some_and(ended_liquefied)).then_some(last)
+        let start = curves.undrained_from(last).and_then(|start| curves.mean_stress().get(start).copied());
+        let end = ends.get(curves.stage_index(last));
+        (undrained && end.is_some_and(|end| ended_liquefied(end) || ended_at_no_stress(end, start)))
+            .then_some(last)
     };
     by_state.or_else(by_end)
 }

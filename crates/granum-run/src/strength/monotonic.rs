@@ -73,7 +73,8 @@ pub(super) fn add_late(
         ("critical_mean_stress", curves.mean_stress().to_vec()),
     ] {
         add(name, mean(&values));
-        add(&format!("{name}_drift"), slope(&strains[late.clone()], &of(&values)[late.clone()]));
+        let drift = of(&values).get(late.clone()).and_then(|values| slope(&strains[late.clone()], values));
+        add(&format!("{name}_drift"), drift);
     }
 }
 

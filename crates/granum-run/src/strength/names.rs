@@ -31,13 +31,19 @@ pub const MEASURES: &[Meaning] = &[
         "peak_friction_angle",
         "deg",
         "*φ*_{peak}",
-        "peak friction angle: the largest of the states that carry stress",
+        "peak friction angle: the largest of the states that carry stress; of cohesive grains that of a secant through the origin",
     ),
     measure(
         "critical_friction_angle",
         "deg",
         "*φ*_{late}",
         "critical friction angle: its mean over the last quarter of the strain",
+    ),
+    measure(
+        "cohesive",
+        "1",
+        "cohesive",
+        "1 where the grains attract each other: friction angles are then those of secants through the origin, and grow as the stress falls",
     ),
     measure(
         "peak_stress_ratio",
@@ -93,6 +99,12 @@ pub const MEASURES: &[Meaning] = &[
         "Pa",
         "d*p*/d*ε*_{q}",
         "its drift there, per unit of deviatoric strain: zero at the critical state",
+    ),
+    measure(
+        "at_critical_state",
+        "1",
+        "critical",
+        "1 where the end of the test is a critical state, within the limits of the end condition critical_state",
     ),
     measure(
         "secant_modulus_50",

@@ -5,20 +5,19 @@ use granum_io::RunKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_core::{Column, Table};
+use granum_core::Table;
 use granum_io::shell::ShowPath;
-use granum_io::{Case, LaboratoryTest, check_output_file, read_laboratory, write_table};
+use granum_io::{LaboratoryTest, check_output_file, read_laboratory, write_table};
 use granum_report::comparison::{ComparedRun, Errors, errors, figure, residuals};
 use granum_report::figure::Figure;
 use granum_report::laboratory_summary::{LaboratorySummary, summary_table};
-use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, legend, repetitions};
-use granum_run::strength::critical_state_line::{CriticalStateLine, LateState};
-use granum_run::strength::one_material;
+use granum_sensors::Record;
 use serde_json::{Value, json};
 
 use super::comparability::{check_common, unlike_stresses};
+use super::compare_strength::Strength;
 use super::laboratory_flags::{LaboratoryFlags, doubts};
 use super::records::check_begun;
 use super::run_folders::run_folders;
@@ -56,7 +55,7 @@ pub struct Compare {
     /// Compare each run only with those tests that begin at its mean stress, within 5 %.
     #[arg(long)]
     same_stress: bool,
-    /// Also write what a laboratory reports of all tests and runs as a table: peak and residual strength, dilatancy angle, E50 and secant moduli
+    /// Also write what a laboratory reports of all tests and runs as a table: peak and late strength, dilatancy angle, E50 and secant moduli
     /// (a file .csv, .tsv or .parquet).
     #[arg(long, value_name = "FILE")]
     summary: Option<PathBuf>,
@@ -90,7 +89,7 @@ impl Compare {
         let labs = self.files.iter().rev().enumerate().take_while(is_lab).count();
         let first_file = self.files.len() - labs;
         let (folders, labs) = self.files.split_at(first_file);
-        let (runs, tests, entries) = match labs.is_empty() {
+        let (runs, records, tests, entries) = match labs.is_empty() {
             false => {
                 if folders.is_empty() {
                     return Err(Failure::new("give runs before the laboratory's files"));
@@ -99,19 +98,22 @@ impl Compare {
                 let tests = self.chosen(self.laboratory_tests(labs)?)?;
                 let used: Vec<&LaboratoryTest> = tests.iter().collect();
                 doubts(&used).iter().for_each(|doubt| context.warn(doubt));
-                let runs: Vec<ComparedRun> =
-                    folders.iter().map(|folder| curves(context, folder)).collect::<Result<_, _>>()?;
+                let (runs, records): (Vec<ComparedRun>, Vec<Record>) = (folders.iter())
+                    .map(|folder| curves(context, folder))
+                    .collect::<Result<Vec<_>, _>>()?
+                    .into_iter()
+                    .unzip();
                 check_common(&runs, &used)?;
                 unlike_stresses(&runs, &used).iter().for_each(|remark| context.warn(remark));
-                (runs, tests, entries(context, &folders)?)
+                (runs, records, tests, entries(context, &folders)?)
             }
             true => {
-                let (runs, entries) = self.labelled(context)?;
+                let (runs, records, entries) = self.labelled(context)?;
                 if runs.len() < 2 {
                     let message = "give two runs or more, or runs and the laboratory's file last";
                     return Err(Failure::new(message));
                 }
-                (runs, Vec::new(), entries)
+                (runs, records, Vec::new(), entries)
             }
         };
         let compared: Vec<(&ComparedRun, &LaboratoryTest)> = match (tests.is_empty(), runs.split_first()) {
@@ -122,10 +124,12 @@ impl Compare {
         let pairs: Vec<Pair> = compared.iter().map(|(run, test)| Pair::new(run, test)).collect();
         // Over tests repetitions are a band; over each other each run is a line.
         let groups = if tests.is_empty() { Vec::new() } else { repetitions(&entries) };
-        self.draw(&figure(&runs, &tests, &compared, &groups).0)?;
+        let strength = Strength::from_runs(&entries, &runs, &records);
+        let (mut drawn, _) = figure(&runs, &tests, &compared, &groups);
+        drawn.panels.extend(strength.panel().filter(|_| tests.is_empty()));
+        self.draw(&drawn)?;
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-        let strength = Strength::from_runs(&entries, &runs);
-        let summary = summary(&runs, &tests, &pairs)?;
+        let summary = summary(&runs, &tests)?;
         if let Some(path) = &self.summary {
             write_table(path, &summary)?;
         }
@@ -177,7 +181,7 @@ impl Compare {
     }
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
-    fn labelled(&self, context: &Context) -> Result<(Vec<ComparedRun>, Vec<RunEntry>), Failure> {
+    fn labelled(&self, context: &Context) -> Result<Labelled, Failure> {
         if !self.test.is_empty() || self.laboratory.is_given() {
             let message = "--test, --map, --as, --compression and --strain belong to a laboratory's file, which comes last";
             return Err(Failure::new(message));
@@ -193,11 +197,13 @@ impl Compare {
         }
         let labels = legend(&entries);
         let named = |(folder, name): (&PathBuf, String)| {
-            let mut curves = curves(context, folder)?;
+            let (mut curves, record) = curves(context, folder)?;
             curves.curves.name.clone_from(&name);
-            Ok(ComparedRun { name, ..curves })
+            Ok((ComparedRun { name, ..curves }, record))
         };
-        Ok((folders.iter().zip(labels).map(named).collect::<Result<_, Failure>>()?, entries))
+        let runs = folders.iter().zip(labels).map(named).collect::<Result<Vec<_>, Failure>>()?;
+        let (runs, records) = runs.into_iter().unzip();
+        Ok((runs, records, entries))
     }
 
     fn draw(&self, figure: &Figure) -> Result<(), Failure> {
@@ -229,104 +235,34 @@ impl Compare {
     }
 }
 
-/// What a laboratory reports of all tests and runs, up to the smallest strain to which two that are compared go.
-fn summary(runs: &[ComparedRun], tests: &[LaboratoryTest], pairs: &[Pair]) -> Result<Table, Failure> {
-    let up_to = pairs.iter().map(|pair| pair.errors.up_to).filter(|x| *x > 0.0).fold(f64::INFINITY, f64::min);
-    let named = |run: &ComparedRun| LaboratoryTest { name: run.name.clone(), ..run.curves.clone() };
-    let all: Vec<LaboratorySummary> = tests
-        .iter()
-        .cloned()
-        .chain(runs.iter().map(named))
-        .map(|curves| LaboratorySummary::new(&curves, up_to))
-        .collect();
+/// What a laboratory reports of all tests and runs, each over its own range of strain.
+fn summary(runs: &[ComparedRun], tests: &[LaboratoryTest]) -> Result<Table, Failure> {
+    let of_run = |run: &ComparedRun| {
+        let curves = LaboratoryTest { name: run.name.clone(), ..run.curves.clone() };
+        LaboratorySummary::of_curves(&curves, run.measures.clone())
+    };
+    let all: Vec<LaboratorySummary> =
+        tests.iter().map(LaboratorySummary::of_test).chain(runs.iter().map(of_run)).collect();
     Ok(summary_table(&all)?)
 }
+
+/// Runs with their measurements and what a table says of them.
+type Labelled = (Vec<ComparedRun>, Vec<Record>, Vec<RunEntry>);
 
 /// The runs in folders.
 fn entries(context: &Context, folders: &[PathBuf]) -> Result<Vec<RunEntry>, Failure> {
     folders.iter().map(|folder| Ok(RunEntry::from_run(&context.run_at(folder)?)?)).collect()
 }
 
-fn curves(context: &Context, folder: &Path) -> Result<ComparedRun, Failure> {
+fn curves(context: &Context, folder: &Path) -> Result<(ComparedRun, Record), Failure> {
     let run = open_run(context, folder)?;
     let about = run.record()?;
     check_begun(&run, &about)?;
     let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
     let (case, record) = (run.case()?, read_record(&run)?);
     let measures = granum_run::strength::of_run(&case, &about, &record);
-    Ok(ComparedRun { measures, ..ComparedRun::from_record(&name, &record, &case.test_stages()) })
-}
-
-/// The strength of runs, with the scatter of those that differ in their seeds alone, and the critical state line through them.
-struct Strength {
-    table: Table,
-    line: Option<CriticalStateLine>,
-    /// Keys by which the runs are of different materials, which have no line in common.
-    materials_differ_in: Vec<String>,
-}
-
-impl Strength {
-    fn from_runs(entries: &[RunEntry], runs: &[ComparedRun]) -> Strength {
-        let measures: Vec<Measures> = runs.iter().map(|run| run.measures.clone()).collect();
-        let states: Vec<LateState> = measures.iter().filter_map(late_state).collect();
-        let cases: Vec<&Case> = entries.iter().map(|entry| &entry.case).collect();
-        let materials_differ_in = one_material::differing(&cases);
-        let line = CriticalStateLine::through(&states).filter(|_| materials_differ_in.is_empty());
-        Strength { table: scatter_table(entries, &measures), line, materials_differ_in }
-    }
-
-    fn lines(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        if self.table.columns().len() > 1 {
-            lines.push(String::new());
-            lines.extend(text_table::lines(&self.table));
-        }
-        if !self.materials_differ_in.is_empty() {
-            lines.push(format!(
-                "no critical state line: the runs are of different materials ({})",
-                self.materials_differ_in.join(", ")
-            ));
-        }
-        if let Some(line) = &self.line {
-            let error = |error: Option<f64>| error.map_or(String::new(), |error| format!(" +- {error:.4}"));
-            let [low, high] = line.range.map(|p| p / 1e3);
-            lines.push(format!(
-                "critical state line e = Gamma - lambda ln(p / 1 kPa) through the late states of {} runs: Gamma {:.4}{}, lambda \
-                 {:.4}{} (standard errors), from {low:.1} to {high:.1} kPa",
-                line.tests,
-                line.intercept,
-                error(line.intercept_error),
-                line.slope,
-                error(line.slope_error),
-            ));
-        }
-        lines
-    }
-}
-
-/// The rows of a table as objects.
-fn rows(table: &Table) -> Vec<Value> {
-    let cell = |column: &Column, row: usize| match column.numbers() {
-        Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
-        None => json!(column.text(row)),
-    };
-    let object = |row: usize| {
-        let cells = table.columns().iter().map(|column| (column.name.clone(), cell(column, row)));
-        Value::Object(cells.collect())
-    };
-    (0..table.rows()).map(object).collect()
-}
-
-fn line_as_json(line: &CriticalStateLine) -> Value {
-    json!({
-        "void_ratio_at_1_kPa": line.intercept,
-        "void_ratio_at_1_kPa_standard_error": line.intercept_error,
-        "lambda": line.slope,
-        "lambda_standard_error": line.slope_error,
-        "scatter_of_void_ratio": line.scatter,
-        "runs": line.tests,
-        "mean_stress_range": line.range,
-    })
+    let compared = ComparedRun { measures, ..ComparedRun::from_record(&name, &record, &case.test_stages()) };
+    Ok((compared, record))
 }
 
 /// A run, the test or run with which it is compared, and the differences.
@@ -354,15 +290,14 @@ fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, summary: &Table, 
             "void_ratio_error": errors.void_ratio,
         })
     };
-    json!({
+    let mut found = json!({
         "runs": runs,
         "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(),
-        "summary": rows(summary),
-        "strength": rows(&strength.table),
-        "critical_state_line": strength.line.map(|line| line_as_json(&line)),
-        "materials_differ_in": strength.materials_differ_in,
+        "summary": text_table::rows(summary),
         "figure": output::path(figure),
-    })
+    });
+    strength.add_to(&mut found);
+    found
 }
 
 fn text(pairs: &[Pair]) -> String {

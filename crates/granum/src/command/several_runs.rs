@@ -14,6 +14,7 @@ use granum_run::runs_table::{RunEntry, RunsTable, Selection};
 use serde_json::{Value, json};
 
 use super::case_flags::Combination;
+use super::foreseen::Foreseen;
 use super::show_queue::ShowQueue;
 use super::text_table;
 use crate::context::Context;
@@ -37,6 +38,10 @@ pub fn run(
     let queue = Queue::with_shared_samples(runs, &out.join(SAMPLES))?;
     // A mistake in any run leaves nothing behind.
     check(&queue, laboratory, context.force)?;
+    // With --json nothing is printed before the runs have ended, when their checks tell.
+    if !context.json {
+        Foreseen::of_queue(&queue).tell(context, "");
+    }
     let folder = OutputFolder::open_or_create(out)?;
     folder.refuse_links(&[SAMPLES])?;
     let list = RunList::from_queue(&queue, out)?;

@@ -9,7 +9,7 @@ use granum_run::laboratory::Source;
 use granum_run::queue::RunKind;
 
 use super::hardware::Show;
-use super::run_report;
+use super::{foreseen, run_report};
 use crate::context::Context;
 use crate::failure::Failure;
 
@@ -34,6 +34,9 @@ pub fn run(
         let _alone = context.nothing_written(None);
         laboratory.plan(kind, case, source, &mut show).map_err(|error| show.failure(error))?
     };
+    if kind == RunKind::Test {
+        foreseen::tell_one(context, case);
+    }
     let folder = RunFolder::create(out, context.force)?;
     let record = planned.in_folder(&folder, &mut show)?;
     run_report::print(context, out, &record)

@@ -1,13 +1,13 @@
 //! The measures of a finished test as lines of text.
 
 use granum_io::RunRecord;
-use granum_run::strength::flow_class;
+use granum_run::strength::{COHESIVE, SECANT_REMARK, flow_class};
 
 /// What a test says of its material, in a few lines.
 pub fn lines(record: &RunRecord) -> Vec<String> {
     let of = Measures(record);
     let powder = [of.unconfined_strength(), of.tensile_strength()];
-    [of.peak_and_late(), of.liquefaction(), of.cycles(), of.strength(), of.critical_state()]
+    [of.peak_and_late(), of.liquefaction(), of.cycles(), of.strength(), of.cohesion(), of.critical_state()]
         .into_iter()
         .chain(powder)
         .flatten()
@@ -133,13 +133,24 @@ impl Measures<'_> {
         Some(format!("tensile strength: {:.4} kPa", self.value("tensile_strength")? / 1e3))
     }
 
+    /// What the friction angles of cohesive grains are.
+    fn cohesion(&self) -> Option<String> {
+        self.value("peak_friction_angle")?;
+        self.value(COHESIVE).map(|_| format!("remark: {SECANT_REMARK} (granum compare)"))
+    }
+
     /// The late state, and how much it still changes in ten per cent of strain.
     fn critical_state(&self) -> Option<String> {
         let (void, p) = (self.value("critical_void_ratio")?, self.value("critical_mean_stress")?);
         let drift = |name: &str| self.value(name).unwrap_or(f64::NAN) * 0.1;
+        let is_critical = match self.value("at_critical_state") {
+            Some(1.0) => ": a critical state, within the limits of critical_state",
+            Some(_) => ": not a critical state, within the limits of critical_state",
+            None => "",
+        };
         Some(format!(
             "late state: void ratio {void:.4} at p {:.2} kPa, drifting by {:+.4} and {:+.2} kPa in 10 % of deviatoric strain (0 at the \
-             critical state)",
+             critical state){is_critical}",
             p / 1e3,
             drift("critical_void_ratio_drift"),
             drift("critical_mean_stress_drift") / 1e3,

@@ -7,7 +7,8 @@ use clap::Args;
 use granum_core::Column;
 use granum_io::shell::ShowPath;
 use granum_io::{RunStatus, check_output_file, write_table};
-use granum_run::runs_table::{RunsTable, Selection};
+use granum_run::runs_table::{RunEntry, RunsTable, Selection};
+use granum_run::strength::{SECANT_REMARK, is_cohesive};
 use serde_json::{Map, Value, json};
 
 use super::run_folders::run_entries;
@@ -56,6 +57,12 @@ impl Table {
         }
         for run in runs.iter().filter(|run| run.record.status != RunStatus::Finished) {
             context.warn(&format!("{} did not reach its end", run.name));
+        }
+        let is_cohesive = |run: &RunEntry| {
+            run.record.measures.contains_key("peak_friction_angle") && is_cohesive(&run.case)
+        };
+        if runs.iter().any(is_cohesive) {
+            context.note(SECANT_REMARK);
         }
         let table = RunsTable::from_runs(&runs);
         let full = table.select(Selection::All);

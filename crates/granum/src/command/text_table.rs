@@ -1,12 +1,26 @@
-//! A table of numbers and words as aligned text.
+//! A table of numbers and words as aligned text, or as JSON.
 
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
+use serde_json::{Value, json};
 
 /// Significant digits of numbers.
 const DIGITS: usize = 4;
 /// The separator of columns.
 const GAP: &str = "  ";
+
+/// The rows of a table as objects.
+pub fn rows(table: &Table) -> Vec<Value> {
+    let cell = |column: &Column, row: usize| match column.numbers() {
+        Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
+        None => json!(column.text(row)),
+    };
+    let object = |row: usize| {
+        let cells = table.columns().iter().map(|column| (column.name.clone(), cell(column, row)));
+        Value::Object(cells.collect())
+    };
+    (0..table.rows()).map(object).collect()
+}
 
 /// The lines of a table: names, units if there are any, and a line for each row. A long name is broken at its dots and
 /// underscores, so that a column is not wider than it must be.

@@ -62,6 +62,76 @@ fn a_sample_that_liquefies_says_so() {
     assert!(path.contains("(kPa)") && !path.contains("(Pa)"), "{path}");
 }
 
+/// An undrained test ends at a stress, which is a result: its stage was not cut short, and its sample has liquefied.
+#[test]
+fn an_undrained_test_ends_at_a_stress() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    done(here, &["init", "--case", "undrained-loose", "undrained-loose.toml"]);
+    let text = std::fs::read_to_string(here.join("undrained-loose.toml")).unwrap();
+    let text = format!("{text}until = {{ mean_stress = \"4 kPa\" }}\n");
+    std::fs::write(here.join("undrained-loose.toml"), text).unwrap();
+    let told = run(here, "undrained-loose", "loose", &["--set", "stage.1.states=100"]);
+    let notes = told["notes"].to_string();
+    assert!(notes.contains("mean_stress reached 4000 Pa"), "{notes}");
+    assert_eq!(measure(&told, "liquefied"), 1.0);
+    let end = &told["stresses"][1]["end"];
+    let reached = end["mean_stress"].as_f64().unwrap();
+    assert!((3.0e3..=4.1e3).contains(&reached), "{end}");
+    let cut =
+        told["quality"].as_array().unwrap().iter().find(|flag| flag["name"] == "stages_cut_short").unwrap();
+    assert_eq!(cut["passed"], true, "{cut}");
+    assert!(
+        std::fs::read_to_string(here.join("loose/case.toml"))
+            .unwrap()
+            .contains("until = { mean_stress = 4000 }")
+    );
+}
+
+/// What a test must fail is told before it is run, by a run and by the dry run of a campaign.
+#[test]
+fn a_check_that_must_fail_is_told_before() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    done(here, &["init", "--case", "drained-loose", "sand.toml"]);
+    let plan = |accept: &str| {
+        format!(
+            "case = \"sand.toml\"\n{accept}set = {{ \"grains.count\" = 50, \"stage.1.inertial_number\" = 1e-2 }}\n[design]\nkind = \"full-factorial\"\n\
+             [[variable]]\nkey = \"grains.material.friction\"\nvalues = [0.3, 0.5]\n"
+        )
+    };
+    std::fs::write(here.join("plan.toml"), plan("")).unwrap();
+    let told = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
+    let foreseen = told["foreseen_failures"].as_array().unwrap();
+    assert_eq!(foreseen.len(), 2, "{told:#}");
+    assert!(foreseen[0]["check"] == "inertial_number" && foreseen[0]["certain"] == true, "{told:#}");
+    let warnings = told["warnings"].to_string();
+    assert!(warnings.contains("2 of 2 runs will not pass their check of inertial number"), "{warnings}");
+    assert!(warnings.contains("left out of the data set"), "{warnings}");
+    std::fs::write(here.join("plan.toml"), plan("accept = [\"inertial_number < 0.02\"]\n")).unwrap();
+    let told = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
+    assert_eq!(told["foreseen_failures"], serde_json::json!([]), "the plan accepts it");
+    let fast = [
+        "run",
+        "sand.toml",
+        "--set",
+        "grains.count=50",
+        "--set",
+        "stage.1.inertial_number=1e-2",
+        "--set",
+        "stage.1.axial_strain=0.002",
+        "--set",
+        "preparation.unbalanced_force=5e-2",
+        "--set",
+        "preparation.inertial_number=1e-2",
+        "--out",
+        "fast",
+    ];
+    let output = super::common::run(here, &fast);
+    let text = super::common::stderr(&output);
+    assert!(text.contains("will not pass its check of inertial number"), "{text}");
+}
+
 /// Cycles to liquefaction, and no complaint about a servo that had nothing left to hold.
 #[test]
 fn a_cyclic_test_counts_its_cycles() {
@@ -108,8 +178,16 @@ fn strength_has_a_sign_a_scatter_and_a_line() {
     let angles: Vec<f64> = rows.iter().map(|row| row["peak_friction_angle"].as_f64().unwrap()).collect();
     assert!((angles[3] - 0.5 * (angles[0] + angles[1])).abs() < 1e-9, "{angles:?}");
     assert!((angles[4] - (angles[0] - angles[1]).abs() / 2f64.sqrt()).abs() < 1e-9, "{angles:?}");
-    assert!(told["critical_state_line"]["lambda"].is_f64(), "{told}");
+    // These runs are too fast for their checks, so that they make no line, and each is named with the reason.
+    assert!(told["critical_state_line"].is_null(), "{told}");
+    let left_out = told["not_in_critical_state_line"].as_array().unwrap();
+    assert_eq!(left_out.len(), 3, "{told}");
+    assert!(left_out.iter().all(|run| run["reason"].as_str().unwrap().contains("inertial number")), "{told}");
     assert_eq!(told["materials_differ_in"], serde_json::json!([]));
+    let drawn = std::fs::read_to_string(here.join("runs.svg")).unwrap();
+    assert!(drawn.contains("not critical, or checks not passed") && !drawn.contains(">critical states<"));
+    let text = done(here, &["compare", "one", "two", "high", "-o", "again.svg"]);
+    assert!(text.contains("no critical state line") && text.contains("left out:"), "{text}");
     // Tests of two materials have no line in common.
     run(here, "drained-loose", "smooth", &[&short[..], &["--set", "grains.material.friction=0.1"]].concat());
     let told = done_json(here, &["compare", "one", "high", "smooth", "-o", "materials.svg"]);

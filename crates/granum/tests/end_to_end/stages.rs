@@ -41,6 +41,41 @@ fn a_drained_and_an_undrained_test_of_one_sample() {
     }
 }
 
+/// A stage that ends at a stress tells that stress at its end, in print, in JSON and in its folder, beside the mean over its last interval.
+#[test]
+fn the_stress_at_the_end_of_a_stage_is_that_which_was_reached() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let stages = "[[stage]]\nname = \"up\"\ninertial_number = 3e-3\nxx = { rate = 1 }\nyy = { rate = -0.5 }\nzz = { rate = -0.5 }\n\
+                  until = { axial_deviator_stress = \"30 kPa\" }\nrecord = { every = 1e-4 }\n\
+                  [[stage]]\nname = \"back\"\ninertial_number = 3e-3\nxx = { rate = -1 }\nyy = { rate = 0.5 }\n\
+                  zz = { rate = 0.5 }\nuntil = { axial_deviator_stress = \"10 kPa\" }\nrecord = { every = 1e-4 }\n";
+    std::fs::write(place.join("case.toml"), case() + stages).unwrap();
+    let text = done(place, &["run", "case.toml", "--out", "run"]);
+    assert!(text.contains("at its end") && text.contains("as the mean over its last interval"), "{text}");
+    let found = done_json(place, &["resume", "run"]);
+    let record = granum_io::Run::at(place.join("run")).unwrap().record().unwrap();
+    assert_eq!(record.stage_ends.len(), 2);
+    for (k, (reached, snapshot)) in
+        [(30e3, "run/snapshots/stage-1.parquet"), (10e3, "run/snapshots/end.parquet")].into_iter().enumerate()
+    {
+        let end = &record.stage_ends[k];
+        // The engine ends at the stress with the dashpots, which are not part of the stress of the contacts.
+        assert!((end.axial_deviator_stress - reached).abs() < 500.0, "{end:?}");
+        assert_eq!(found["stresses"][k]["end"]["axial_deviator_stress"], end.axial_deviator_stress);
+        let snapshot = ["parquet", "vtp", "csv"]
+            .iter()
+            .map(|kind| snapshot.replace("parquet", kind))
+            .find(|name| place.join(name).exists());
+        let measured = done_json(place, &["measure", &snapshot.unwrap()]);
+        let text = measured.to_string();
+        assert!(text.contains("stress_11"), "{text}");
+        let last = &found["stresses"][k]["last_interval"];
+        let of_interval = last["stress_11"].as_f64().unwrap() - last["stress_22"].as_f64().unwrap();
+        assert!((of_interval - reached).abs() > 100.0, "the mean over the interval is another: {last}");
+    }
+}
+
 #[test]
 fn shear_runs_the_stages_of_a_case_and_flags_set_them() {
     let folder = tempfile::tempdir().unwrap();

@@ -381,7 +381,7 @@ impl<'a> Steps<'a> {
             ("inertial_number".to_string(), speed),
             (key.to_string(), PathValue::Number(size)),
         ]);
-        Ok(vec![CaseStage::Path { path: PROBES, parameters, resets: true }])
+        Ok(vec![CaseStage::Path { path: PROBES, parameters, resets: true, until: Vec::new() }])
     }
 
     fn repetition(&mut self, at: usize) -> Result<Vec<CaseStage>> {

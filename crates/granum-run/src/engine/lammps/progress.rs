@@ -5,6 +5,7 @@ use std::io::Write;
 use granum_dem::loading::StageEnd;
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::run::StageEndRecord;
 use granum_sensors::{Recorder, SavedRecorder, Sensors};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,9 @@ pub(super) struct Progress<R = Recorder> {
     pub(super) origins: Vec<f64>,
     /// The ends of the stages that are over.
     pub(super) ends: Vec<StageEnd>,
+    /// The states at these ends; those of earlier versions have none.
+    #[serde(default)]
+    pub(super) stage_ends: Vec<StageEndRecord>,
     /// Values of the measure at which snapshots are still due.
     pub(super) snapshots: Vec<f64>,
     /// The instant at which the present stage began, and the last row.
@@ -46,6 +50,7 @@ impl Progress {
             recorders: Vec::new(),
             origins: Vec::new(),
             ends: Vec::new(),
+            stage_ends: Vec::new(),
             snapshots,
             began: None,
             last: None,
@@ -75,6 +80,7 @@ impl Progress {
             read: saved.read,
             origins: saved.origins,
             ends: saved.ends,
+            stage_ends: saved.stage_ends,
             snapshots: saved.snapshots,
             began: saved.began,
             last: saved.last,

@@ -19,12 +19,13 @@ pub(super) fn add(reading: &Reading, seen: &Record, record: &mut RunRecord) {
     let lost = quality::stages_without_stress(seen, &progress.ends);
     let judged: Vec<_> = errors.iter().enumerate().filter(|(k, _)| lost.get(*k) != Some(&true)).collect();
     let (servo_error, servo_limit) = quality::worst_servo_error(&reading.stages, judged.iter().copied());
-    let unmet = progress.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
+    let unmet = quality::unmet_stages(&reading.stages, &progress.ends);
     let mean = quality::mean_of_carrying(seen);
     let largest = |name: &str| seen.series.values(name).unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
     let limit = reading.grains.properties().contact.stable_fraction(MOST_CONTACTS);
     let mut flags = vec![flags::stages_cut_short(unmet)];
-    flags.extend(flags::quasi_static(mean, speed_key));
+    let inertial_number = quality::mean_inertial_number(seen, &reading.stages);
+    flags.extend(flags::quasi_static(inertial_number, mean("unbalanced_force"), speed_key));
     flags.extend([
         flags::overlap("largest_overlap", largest("largest_overlap")),
         flags::time_step("time_step_fraction", progress.time_step_fraction, limit),

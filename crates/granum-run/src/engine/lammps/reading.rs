@@ -5,6 +5,7 @@ use granum_core::observer::Progress as Report;
 use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Measure, Stage, StageEnd, Until};
 use granum_io::Case;
+use granum_io::run::StageEndRecord;
 use granum_sensors::{MissedObservations, Record, RecordedState, Recorder, Sensors};
 
 use super::events::{Event, Instant};
@@ -152,6 +153,8 @@ impl Reading {
 
     fn end(&mut self, number: usize, end: StageEnd, news: &mut News) -> Result<(), LaboratoryError> {
         let last = self.last()?;
+        let state_there = StageEndRecord::new(number, &end, &last.assembly);
+        state_there.add_to(&mut self.progress.stage_ends, self.stages.len());
         if number < self.stages.len() && self.stages.len() <= MOST_STAGES_NOTED && end.reason.is_asked_for() {
             news.snapshots.push((stage_snapshot(number), last.assembly));
         }

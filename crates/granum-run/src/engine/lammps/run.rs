@@ -288,7 +288,9 @@ impl Follower<'_, '_> {
         place.keep_restarts(&[step])?;
         save_measurements(self.reading, self.sink)?;
         let (steps, phase) = (self.reading.steps(), self.reading.stage_name().to_string());
+        let stage_ends = self.reading.progress.stage_ends.clone();
         let record = self.sink.record();
+        record.stage_ends = stage_ends;
         record.steps.insert(TEST.into(), steps);
         record.phase = phase;
         self.sink.save_record()?;
@@ -317,7 +319,9 @@ fn complete(
     let ends = &reading.progress.ends;
     let record = sink.record();
     record.measures.extend(strength::of_test(&seen, &reading.stages, ends));
-    measures::of_oedometers(&seen, &reading.stages, &mut record.measures);
+    record.measures.extend(strength::cohesion_of(&reading.case));
+    record.stage_ends.clone_from(&reading.progress.stage_ends);
+    measures::of_oedometers(&seen, &reading.stages, &record.stage_ends, &mut record.measures);
     for (k, end) in ends.iter().enumerate() {
         let mut text =
             format!("stage {} ({}) ended after {} steps: {}", k + 1, end.name, end.steps, end.reason);
@@ -326,7 +330,7 @@ fn complete(
             let percent = 100.0 * error;
             text += &format!("; its stresses were held within {percent:.2} % of p (root mean square)");
         }
-        let asked = end.reason.is_asked_for();
+        let asked = end.reason.is_asked_for() || native_quality::is_liquefied_end(&reading.stages, k, end);
         if !asked {
             observer.warn(&text);
         }

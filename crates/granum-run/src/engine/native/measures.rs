@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use granum_dem::loading::Stage;
+use granum_io::run::StageEndRecord;
 use granum_sensors::Record;
 
 use crate::strength::symmetry::is_oedometric;
@@ -12,18 +13,20 @@ use crate::strength::symmetry::is_oedometric;
 pub(in crate::engine) fn of_oedometers(
     record: &Record,
     stages: &[Stage],
+    ends: &[StageEndRecord],
     measures: &mut BTreeMap<String, f64>,
 ) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let numbers = column("stage");
     let stresses = ["stress_11", "stress_22", "stress_33"].map(column);
     for (k, stage) in stages.iter().enumerate().filter(|(_, stage)| is_oedometric(stage)) {
-        let last = numbers.iter().rposition(|number| *number == (k + 1) as f64);
-        let Some([axial, y, z]) =
-            last.map(|row| stresses.map(|stress| stress.get(row).copied().unwrap_or(0.0)))
-        else {
-            continue;
+        let end = ends.iter().find(|end| end.stage == k + 1).map(|end| [0, 1, 2].map(|k| end.stress[k][k]));
+        // The mean over the last interval stands in where the end itself was not recorded.
+        let of_interval = || {
+            let row = numbers.iter().rposition(|number| *number == (k + 1) as f64)?;
+            Some(stresses.map(|stress| stress.get(row).copied().unwrap_or(0.0)))
         };
+        let Some([axial, y, z]) = end.or_else(of_interval) else { continue };
         if axial > 0.0 {
             let name: String = stage
                 .name

@@ -13,7 +13,8 @@ use granum_sensors::{MissedObservations, Observation, Record};
 use super::energy_balance::energy_gap;
 use super::test_state::Test;
 use crate::engine::flags;
-use crate::strength::{CARRIES_STRESS, ended_liquefied};
+use crate::strength::symmetry::keeps_volume;
+use crate::strength::{CARRIES_STRESS, Curves, ended_liquefied};
 
 /// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
 fn momentum_drift(assembly: &Assembly) -> f64 {
@@ -173,6 +174,20 @@ fn end_carries_nothing(record: &Record) -> bool {
     !carries.is_empty() && of_last.into_iter().all(|(_, carried)| !carried)
 }
 
+/// Number of the stages that met none of their end conditions. That an undrained sample liquefies is a result: the last stage of a test
+/// that ends with it, has shown what it was to show.
+pub(in crate::engine) fn unmet_stages(stages: &[Stage], ends: &[StageEnd]) -> usize {
+    let is_unmet =
+        |(k, end): &(usize, &StageEnd)| !end.reason.is_asked_for() && !is_liquefied_end(stages, *k, end);
+    ends.iter().enumerate().filter(is_unmet).count()
+}
+
+/// True for the last stage of a test if it is undrained and ended since its sample had liquefied.
+pub(in crate::engine) fn is_liquefied_end(stages: &[Stage], k: usize, end: &StageEnd) -> bool {
+    let undrained = stages.get(k).is_some_and(|stage| keeps_volume(&stage.control) && !stage.settling);
+    k + 1 == stages.len() && undrained && matches!(end.reason, Reason::Unjammed { .. })
+}
+
 /// The mean of a column of a record over the states that count. The first is excluded, since it contains the start of the loading, and so
 /// are those of a sample that has lost its stress: grains without contact move as they like.
 pub(in crate::engine) fn mean_of_carrying(record: &Record) -> impl Fn(&str) -> f64 {
@@ -183,6 +198,24 @@ pub(in crate::engine) fn mean_of_carrying(record: &Record) -> impl Fn(&str) -> f
             values.iter().zip(&carries).skip(1).filter(|(_, c)| **c).map(|(v, _)| *v).collect();
         kept.iter().sum::<f64>() / kept.len().max(1) as f64
     }
+}
+
+/// The mean inertial number of a test, over the same states. It counts at the mean stress at the start of an undrained part where the
+/// sample has lost stress since: the loss is what the test shows, and no speed that is chosen before could follow it.
+pub(in crate::engine) fn mean_inertial_number(record: &Record, stages: &[Stage]) -> f64 {
+    let (curves, carries) = (Curves::new(record, stages), carry_stress(record));
+    let p = curves.mean_stress();
+    let at_start = |row: usize, number: f64| {
+        let share = curves.undrained_from(row).and_then(|start| Some(p.get(row)? / p.get(start)?));
+        match share {
+            Some(share) if (0.0..1.0).contains(&share) => number * share.sqrt(),
+            _ => number,
+        }
+    };
+    let numbers = curves.column("inertial_number").iter().enumerate().zip(&carries).skip(1);
+    let kept: Vec<f64> =
+        numbers.filter(|(_, c)| **c).map(|((row, number), _)| at_start(row, *number)).collect();
+    kept.iter().sum::<f64>() / kept.len().max(1) as f64
 }
 
 /// The quality flags of a finished test; `speed_key` is what sets its speed in the case.
@@ -206,7 +239,7 @@ pub(super) fn judge(
     let errors: Vec<(usize, &ServoError)> =
         ends.chain(present.map(|error| (test.ends.len(), error))).collect();
     let (servo_error, servo_limit) = worst_servo_error(test.list(), errors.iter().copied());
-    let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
+    let unmet = unmet_stages(test.list(), &test.ends);
     let mut flags = if unmet == 0 && test.list().iter().all(is_certain_to_end) {
         Vec::new()
     } else {
@@ -216,7 +249,8 @@ pub(super) fn judge(
     let began = invariants::mean(&test.stage_progress.start.stress);
     let target = state.target_mean_stress().filter(|target| *target > CARRIES_STRESS * began.abs());
     let lost = target.map_or(0.0, |target| 1.0 - state.mean_stress() / target);
-    flags.extend(flags::quasi_static(mean, speed_key));
+    let inertial_number = mean_inertial_number(record, test.list());
+    flags.extend(flags::quasi_static(inertial_number, mean("unbalanced_force"), speed_key));
     flags.extend([
         flags::servo_error(servo_error, servo_limit, speed_key),
         QualityFlag::at_most(
@@ -264,6 +298,40 @@ mod tests {
     use granum_io::Case;
 
     use super::*;
+
+    /// A sample that loses its stress at constant volume is strained as slowly as it was asked for, and that it liquefies at the end of its test
+    /// is no stage that was cut short.
+    #[test]
+    fn liquefaction_is_a_result() {
+        let stages = |text: &str| Case::parse(text, "case.toml").unwrap().test_stages();
+        let undrained = stages("[[stage]]\npath = 'undrained-triaxial'\n");
+        let drained = stages("[[stage]]\npath = 'drained-triaxial'\n");
+        let column = |name: &str, values: [f64; 4]| granum_core::Column::new(name, "", values.to_vec());
+        let p = [100e3, 25e3, 6.25e3, 1e3];
+        let series = granum_core::Table::new(vec![
+            column("stage", [1.0; 4]),
+            column("mean_stress", p),
+            column("inertial_number", p.map(|p| 1e-3 * (100e3 / p).sqrt())),
+        ]);
+        let record = Record { series: series.unwrap(), ..Record::default() };
+        assert!((mean_inertial_number(&record, &undrained) - 1e-3).abs() < 1e-15);
+        assert!(
+            (mean_inertial_number(&record, &drained) - 3e-3).abs() < 1e-15,
+            "the last state carries no stress"
+        );
+        let reason = Reason::Unjammed { mean_stress: 10.0, before: 100e3 };
+        let end = StageEnd {
+            name: "shear".into(),
+            reason,
+            steps: 1,
+            time: 1.0,
+            servo_error: ServoError::default(),
+        };
+        let ends = [end];
+        assert_eq!((unmet_stages(&undrained, &ends), unmet_stages(&drained, &ends)), (0, 1));
+        let followed = [undrained, drained].concat();
+        assert_eq!(unmet_stages(&followed, &ends), 1, "the stages after it were not run");
+    }
 
     fn error(rms: f64) -> ServoError {
         ServoError {

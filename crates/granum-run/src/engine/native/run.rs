@@ -280,7 +280,8 @@ fn complete(
     let speed_key = case.test_definition().speed_key;
     record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test, speed_key));
     record.measures.extend(strength::of_test(&seen, test.list(), &test.ends));
-    measures::of_oedometers(&seen, test.list(), &mut record.measures);
+    record.measures.extend(strength::cohesion_of(case));
+    measures::of_oedometers(&seen, test.list(), &test.stage_ends, &mut record.measures);
     record_stages(test, &seen, record, observer);
     if let Some(remark) = quality::remark_on_samples(&test.missed_observations(), speed_key) {
         observer.warn(&remark);
@@ -306,7 +307,9 @@ fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &
             let percent = 100.0 * end.servo_error.rms();
             text.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
         }
-        if !reason.is_asked_for() {
+        if quality::is_liquefied_end(test.list(), k, end) {
+            text.push_str("; the sample has liquefied, which is the result of this undrained test");
+        } else if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
             let rest =
                 if left > 0 { format!("; number of later stages not run: {left}") } else { String::new() };

@@ -131,6 +131,7 @@ impl RunState {
             RunPart::Test(test) => {
                 record.steps.insert(TEST.into(), test.steps(step));
                 record.phase = test.stage_name().to_string();
+                record.stage_ends.clone_from(&test.stage_ends);
             }
         }
     }

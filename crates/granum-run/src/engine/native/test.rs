@@ -6,6 +6,7 @@ use granum_core::observer::Event;
 use granum_dem::loading::{self, Ending, StageEnd};
 use granum_dem::observer::{SimulationObserver, SimulationObservers};
 use granum_io::Case;
+use granum_io::run::StageEndRecord;
 
 use super::follow::{self, Follow, Outlet, Snapshots, stage_snapshot};
 use super::pace::Interval;
@@ -94,6 +95,8 @@ impl TaskExecution {
         let (steps, reason_text) = (end.steps, reason.to_string());
         let ended = Event::StageEnded { number, name, steps, reason: reason_text };
         outlet.observer.borrow_mut().event(&ended);
+        let state_there = StageEndRecord::new(number, &end, &simulation.assembly());
+        state_there.add_to(&mut test.stage_ends, test.stages.len());
         test.ends.push(end);
         // After a stage that met none of its end conditions, the following stages would not start from the intended state.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {

@@ -5,6 +5,7 @@ use granum_dem::loading::{Stage, StageEnd, StageProgress, Start, begin};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::case::TestDefinition;
+use granum_io::run::StageEndRecord;
 use granum_sensors::{Record, RecordedState, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -25,6 +26,9 @@ pub(super) struct Test<R = Recorder> {
     pub(super) recorders: Vec<R>,
     /// The ends of the completed stages.
     pub(super) ends: Vec<StageEnd>,
+    /// The states at these ends, as far as they are recorded; checkpoints of earlier versions have none.
+    #[serde(default)]
+    pub(super) stage_ends: Vec<StageEndRecord>,
     /// Energy of the sample when strain and work were last set to zero.
     pub(super) before: StoredEnergy,
     /// True if global damping has dissipated energy since then.
@@ -65,6 +69,7 @@ impl SavedTest {
             stages: self.stages,
             stage_progress: self.stage_progress,
             ends: self.ends,
+            stage_ends: self.stage_ends,
             before: self.before,
             damped: self.damped,
             columns: self.columns,
@@ -120,6 +125,7 @@ impl Test {
             stage_progress: StageProgress::default(),
             recorders: Vec::new(),
             ends: Vec::new(),
+            stage_ends: Vec::new(),
             before: StoredEnergy::from_assembly(&simulation.assembly()),
             damped: false,
             columns,

@@ -7,7 +7,7 @@ use granum_io::{Case, RunRecord};
 use granum_sensors::Record;
 
 use super::curves::Curves;
-use super::{cyclic, liquefaction, monotonic, stiffness, unconfined};
+use super::{cohesion_of, criticality, cyclic, liquefaction, monotonic, stiffness, unconfined};
 
 /// The measures of a test with the given stages ([`granum_io::Case::test_stages`]), by the names of [`super::MEASURES`]. `ends` are the
 /// ends of its stages, as far as they are known: they tell of a state that was reached just after the last recorded one.
@@ -29,6 +29,11 @@ pub fn of_test(record: &Record, stages: &[Stage], ends: &[StageEnd]) -> BTreeMap
     if !turns {
         monotonic::add_late(&curves, &rows, &carries, &mut measures);
     }
+    if measures.contains_key("critical_void_ratio") {
+        let is_critical = criticality::ended_critical(ends)
+            || criticality::of_rows(&curves, &rows).is_ok_and(|change| change.is_critical());
+        measures.insert("at_critical_state".into(), f64::from(u8::from(is_critical)));
+    }
     if curves.tells_strength(&rows) {
         monotonic::add_friction(&curves, &rows, &carries, &mut measures);
         if !turns {
@@ -47,11 +52,14 @@ pub fn of_test(record: &Record, stages: &[Stage], ends: &[StageEnd]) -> BTreeMap
 pub fn of_run(case: &Case, about: &RunRecord, record: &Record) -> BTreeMap<String, f64> {
     let mut measures = of_test(record, &case.test_stages(), &[]);
     let needs_ends = |name: &str| {
-        ["cycles", "liquef", "double_amplitude", "tensile_strength"].iter().any(|part| name.contains(part))
+        ["cycles", "liquef", "double_amplitude", "tensile_strength", "at_critical_state"]
+            .iter()
+            .any(|part| name.contains(part))
             && !name.starts_with("preparation")
     };
     let recorded = about.measures.iter().filter(|(name, _)| needs_ends(name));
     measures.extend(recorded.map(|(name, value)| (name.clone(), *value)));
+    measures.extend(cohesion_of(case));
     measures
 }
 

@@ -21,10 +21,13 @@ use super::flags::{CarryOutFlags, PlanFlags, SchedulerFlags};
 use super::show::ShowCampaign;
 use super::{choice, estimate, plan_text, scheduling, status};
 use crate::command::engine_flags::LammpsFlags;
+use crate::command::foreseen::Foreseen;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
 
+/// What becomes of runs that do not pass their checks.
+const LEFT_OUT: &str = "; they will be left out of the data set unless `accept` of the plan names the check";
 /// Number of runs that are named in a message.
 const MOST_NAMED: usize = 10;
 
@@ -35,8 +38,11 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
     if flags.dry_run {
         let campaign = Campaign::new(&out, &plan, &planned, env!("CARGO_PKG_VERSION"));
         check(&context.with_force(), &flags.carry_out, &campaign)?;
+        let foreseen = Foreseen::of_campaign(&campaign)?;
+        foreseen.tell(context, LEFT_OUT);
         let estimate = estimate::run_pilots(context, flags, &plan, &planned)?;
         let mut result = plan_text::as_json(&planned);
+        result["foreseen_failures"] = foreseen.as_json();
         result["estimate"] = json!(estimate.as_ref().map(estimate::as_json));
         return output::say(context, &result, || {
             let text = plan_text::text(&plan, &planned);
@@ -187,6 +193,7 @@ fn prepared(
         }
     }
     check(context, flags, &campaign)?;
+    Foreseen::of_campaign(&campaign)?.tell(context, LEFT_OUT);
     let folder = OutputFolder::open_or_create(out)?;
     folder.refuse_links(&[RUNS])?;
     for name in &dropped {
