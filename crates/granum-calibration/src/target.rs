@@ -1,6 +1,7 @@
 //! Targets of a calibration: the tests of a laboratory with their conditions and with what is compared of them.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use granum_io::{Error, LaboratoryTest};
@@ -40,6 +41,9 @@ pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> Cow<'_, [f64]> {
     }
 }
 
+/// Most tests that are calibrated on, and most that are predicted.
+pub const MOST_TESTS: usize = 200;
+
 /// The targets that a file asks for, in its order, or all tests that are not predicted.
 ///
 /// # Errors
@@ -47,8 +51,9 @@ pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> Cow<'_, [f64]> {
 pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<TargetTest>> {
     let table = &file.calibration;
     let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
-    for (k, test) in tests.iter().enumerate() {
-        if tests[..k].iter().any(|other| other.name == test.name) {
+    let mut seen = BTreeSet::new();
+    for test in tests {
+        if !seen.insert(&test.name) {
             return Err(CalibrationError::Input(format!(
                 "two tests have the name {:?}; calibrate on one of them, or rename one in its file",
                 test.name
@@ -79,7 +84,19 @@ pub fn targets(file: &CalibrationFile, tests: &[LaboratoryTest]) -> Result<Vec<T
             file.plan.source.error(&table.predict_span, message),
         )));
     }
+    check_number(chosen.len(), "calibrated on")?;
     chosen.into_iter().map(|test| target(file, test)).collect()
+}
+
+/// Refuses more tests than a calibration ends with in a reasonable time: each adds curves to every evaluation of the likelihood, and
+/// simulations to every round.
+fn check_number(tests: usize, what: &str) -> Result<()> {
+    if tests <= MOST_TESTS {
+        return Ok(());
+    }
+    Err(CalibrationError::Input(format!(
+        "{tests} tests would be {what}, and at most {MOST_TESTS} are possible; choose among them by tests and predict in the table [calibration]"
+    )))
 }
 
 /// The tests that a file asks to predict from the calibration on the others: those that are not among the targets, or those of its names.
@@ -105,6 +122,7 @@ pub fn predicted(
             file.plan.source.error(&table.predict_span, message),
         )));
     }
+    check_number(chosen.len(), "predicted")?;
     chosen.into_iter().map(|test| target(file, test)).collect()
 }
 

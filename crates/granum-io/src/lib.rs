@@ -20,6 +20,7 @@ pub mod packing;
 mod presence;
 mod recordable;
 pub mod run;
+pub mod safe_text;
 pub mod sealed;
 pub mod shell;
 pub mod snapshot;
@@ -29,7 +30,7 @@ mod windows_names;
 pub use case::{Case, Reading};
 pub use contain::is_contained;
 pub use error::{Error, InputError, Result};
-pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};
+pub use folder::{OutputFolder, check_name, check_output_file, inner_folder, process};
 pub use formats::{
     Formats, read_columns, read_packing, read_table, read_table_with_words, write_packing, write_table,
 };
@@ -38,5 +39,5 @@ pub use laboratory_curves::{Conventions, DeviatorMeasure, LaboratoryDoubt, Labor
 pub use named_file::named_file;
 pub use packing::Packing;
 pub use presence::is_there;
-pub use recordable::recordable;
+pub use recordable::{moved_with, path_from, path_in, recordable};
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunKind, RunRecord, RunSource, RunStatus};

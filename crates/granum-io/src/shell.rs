@@ -5,6 +5,8 @@
 
 use std::path::Path;
 
+use crate::safe_text;
+
 /// A word in the form that a shell requires: unchanged if it contains nothing special to a shell, otherwise in quotes.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%\\".contains(c);
@@ -20,6 +22,10 @@ pub fn quoted(word: &str) -> String {
 /// bash, zsh, ksh and the present POSIX standard read.
 pub fn quoted_path(path: &Path) -> String {
     let inner = match path.to_str() {
+        // What a terminal obeys is written so that a shell reads it.
+        Some(text) if text.contains(safe_text::is_obeyed) && !cfg!(windows) => {
+            escaped(path, |c| matches!(c, '\'' | '\\'))
+        }
         Some(text) if !text.starts_with('-') => return quoted(text),
         Some(text) => return quoted(&format!("./{text}")),
         None => escaped(path, |c| matches!(c, '\'' | '\\')),
@@ -56,10 +62,7 @@ fn escaped(path: &Path, special: impl Fn(char) -> bool) -> String {
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
         for c in chunk.valid().chars() {
             match c {
-                '\n' => text.push_str("\\n"),
-                '\t' => text.push_str("\\t"),
-                '\r' => text.push_str("\\r"),
-                c if c.is_control() => text.push_str(&format!("\\u{:04x}", c as u32)),
+                c if safe_text::is_obeyed(c) => text.push_str(&safe_text::line(c.encode_utf8(&mut [0; 4]))),
                 c if special(c) => text.extend(['\\', c]),
                 c => text.push(c),
             }
@@ -85,6 +88,10 @@ mod tests {
         assert_eq!(shown(Path::new("grün/it's")), "grün/it's");
         assert_eq!(shown(Path::new("a\nb\u{1b}[31m")), "a\\nb\\u001b[31m");
         assert_eq!(path_text(Path::new("a\nb")), "a\nb");
+        assert_eq!(shown(Path::new("a\u{202e}b")), "a\\u202eb");
+        if cfg!(unix) {
+            assert_eq!(quoted_path(Path::new("a'\u{1b}b")), "$'a\\'\\u001bb'");
+        }
     }
 
     #[cfg(unix)]

@@ -6,6 +6,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use granum_io::InputError;
+use granum_io::safe_text;
 use miette::{
     Diagnostic, GraphicalReportHandler, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan,
     SpanContents,
@@ -92,14 +93,14 @@ impl Failure {
     fn text(&self, drawn: bool) -> String {
         let places = self.places();
         if places.is_empty() {
-            return format!("error: {}\n", self.message());
+            return format!("error: {}\n", safe_text::terminal(&self.message()));
         }
         let handler = GraphicalReportHandler::new();
         let mut text = String::new();
         for place in places {
             let drawn = drawn && !place.source_text.is_empty();
-            if !drawn || handler.render_report(&mut text, &Drawn(place)).is_err() {
-                text.push_str(&format!("error: {place}\n"));
+            if !drawn || handler.render_report(&mut text, &Drawn(&safe(place))).is_err() {
+                text.push_str(&format!("error: {}\n", safe_text::terminal(&place.to_string())));
             }
         }
         text
@@ -134,6 +135,17 @@ impl Failure {
         };
         let places: Vec<_> = self.places().iter().map(place).collect();
         serde_json::json!({ "error": { "message": self.message(), "places": places }, "warnings": warnings })
+    }
+}
+
+/// A position whose texts can be drawn on a terminal, whatever the file and its name hold.
+fn safe(place: &InputError) -> InputError {
+    InputError {
+        file: safe_text::line(&place.file).into_owned(),
+        message: safe_text::terminal(&place.message).into_owned(),
+        help: place.help.as_ref().map(|help| safe_text::terminal(help).into_owned()),
+        source_text: safe_text::of_same_length(&place.source_text).into(),
+        ..place.clone()
     }
 }
 

@@ -7,12 +7,14 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 
-/// Writes a line.
+use granum_io::safe_text;
+
+/// Writes a line, or several. Names of files, tests or values in it are shown, whatever they hold.
 pub fn line(text: impl Display) {
-    write(&format!("{text}\n"));
+    write(&format!("{}\n", safe_text::terminal(&text.to_string())));
 }
 
-/// Writes text that ends its lines itself. It is written at once, so that lines of several processes are not mixed.
+/// Writes text that ends its lines itself and may be coloured. It is written at once, so that lines of several processes are not mixed.
 pub fn write(text: &str) {
     let mut error = io::stderr().lock();
     // There is no place where the loss of a message could be reported.

@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use granum_io::formats::csv;
+use granum_io::safe_text;
 use granum_io::shell::ShowPath;
 use granum_io::shell::path_text;
 use granum_io::{Table, check_output_file, write_table};
@@ -115,8 +116,10 @@ fn print(text: &str) -> Result<(), Failure> {
 }
 
 fn to_output(text: &str) -> io::Result<()> {
+    // Names of files, tests or values may hold signs that a terminal obeys; escaped as in JSON they have their meaning in JSON.
+    let safe = safe_text::terminal(text);
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush())
+    out.write_all(safe.as_bytes()).and_then(|()| out.flush())
 }
 
 /// The result of writing to standard output, where a closed pipe is not a failure: its reader has ended early, as `| head`

@@ -1,16 +1,18 @@
 //! The program `granum`: its command line, for this program and for programs that add to it.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
+use granum_io::safe_text;
 
 use crate::command::{self, Command};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::registry::Registry;
-use crate::{interrupt, output};
+use crate::{interrupt, messages, output};
 
 /// Exit status for an invalid command line.
 const USAGE: u8 = 2;
@@ -101,8 +103,13 @@ fn refuse(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     if json {
         Failure::print_usage_as_json(error);
     } else {
-        // Its loss changes nothing about the exit status.
-        let _ = error.print();
+        // Words of the command line may hold signs that a terminal obeys; then the error has no colours.
+        let plain = error.render().to_string();
+        match safe_text::terminal(&plain) {
+            // Its loss changes nothing about the exit status.
+            Cow::Borrowed(_) => drop(error.print()),
+            Cow::Owned(safe) => messages::write(&safe),
+        }
     }
     ExitCode::from(USAGE)
 }

@@ -4,6 +4,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use granum_io::safe_text;
 use granum_run::laboratory::ProgressField;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -57,7 +58,7 @@ impl Progress {
 
     /// Starts a phase, e.g. "compaction", "test", "train F1".
     pub fn phase(&mut self, name: impl Into<String>) {
-        self.phase = name.into();
+        self.phase = safe_text::line(&name.into()).into_owned();
         self.started = Instant::now();
         match &mut self.display {
             Display::Silent => {}
@@ -84,7 +85,8 @@ impl Progress {
                 fields.extend(left.map(|left| ProgressField::new(0, format!("{left} left"))));
                 let taken = self.phase.chars().count() + AROUND;
                 bar.set_position((done * LENGTH as f64) as u64);
-                bar.set_message(fitting(fields, columns().saturating_sub(taken)));
+                let text = fitting(fields, columns().saturating_sub(taken));
+                bar.set_message(safe_text::line(&text).into_owned());
             }
             Display::Lines { last } => {
                 if last.is_some_and(|last| last.elapsed() < LINE_EVERY) {
@@ -104,7 +106,9 @@ impl Progress {
         let line = |phase: &str, text: String, elapsed| format!("{phase}: {text} ({})", readable(elapsed));
         match &self.display {
             Display::Silent => {}
-            Display::Bar(bar) => bar.println(line(&self.phase, text(), self.started.elapsed())),
+            Display::Bar(bar) => {
+                bar.println(safe_text::terminal(&line(&self.phase, text(), self.started.elapsed())));
+            }
             Display::Lines { .. } => messages::line(line(&self.phase, text(), self.started.elapsed())),
         }
     }

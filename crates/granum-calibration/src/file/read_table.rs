@@ -263,6 +263,11 @@ fn strains(reader: &mut Reader, item: &Node, table: &DeTable) -> Option<Vec<f64>
         let items = reader.array(node, "strains")?.iter();
         let found =
             items.map(|item| reader.number(item, "strains", STRAIN_UNIT)).collect::<Option<Vec<_>>>()?;
+        if found.len() as u64 > MOST_STRAINS {
+            let message = format!("there are {} strains; at most {MOST_STRAINS} are possible", found.len());
+            reader.error(node.span(), message, "");
+            return None;
+        }
         let rise = found.windows(2).all(|pair| pair[1] > pair[0]);
         if found.is_empty() || !rise || found[0] <= 0.0 || found[found.len() - 1] >= 1.0 {
             let help = "write e.g. strains = [\"1 %\", \"2 %\", \"5 %\", \"10 %\"]";

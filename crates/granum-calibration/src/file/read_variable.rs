@@ -84,7 +84,16 @@ pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option
             }
         }
     };
-    Some((PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span }, role))
+    let variable = PlanVariable {
+        name: draft.name,
+        keys: draft.keys,
+        unit,
+        kind,
+        new_stage: false,
+        step,
+        span: draft.span,
+    };
+    Some((variable, role))
 }
 
 fn prior(reader: &mut Reader, draft: &Draft, kind: Kind, unit: &str) -> Option<Prior> {

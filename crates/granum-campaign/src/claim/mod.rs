@@ -15,6 +15,7 @@
 //! their places as a whole.
 
 mod owner;
+mod waiting;
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -28,6 +29,7 @@ use granum_io::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 use self::owner::Owner;
+pub use self::waiting::Waiting;
 
 /// Folder of the claims of a campaign.
 pub const CLAIMS: &str = "claims";
@@ -105,11 +107,16 @@ impl Claimant {
     }
 
     /// Takes the claim, or finds that its process lives: on the machine of that process at once, and from another one when it has beaten,
-    /// or has not for as long as a claim lasts. Ends without the claim when `stops` says so.
+    /// or has not for as long as a claim lasts. Ends without the claim when `stops` says so. `tell` is told for whom it waits.
     ///
     /// # Errors
     /// As [`Claimant::take`].
-    pub fn take_unless_alive(&mut self, stops: &dyn Fn() -> bool) -> Result<Option<Claim>> {
+    pub fn take_unless_alive(
+        &mut self,
+        stops: &dyn Fn() -> bool,
+        tell: &dyn Fn(&str),
+    ) -> Result<Option<Claim>> {
+        let mut waiting = Waiting::after(self.times.beat / 2);
         loop {
             if let Some(claim) = self.take()? {
                 return Ok(Some(claim));
@@ -118,16 +125,37 @@ impl Claimant {
             if self.is_at_work() || stops() || owner.is_some_and(|content| content.owner.is_seen_alive()) {
                 return Ok(None);
             }
+            if let Some(words) = waiting.words(|_| self.in_the_way()) {
+                tell(&words);
+            }
             thread::sleep(self.times.beat.min(LOOK_EVERY));
         }
     }
 
     /// Who holds the claim, in words: ` (process 4711 on node12)`.
     pub fn holder(&self) -> String {
-        let content = self.seen.as_ref().and_then(|seen| serde_json::from_str::<Content>(&seen.text).ok());
-        content.map_or_else(String::new, |Content { owner, .. }| {
-            format!(" (process {} on {})", owner.process, owner.host)
-        })
+        self.owner().map_or_else(String::new, |owner| format!(" ({})", owner.in_words()))
+    }
+
+    fn owner(&self) -> Option<Owner> {
+        let seen = self.seen.as_ref()?;
+        serde_json::from_str::<Content>(&seen.text).ok().map(|content| content.owner)
+    }
+
+    /// For whom it waits, what is known of it, and when the wait is over, in words.
+    pub fn in_the_way(&self) -> String {
+        let who = self.owner().map_or_else(|| "another process".to_string(), |owner| owner.in_words());
+        let Some(seen) = &self.seen else { return who };
+        let silent = seen.since.elapsed();
+        let file = format!("{}.{}", self.name, seen.generation);
+        if silent < 2 * self.times.beat {
+            return format!("{who}, which has the claim {file} and is at work");
+        }
+        format!(
+            "{who}, which has the claim {file} and has not been heard of for {} s; after {} s without a sign of it this process goes on",
+            silent.as_secs(),
+            self.times.stale.as_secs()
+        )
     }
 
     /// True if the claim in the way has beaten while it was watched, so that its process is at work.
@@ -395,14 +423,17 @@ mod tests {
         let held = claimant(folder).take().unwrap().unwrap();
         let slow = ClaimTimes { beat: Duration::from_secs(1000), stale: Duration::from_secs(1000) };
         let mut other = Claimant::with_times(folder, "sample 1", slow);
-        assert!(other.take_unless_alive(&never).unwrap().is_none(), "known at once on this machine");
+        assert!(other.take_unless_alive(&never, &|_| ()).unwrap().is_none(), "known at once on this machine");
         drop(held);
         foreign(folder, 1, 0);
         assert!(
-            Claimant::with_times(folder, "sample 1", slow).take_unless_alive(&|| true).unwrap().is_none()
+            Claimant::with_times(folder, "sample 1", slow)
+                .take_unless_alive(&|| true, &|_| ())
+                .unwrap()
+                .is_none()
         );
         let since = Instant::now();
-        let taken = claimant(folder).take_unless_alive(&never).unwrap();
+        let taken = claimant(folder).take_unless_alive(&never, &|_| ()).unwrap();
         assert!(taken.is_some() && since.elapsed() >= TIMES.stale, "it did not beat");
         drop(taken);
         foreign(folder, 1, 0);
@@ -417,9 +448,34 @@ mod tests {
                     }
                 }
             });
-            assert!(claimant(folder).take_unless_alive(&never).unwrap().is_none(), "it beats");
+            assert!(claimant(folder).take_unless_alive(&never, &|_| ()).unwrap().is_none(), "it beats");
             stop.store(true, Ordering::Relaxed);
         });
+    }
+
+    /// Who waits is told for whom, and how long that one has been silent.
+    #[test]
+    fn the_process_in_the_way_is_named() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path();
+        foreign(folder, 2, 0);
+        let mut one = claimant(folder);
+        assert!(one.take().unwrap().is_none());
+        let process = std::process::id();
+        let begin = format!("process {process} on node12, which has the claim sample-1.2 and ");
+        assert_eq!(one.in_the_way(), format!("{begin}is at work"));
+        thread::sleep(3 * TIMES.beat);
+        let words = one.in_the_way();
+        assert!(words.starts_with(&format!("{begin}has not been heard of for 0 s; after 0 s")), "{words}");
+        let told = std::sync::Mutex::new(Vec::new());
+        let slow = ClaimTimes { stale: Duration::from_secs(1000), ..TIMES };
+        let mut other = Claimant::with_times(folder, "sample 1", slow);
+        let since = Instant::now();
+        let stops = || since.elapsed() > 10 * TIMES.beat;
+        let tell = |words: &str| told.lock().unwrap().push(words.to_string());
+        assert!(other.take_unless_alive(&stops, &tell).unwrap().is_none());
+        let told = told.into_inner().unwrap();
+        assert!(told.len() == 1 && told[0].starts_with("has waited 0 s for process "), "{told:?}");
     }
 
     #[test]

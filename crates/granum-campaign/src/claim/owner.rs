@@ -4,6 +4,7 @@ use std::fs;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use granum_io::process::is_suspended;
 use serde::{Deserialize, Serialize};
 
 /// What tells whether another process sees the same processes: the start of the machine and the name space of its processes. Empty where
@@ -55,6 +56,17 @@ impl Owner {
     /// True if its process has ended for certain, which is known on its machine only.
     pub(super) fn has_ended(&self) -> bool {
         self.is_here() && begin_of(self.process).is_none_or(|began| began != self.began)
+    }
+
+    /// It in words: `process 4711 on node12`, and whether it is suspended, as far as this machine sees it.
+    pub(super) fn in_words(&self) -> String {
+        let Owner { host, process, .. } = self;
+        match self.is_here() && is_suspended(*process) {
+            true => format!(
+                "process {process} on {host}, which is suspended (kill -CONT {process} lets it go on, kill -KILL {process} ends it)"
+            ),
+            false => format!("process {process} on {host}"),
+        }
     }
 
     /// True if its process goes on for certain.

@@ -1,6 +1,7 @@
 //! The card of a data set: what it is, in words.
 
 use granum_core::quantity::format_number;
+use granum_io::safe_text::{line, markdown, markdown_code};
 use granum_io::{Column, ColumnKind};
 
 use super::layout::VARIABLE;
@@ -65,7 +66,7 @@ fn which_runs(written: &Written) -> String {
         .map_or(0, |passed| passed.iter().filter(|value| **value == 0.0).count());
     if flagged_in > 0 {
         let accept: Vec<String> =
-            written.campaign.accept().iter().map(|condition| format!("`{}`", condition.text())).collect();
+            written.campaign.accept().iter().map(|condition| markdown_code(condition.text())).collect();
         lines.push(format!(
             "{flagged_in} of these did not pass every check and are accepted by the plan ({}); `failed_checks` names their checks.",
             accept.join(", ")
@@ -113,9 +114,10 @@ fn variables(written: &Written) -> String {
         let values = written.runs.get(&column).map(values).unwrap_or_default();
         let scale = if variable.logarithmic { ", on a logarithmic scale" } else { "" };
         lines.push(format!(
-            "| {} | `{column}` | {} | {values}{scale} |",
-            variable.name,
-            variable.keys.join(", ")
+            "| {} | {} | {} | {values}{scale} |",
+            markdown(&variable.name),
+            markdown_code(&column),
+            markdown(&variable.keys.join(", "))
         ));
     }
     lines.join("\n") + "\n"
@@ -123,13 +125,14 @@ fn variables(written: &Written) -> String {
 
 /// The values of a column in words.
 fn values(column: &Column) -> String {
-    let unit = if column.unit.is_empty() { String::new() } else { format!(" {}", column.unit) };
+    let unit = if column.unit.is_empty() { String::new() } else { format!(" {}", markdown(&column.unit)) };
     if column.has_words() {
         let mut words = column.words.clone();
         words.sort();
         let all = words.len();
         words.truncate(8);
         let more = if all > 8 { format!(" and {} more", all - 8) } else { String::new() };
+        let words: Vec<String> = words.iter().map(|word| markdown(word)).collect();
         return format!("{}{more}", words.join(", "));
     }
     let finite = || column.values.iter().copied().filter(|value| value.is_finite());
@@ -175,9 +178,9 @@ fn run_columns(written: &Written) -> String {
             _ => values(column),
         };
         lines.push(format!(
-            "| `{}` | {} | {values} | {} |",
-            column.name,
-            column.unit,
+            "| {} | {} | {values} | {} |",
+            markdown_code(&column.name),
+            markdown(&column.unit),
             meaning(written, &column.name)
         ));
     }
@@ -191,15 +194,18 @@ fn state_columns(written: &Written) -> String {
         "|---|---|---|".into(),
     ];
     for column in written.states.table.columns() {
-        lines.push(format!("| `{}` | {} | {} |", column.name, column.unit, meaning(written, &column.name)));
+        let (name, unit) = (markdown_code(&column.name), markdown(&column.unit));
+        lines.push(format!("| {name} | {unit} | {} |", meaning(written, &column.name)));
     }
     for list in &written.states.lists {
-        lines.push(format!("| `{}` | {} | list: {} |", list.name, list.unit, meaning::of_list(&list.name)));
+        let (name, unit) = (markdown_code(&list.name), markdown(&list.unit));
+        lines.push(format!("| {name} | {unit} | list: {} |", line(&meaning::of_list(&list.name))));
     }
     lines.join("\n") + "\n"
 }
 
 fn meaning(written: &Written, name: &str) -> String {
     let campaign = written.campaign;
-    meaning::of_column(name, campaign.base(), campaign.sensors()).replace('|', "\\|").replace('\n', " ")
+    let meaning = meaning::of_column(name, campaign.base(), campaign.sensors());
+    line(&meaning.replace('\n', " ")).replace('|', "\\|").replace('<', "&lt;")
 }

@@ -7,8 +7,9 @@ use granum_io::Result;
 use granum_run::Flow;
 
 use super::contents::Contents;
+use super::known::{Known, known};
 use super::layout::DATA_SET;
-use super::write::{known_digest, remove, write};
+use super::write::{remove, write};
 use crate::campaign::Campaign;
 use crate::plan::Keep;
 use crate::rows::{RowFiles, RowWriter, forget_leftovers, read_run, remove_folder};
@@ -29,7 +30,7 @@ pub struct Collected {
     pub failed: usize,
     /// Number of runs that are not finished.
     pub unfinished: usize,
-    /// Why folders of runs could not be thrown away, if that was asked for.
+    /// Why folders of runs could not be thrown away, if that was asked for, and what was damaged and has been made again.
     pub remarks: Vec<String>,
 }
 
@@ -61,19 +62,27 @@ pub fn collect(campaign: &Campaign, flow: &(dyn Fn() -> Flow + Sync)) -> Result<
     let added = campaign.collect()?;
     let contents = Contents::new(campaign)?;
     let mut remarks = Vec::new();
-    let rows = take_in_missing(campaign, &contents, &go_on)?;
+    let folder = campaign.folder().join(DATA_SET);
+    let made_of = contents.digest(campaign);
+    let is_there = known(&folder, &made_of)?;
+    let is_made = !contents.taken.is_empty() && !matches!(is_there, Known::Whole(_));
+    let rows = take_in_missing(campaign, &contents, is_made, &go_on)?;
     if campaign.keep() == Keep::Dataset {
         throw_away(campaign, &contents, &rows, &mut remarks)?;
     }
-    let folder = campaign.folder().join(DATA_SET);
     let data_set = if contents.taken.is_empty() {
         remove(campaign)?;
         None
     } else {
-        let made_of = contents.digest(campaign);
-        let (digest, is_new) = match known_digest(&folder, &made_of) {
-            Some(digest) => (digest, false),
-            None => (write(campaign, &rows, &contents, &made_of, &go_on)?.0, true),
+        let make = || write(campaign, &rows, &contents, &made_of, &go_on).map(|(digest, _)| (digest, true));
+        let (digest, is_new) = match is_there {
+            Known::Whole(digest) => (digest, false),
+            Known::Other => make()?,
+            Known::Damaged(what) => {
+                let made = make()?;
+                remarks.push(format!("{what}; the data set was made again from the rows of its runs"));
+                made
+            }
         };
         Some(DataSetSummary { folder, runs: contents.taken.len(), digest, is_new })
     };
@@ -82,15 +91,26 @@ pub fn collect(campaign: &Campaign, flow: &(dyn Fn() -> Flow + Sync)) -> Result<
     Ok(Collected { added, data_set, flagged, failed, unfinished, remarks })
 }
 
-/// Takes in the runs of the data set that have not been, in the order of the plan.
+/// Takes in the runs of the data set that have not been, in the order of the plan. The rows of the others are looked at if a data set
+/// `is_made` of them.
 fn take_in_missing(
     campaign: &Campaign,
     contents: &Contents,
+    is_made: bool,
     go_on: &(dyn Fn() -> Result<()> + Sync),
 ) -> Result<RowFiles> {
     let known = RowFiles::read(campaign.folder())?;
-    let missing: Vec<usize> =
-        contents.taken.iter().copied().filter(|k| !campaign.has_rows(&known, &campaign.runs()[*k])).collect();
+    let is_missing = |k: &usize| {
+        let run = &campaign.runs()[*k];
+        // Rows that were damaged are taken in again, as long as the folder of their run is there.
+        let is_damaged = || {
+            is_made
+                && campaign.folder_of(&run.name).join("run.json").is_file()
+                && known.run(&run.name).is_err()
+        };
+        !campaign.has_rows(&known, run) || is_damaged()
+    };
+    let missing: Vec<usize> = contents.taken.iter().copied().filter(is_missing).collect();
     if missing.is_empty() {
         return Ok(known);
     }

@@ -18,6 +18,7 @@ mod collect;
 mod contents;
 mod croissant;
 mod grainlearning;
+mod known;
 mod layout;
 mod meaning;
 mod read;

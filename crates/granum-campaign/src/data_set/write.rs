@@ -1,17 +1,15 @@
 //! Writes the files of a data set.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-use granum_core::digest::Digest;
 use granum_core::parallel;
 use granum_io::atomic::write_atomically;
 use granum_io::formats::parquet::{TableWithLists, write_groups};
-use granum_io::run::file_digest;
 use granum_io::{Error, OutputFolder, Result, write_table};
 
 use super::contents::Contents;
+use super::known::{content_digest, sums_of_tables, sums_text};
 use super::layout::{
     CARD, CASE_FILE, DATA_SET, LEFT_OUT_FILE, METADATA, RUN, RUNS_FILE, SECONDS_FILE, STATES_FILE, SUMS,
 };
@@ -27,22 +25,6 @@ use crate::rows::RowFiles;
 const RUNS_AT_ONCE: usize = 64;
 /// Number of states from which on a group of rows is full; it always ends with a run.
 const ROWS_OF_GROUP: usize = 1 << 16;
-/// First line of the file of sums.
-const FIRST_LINE: &str = "# granum data set 1";
-/// Beginning of the line with the digest of what the data set was made of.
-const MADE_OF: &str = "# made of ";
-/// Beginning of the line with the digest of the content.
-const CONTENT: &str = "# content ";
-
-/// The SHA-256 over the content of the data set that a folder has, if it is made of the same and none of its files is missing.
-pub(super) fn known_digest(folder: &Path, made_of: &str) -> Option<String> {
-    let text = granum_core::input::read_text(&folder.join(SUMS), 1 << 20).ok()?;
-    let line = |beginning: &str| text.lines().find_map(|line| line.strip_prefix(beginning));
-    let names = text.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once("  "));
-    let is_whole = names.map(|(_, name)| name).chain([SECONDS_FILE]).all(|name| folder.join(name).is_file());
-    (is_whole && line(MADE_OF) == Some(made_of)).then(|| line(CONTENT).map(str::to_string))?
-}
-
 /// Removes the data set of a campaign, of which no run is left.
 pub(super) fn remove(campaign: &Campaign) -> Result<()> {
     let path = campaign.folder().join(DATA_SET);
@@ -91,14 +73,8 @@ pub(super) fn write(
     write_table(folder.file(SECONDS_FILE), &seconds.finish()?)?;
     write_left_out(&folder, campaign, contents)?;
     write_text(&folder, CASE_FILE, &campaign.base().resolved_toml())?;
-    let mut sums = BTreeMap::new();
-    for name in [RUNS_FILE, STATES_FILE] {
-        sums.insert(name, file_digest(&folder.file(name))?);
-    }
-    let mut digest = Digest::new();
-    digest.text(FIRST_LINE);
-    sums.values().for_each(|sum| digest.text(sum));
-    let digest = digest.finish();
+    let sums = sums_of_tables(folder.path())?;
+    let digest = content_digest(&sums);
     let states = columns.empty()?;
     let written = Written {
         campaign,
@@ -111,13 +87,7 @@ pub(super) fn write(
     };
     write_text(&folder, CARD, &card::text(&written))?;
     write_text(&folder, METADATA, &croissant::text(&written))?;
-    let mut lines = vec![FIRST_LINE.to_string(), format!("{MADE_OF}{made_of}"), format!("{CONTENT}{digest}")];
-    for name in [CARD, CASE_FILE, LEFT_OUT_FILE, METADATA, RUNS_FILE, STATES_FILE] {
-        if folder.file(name).is_file() {
-            lines.push(format!("{}  {name}", file_digest(&folder.file(name))?));
-        }
-    }
-    write_text(&folder, SUMS, &(lines.join("\n") + "\n"))?;
+    write_text(&folder, SUMS, &sums_text(folder.path(), made_of, &sums)?)?;
     Ok((digest, count))
 }
 

@@ -97,7 +97,9 @@ impl Coordinator<'_> {
         // The lock of the folder may hold on this machine only.
         let mut claimant = Claimant::new(folder.path(), CAMPAIGN_CLAIM);
         let stops = || observer.flow() == Flow::Stop;
-        let Some(_claim) = claimant.take_unless_alive(&stops)? else {
+        let Some(_claim) =
+            claimant.take_unless_alive(&stops, &|words| observer.warn(&format!("the campaign {words}")))?
+        else {
             let (path, holder) = (folder.path().to_path_buf(), claimant.holder());
             return Err(granum_io::Error::Locked { path, holder }.into());
         };

@@ -14,7 +14,7 @@ use granum_run::LaboratoryError;
 use granum_run::queue::{Outcome, Queue, QueueObserver, QueuedRun, RunError, RunKind, Shares};
 
 use crate::campaign::{Campaign, holds_finished};
-use crate::claim::Claimant;
+use crate::claim::{Claimant, Waiting};
 use crate::message::{End, Message};
 
 /// Time between two messages of progress.
@@ -84,6 +84,7 @@ fn execute(
 ) -> End {
     let mut claimant = Claimant::new(campaign, &run.name);
     let since = Instant::now();
+    let mut waiting = Waiting::default();
     let claim = loop {
         match claimant.take() {
             Ok(Some(claim)) => break claim,
@@ -98,6 +99,9 @@ fn execute(
         if is_left && since.elapsed() > WAIT_FOR_FOLDER {
             let reason = format!("another process works on it{}", claimant.holder());
             return End::Failed { reason, lasting: false };
+        }
+        if let Some(words) = waiting.words(|_| claimant.in_the_way()) {
+            tell(&Message::Warning { text: format!("{} {words}", run.name) });
         }
         thread::sleep(LOOK_EVERY);
     };
@@ -120,9 +124,16 @@ fn execute_claimed(
 ) -> End {
     // A process that is no part of the campaign may be at work in the folder.
     let since = Instant::now();
-    while OutputFolder::is_in_use(&run.folder) && since.elapsed() < WAIT_FOR_FOLDER {
+    let mut waiting = Waiting::default();
+    while let Some(user) = OutputFolder::user(&run.folder).filter(|_| since.elapsed() < WAIT_FOR_FOLDER) {
         if flow() == Flow::Stop {
             return End::Interrupted;
+        }
+        let most = WAIT_FOR_FOLDER.as_secs();
+        if let Some(words) =
+            waiting.words(|_| format!("{user}, which uses its folder; it waits {most} s at most"))
+        {
+            tell(&Message::Warning { text: format!("{} {words}", run.name) });
         }
         thread::sleep(LOOK_EVERY);
     }

@@ -1,58 +1,48 @@
 //! What the parts of a plan must have in common.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use granum_core::names::suggestion;
 use granum_io::Case;
 use granum_run::Engines;
 use granum_run::engine::CHECKS;
 
-use super::definition::{DesignKind, Plan, PlanRow, PlanVariable, SampleSeeds, Spanned, VariableKind};
+use super::definition::{DesignKind, Plan, PlanRow, PlanVariable, SampleSeeds, VariableKind};
+use super::dependence::in_a_circle;
 use super::design::MOST_AXES;
 use super::reader::Reader;
+
+/// Most unknown names that are told, each with the nearest one that exists.
+const MOST_UNKNOWN: usize = 20;
 
 impl Reader {
     /// Checks that names are unique and that expressions and constraints use names that exist, and not each other in a circle. The names are
     /// those of all variables, also of one in which there is another mistake.
     pub fn check_names(&mut self, plan: &Plan, reference: &Case, names: &[String]) {
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        for (k, variable) in plan.variables.iter().enumerate() {
-            if plan.variables[..k].iter().any(|earlier| earlier.name == variable.name) {
-                let message = format!("two variables have the name {}", variable.name);
-                self.error(variable.span.clone(), message, "give one of them another name");
-            }
-            let own: Vec<&Spanned<String>> = variable.keys.iter().collect();
-            let earlier = || plan.variables[..k].iter().flat_map(|other| &other.keys);
-            for key in own {
-                if earlier().any(|other| other.value == key.value) {
-                    self.error(key.span.clone(), format!("{} is set by two variables", key.value), "");
-                }
-                if plan.fixed.iter().any(|fixed| fixed.key == key.value) {
-                    self.error(
-                        key.span.clone(),
-                        format!("{} is set by [set] and by a variable", key.value),
-                        "",
-                    );
-                }
-            }
-        }
+        let names: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+        self.check_unique(plan);
         let parameters = reference.parameters();
-        let is_number =
-            |name: &str| parameters.iter().any(|known| known.key == name && known.number().is_some());
-        let mut unknown = Vec::new();
+        let numbers: BTreeSet<&str> = parameters
+            .iter()
+            .filter(|known| known.number().is_some())
+            .map(|known| known.key.as_str())
+            .collect();
+        let is_unknown = |name: &&str| !names.contains(name) && !numbers.contains(name);
+        let mut unknown: BTreeMap<&str, Range<usize>> = BTreeMap::new();
         for variable in &plan.variables {
             let VariableKind::Expression(expression) = &variable.kind else { continue };
-            for name in expression.value.names().filter(|name| !names.contains(name) && !is_number(name)) {
-                unknown.push((expression.span.clone(), name.to_string()));
+            for name in expression.value.names().filter(is_unknown) {
+                unknown.entry(name).or_insert_with(|| expression.span.clone());
             }
         }
         for constraint in &plan.constraints {
-            for name in constraint.value.names().filter(|name| !names.contains(name) && !is_number(name)) {
-                unknown.push((constraint.span.clone(), name.to_string()));
+            for name in constraint.value.names().filter(is_unknown) {
+                unknown.entry(name).or_insert_with(|| constraint.span.clone());
             }
         }
-        for (span, name) in unknown {
-            let help = suggestion(&name, names.iter().copied());
+        for (name, span) in unknown.into_iter().take(MOST_UNKNOWN) {
+            let help = suggestion(name, names.iter().copied());
             self.error(span, format!("{name} is neither a variable nor a number of the base case"), &help);
         }
         if let Some(variable) = in_a_circle(&plan.variables) {
@@ -70,6 +60,31 @@ impl Reader {
             if let Some(name) = unknown {
                 let help = suggestion(name, CHECKS.into_iter());
                 self.error(condition.span.clone(), format!("accept: {name} is not a quality check"), &help);
+            }
+        }
+    }
+
+    /// Checks that no two variables have one name or set one key.
+    fn check_unique(&mut self, plan: &Plan) {
+        let mut seen = BTreeSet::new();
+        let mut set: BTreeMap<&str, usize> = BTreeMap::new();
+        let fixed: BTreeSet<&str> = plan.fixed.iter().map(|fixed| fixed.key.as_str()).collect();
+        for (k, variable) in plan.variables.iter().enumerate() {
+            if !seen.insert(&variable.name) {
+                let message = format!("two variables have the name {}", variable.name);
+                self.error(variable.span.clone(), message, "give one of them another name");
+            }
+            for key in &variable.keys {
+                if *set.entry(&key.value).or_insert(k) != k {
+                    self.error(key.span.clone(), format!("{} is set by two variables", key.value), "");
+                }
+                if fixed.contains(key.value.as_str()) {
+                    self.error(
+                        key.span.clone(),
+                        format!("{} is set by [set] and by a variable", key.value),
+                        "",
+                    );
+                }
             }
         }
     }
@@ -115,18 +130,22 @@ impl Reader {
     }
 
     pub(super) fn check_rows(&mut self, plan: &Plan, rows: &[PlanRow]) {
+        let free: BTreeSet<&str> = plan
+            .variables
+            .iter()
+            .filter(|variable| variable.kind.is_free())
+            .map(|variable| variable.name.as_str())
+            .collect();
         for row in rows {
-            let known = |name: &str| {
-                plan.variables.iter().any(|variable| variable.name == name && variable.kind.is_free())
-            };
+            let given: BTreeSet<&str> = row.cells.iter().map(|(name, _)| name.as_str()).collect();
             let unknown = row
                 .cells
                 .iter()
-                .find(|(name, _)| !known(name))
+                .find(|(name, _)| !free.contains(name.as_str()))
                 .map(|(name, _)| format!("{name} is no variable of the plan that a row can give"));
             let missing = plan.variables.iter().filter(|variable| variable.kind.is_free());
             let missing = missing
-                .filter(|variable| !row.cells.iter().any(|(name, _)| *name == variable.name))
+                .filter(|variable| !given.contains(variable.name.as_str()))
                 .map(|variable| format!("the row has no value of {}", variable.name))
                 .next();
             if let Some(message) = unknown.or(missing) {
@@ -139,27 +158,4 @@ impl Reader {
             }
         }
     }
-}
-
-/// The first variable whose expression depends on itself, directly or through others.
-fn in_a_circle(variables: &[PlanVariable]) -> Option<&PlanVariable> {
-    let by_name: BTreeMap<&str, &PlanVariable> =
-        variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
-    let reaches = |start: &PlanVariable| {
-        let (mut open, mut seen) = (vec![start], BTreeSet::new());
-        while let Some(variable) = open.pop() {
-            let VariableKind::Expression(expression) = &variable.kind else { continue };
-            for name in expression.value.names() {
-                let Some(next) = by_name.get(name) else { continue };
-                if next.name == start.name {
-                    return true;
-                }
-                if seen.insert(name) {
-                    open.push(next);
-                }
-            }
-        }
-        false
-    };
-    variables.iter().find(|variable| reaches(variable))
 }

@@ -137,6 +137,8 @@ pub struct PlanVariable {
     pub unit: String,
     /// How it gets its value.
     pub kind: VariableKind,
+    /// True if a named path that the plan sets takes over no parameter of the stage of the base case.
+    pub new_stage: bool,
     /// Its numbers are rounded to multiples of this step, if there is one.
     pub step: Option<f64>,
     /// Where it stands.

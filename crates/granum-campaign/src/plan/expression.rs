@@ -1,14 +1,18 @@
 //! Expressions of variables and conditions on them: `0.5 * friction`, `rolling_friction < friction`, `pressure <= 200 kPa`.
 
+use granum_io::safe_text::quoted;
 use granum_simd::{exp, power};
 
 use super::units::any_quantity;
 
 /// Deepest nesting of an expression.
 const DEEPEST: usize = 64;
+/// Most numbers, names, operators and functions of an expression or of a side of a condition.
+const MOST_PARTS: usize = 1000;
 
 /// An expression of named numbers: `+ - * / ^`, parentheses, `min`, `max`, `abs`, `sqrt` and `exp`. A number may have a unit
-/// (`50 kPa`); names stand for values in SI units. The same expression gives the same bits on every machine.
+/// (`50 kPa`); names stand for values in SI units. The same expression gives the same bits on every machine. An expression has at most 1000
+/// parts (numbers, names, operators and functions) and is nested at most 64 times.
 ///
 /// ```
 /// use granum_campaign::plan::Expression;
@@ -99,7 +103,7 @@ impl Expression {
     /// # Errors
     /// A sentence that says what is wrong and where.
     pub fn parse(text: &str) -> Result<Expression, String> {
-        let mut reader = Reader { text, at: 0, depth: 0 };
+        let mut reader = Reader::new(text);
         let root = reader.sum()?;
         reader.end()?;
         Ok(Expression { text: text.trim().to_string(), root })
@@ -126,7 +130,7 @@ impl Expression {
         if value.is_finite() {
             return Ok(value);
         }
-        Err(format!("{} is no finite number", self.text))
+        Err(format!("{} is no finite number", quoted(&self.text)))
     }
 }
 
@@ -136,13 +140,17 @@ impl Condition {
     /// # Errors
     /// A sentence that says what is wrong and where.
     pub fn parse(text: &str) -> Result<Condition, String> {
-        let mut reader = Reader { text, at: 0, depth: 0 };
+        let mut reader = Reader::new(text);
         let left = reader.sum()?;
         let middle = reader.at;
         let Some(comparison) = reader.comparison() else {
-            return Err(format!("{:?}: {}", text.trim(), "<, <=, > or >= is needed between two expressions"));
+            return Err(format!(
+                "\"{}\": <, <=, > or >= is needed between two expressions",
+                quoted(text.trim())
+            ));
         };
         let after = reader.at;
+        reader.parts = 0;
         let right = reader.sum()?;
         reader.end()?;
         let side = |part: &str, root| Expression { text: part.trim().to_string(), root };
@@ -245,9 +253,27 @@ struct Reader<'a> {
     /// The next byte.
     at: usize,
     depth: usize,
+    /// Number of parts so far.
+    parts: usize,
 }
 
 impl<'a> Reader<'a> {
+    fn new(text: &'a str) -> Reader<'a> {
+        Reader { text, at: 0, depth: 0, parts: 0 }
+    }
+
+    /// Counts a number, a name, an operator or a function.
+    fn count(&mut self) -> Result<(), String> {
+        self.parts += 1;
+        if self.parts <= MOST_PARTS {
+            return Ok(());
+        }
+        Err(format!(
+            "\"{}\" has more than {MOST_PARTS} numbers, names, operators and functions; divide it among several variables",
+            quoted(self.text.trim())
+        ))
+    }
+
     fn rest(&mut self) -> &'a str {
         let rest = self.text[self.at..].trim_start();
         self.at = self.text.len() - rest.len();
@@ -258,8 +284,8 @@ impl<'a> Reader<'a> {
         let rest = self.rest();
         let shown: String = rest.chars().take(20).collect();
         match rest.is_empty() {
-            true => format!("{:?}: {needed} is needed at the end", self.text.trim()),
-            false => format!("{:?}: {needed} is needed where {shown:?} stands", self.text.trim()),
+            true => format!("\"{}\": {needed} is needed at the end", quoted(self.text.trim())),
+            false => format!("\"{}\": {needed} is needed where {shown:?} stands", quoted(self.text.trim())),
         }
     }
 
@@ -286,6 +312,7 @@ impl<'a> Reader<'a> {
                 _ => return Ok(left),
             };
             self.at += 1;
+            self.count()?;
             left = Node::Operation(operator, Box::new([left, self.product()?]));
         }
     }
@@ -299,6 +326,7 @@ impl<'a> Reader<'a> {
                 _ => return Ok(left),
             };
             self.at += 1;
+            self.count()?;
             left = Node::Operation(operator, Box::new([left, self.signed()?]));
         }
     }
@@ -323,6 +351,7 @@ impl<'a> Reader<'a> {
 
     /// A number, a name, a function or an expression in parentheses.
     fn single(&mut self) -> Result<Node, String> {
+        self.count()?;
         if self.takes("(") {
             let inner = self.sum()?;
             return if self.takes(")") { Ok(inner) } else { Err(self.wrong("\")\"")) };
@@ -369,13 +398,16 @@ impl<'a> Reader<'a> {
         let unit = word(self.rest());
         let unit = if unit.is_empty() && self.rest().starts_with('%') { "%" } else { unit };
         if unit.is_empty() {
-            return number.parse().map(Node::Number).map_err(|_| format!("{number:?} is no number"));
+            return number
+                .parse()
+                .map(Node::Number)
+                .map_err(|_| format!("\"{}\" is no number", quoted(number)));
         }
         self.at += unit.len();
         let quantity = format!("{number} {unit}");
-        any_quantity(&quantity)
-            .map(Node::Number)
-            .ok_or_else(|| format!("{quantity:?} is no quantity; write * between a number and a name"))
+        any_quantity(&quantity).map(Node::Number).ok_or_else(|| {
+            format!("\"{}\" is no quantity; write * between a number and a name", quoted(&quantity))
+        })
     }
 }
 
@@ -424,6 +456,30 @@ mod tests {
         assert_eq!(value("50 kPa + 1e3"), 51e3);
         assert_eq!(value("20mm"), 0.02);
         assert_eq!(value("5 %"), 0.05);
+    }
+
+    /// Expressions that would take all of the stack or all of the time are refused, with a short message.
+    #[test]
+    fn what_is_too_long_is_refused_by_a_limit() {
+        let error = |text: &str| {
+            let error = Expression::parse(text).unwrap_err();
+            assert!(error.len() < 400, "{}", error.len());
+            error
+        };
+        let sum = |terms: usize| vec!["a"; terms].join("+");
+        assert_eq!(value(&sum(500)), 1000.0);
+        assert!(error(&sum(501)).contains("more than 1000 numbers, names, operators and functions"));
+        assert!(error(&sum(30_000)).contains("more than 1000 numbers"));
+        assert!(error(&format!("max({})", vec!["1"; 1001].join(","))).contains("more than 1000"));
+        assert!(error(&vec!["2"; 100].join("^")).contains("nested more than 64 times"));
+        assert!(
+            error(&format!("{}1{}", "abs(".repeat(70), ")".repeat(70))).contains("nested more than 64 times")
+        );
+        assert!(error(&"9.".repeat(400)).contains("is no number"));
+        let message = Condition::parse(&format!("{} < 1", sum(501))).unwrap_err();
+        assert!(message.contains("more than 1000"), "{message}");
+        assert!(Condition::parse(&format!("{0} < {0}", sum(500))).is_ok());
+        assert!(!error("a \u{1b}[31m \u{202e}").contains(['\u{1b}', '\u{202e}']));
     }
 
     #[test]

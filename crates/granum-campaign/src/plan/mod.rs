@@ -31,8 +31,10 @@
 
 mod check_plan;
 mod definition;
+mod dependence;
 mod design;
 mod expression;
+mod path_change;
 mod read;
 mod read_design;
 mod read_variables;

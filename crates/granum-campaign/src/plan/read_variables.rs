@@ -1,8 +1,10 @@
 //! Reading the variables of a plan.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use granum_io::case::Value;
+use granum_io::safe_text::quoted;
 use granum_io::{Case, Error};
 use toml::Spanned as TomlSpanned;
 use toml::de::{DeTable, DeValue};
@@ -12,11 +14,17 @@ use super::expression::Expression;
 use super::reader::{Node, Reader};
 use super::units;
 
+/// Most variables of a plan or a calibration, expressions included.
+const MOST_VARIABLES: usize = 1000;
+/// Most values of a variable.
+const MOST_VALUES: usize = 100_000;
+/// Longest name of a variable.
+const LONGEST_NAME: usize = 100;
 /// Names that a variable cannot have.
 const RESERVED: [&str; 6] = ["min", "max", "abs", "sqrt", "exp", "name"];
 /// The keys of a variable.
-pub(super) const VARIABLE_KEYS: [&str; 10] =
-    ["name", "key", "keys", "from", "to", "scale", "levels", "values", "expression", "step"];
+pub(super) const VARIABLE_KEYS: [&str; 11] =
+    ["name", "key", "keys", "from", "to", "scale", "levels", "values", "expression", "step", "stage"];
 
 /// A variable whose values have not been read yet: their reading needs the unit of its keys.
 pub struct Draft<'a> {
@@ -38,6 +46,12 @@ impl Reader {
             self.error(node.span(), "variable must be a list of tables", "write [[variable]]");
             return Vec::new();
         };
+        if items.len() > MOST_VARIABLES {
+            let message =
+                format!("there are {} variables; at most {MOST_VARIABLES} are possible", items.len());
+            self.error(node.span(), message, "");
+            return Vec::new();
+        }
         items.iter().filter_map(|item| self.draft(item, known)).collect()
     }
 
@@ -71,14 +85,14 @@ impl Reader {
             },
         };
         let is_word = name.value.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-            && name.value.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+            && name.value.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && name.value.len() <= LONGEST_NAME;
         if !is_word || RESERVED.contains(&name.value.as_str()) {
-            let message = format!("{:?} cannot be the name of a variable", name.value);
-            self.error(
-                name.span,
-                message,
-                "use letters, digits and _, and neither name nor the name of a function",
+            let message = format!("\"{}\" cannot be the name of a variable", quoted(&name.value));
+            let help = format!(
+                "use up to {LONGEST_NAME} letters, digits and _, and neither name nor the name of a function"
             );
+            self.error(name.span, message, &help);
             return None;
         }
         Some(Draft { name: name.value, keys, table, span: item.span() })
@@ -111,7 +125,35 @@ impl Reader {
     pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
         let (unit, step) = self.unit_and_step(&draft, case)?;
         let kind = self.kind(&draft, &unit)?;
-        Some(PlanVariable { name: draft.name, keys: draft.keys, unit, kind, step, span: draft.span })
+        let new_stage = self.new_stage(&draft)?;
+        Some(PlanVariable {
+            name: draft.name,
+            keys: draft.keys,
+            unit,
+            kind,
+            new_stage,
+            step,
+            span: draft.span,
+        })
+    }
+
+    /// True if the variable says that a named path has its own parameters only.
+    fn new_stage(&mut self, draft: &Draft) -> Option<bool> {
+        let Some(node) = draft.table.get("stage") else { return Some(false) };
+        if draft.keys.iter().all(|key| key.value != PATH) && !draft.table.contains_key("values") {
+            let message = "stage belongs to a variable that sets path";
+            self.error(node.span(), message, "leave it out");
+            return None;
+        }
+        match self.text(node, "stage")?.as_str() {
+            "kept" => Some(false),
+            "new" => Some(true),
+            other => {
+                let message = format!("stage = {other:?} must be \"kept\" or \"new\"");
+                self.error(node.span(), message, "");
+                None
+            }
+        }
     }
 
     /// The unit of the keys of a variable, and the step to which its numbers are rounded, if there is one.
@@ -226,14 +268,20 @@ impl Reader {
 
     pub(super) fn choices(&mut self, node: &Node, draft: &Draft, unit: &str) -> Option<Vec<Choice>> {
         let items = self.array(node, "values")?;
+        if items.len() > MOST_VALUES {
+            let message = format!("values has {} values; at most {MOST_VALUES} are possible", items.len());
+            self.error(node.span(), message, "");
+            return None;
+        }
         let mut found: Vec<Choice> = Vec::new();
+        let mut names = BTreeSet::new();
         for item in items.iter() {
             let choice = match item.get_ref() {
                 DeValue::Table(table) => self.set_of_keys(item.span(), table)?,
                 _ => self.plain_choice(item, draft, unit)?,
             };
-            if found.iter().any(|known| known.name == choice.name) {
-                self.error(item.span(), format!("the value {:?} is given twice", choice.name), "");
+            if !names.insert(choice.name.clone()) {
+                self.error(item.span(), format!("the value \"{}\" is given twice", quoted(&choice.name)), "");
                 return None;
             }
             found.push(choice);

@@ -10,6 +10,9 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::definition::{FixedKey, PlanSource};
 use super::units;
 
+/// Most mistakes of a file that are told.
+const MOST_MISTAKES: usize = 100;
+
 /// A value of the file with its place.
 pub type Node<'a> = TomlSpanned<DeValue<'a>>;
 
@@ -48,8 +51,11 @@ impl Reader {
         }
     }
 
-    /// Notes a mistake with what would be right, unless that is empty.
+    /// Notes a mistake with what would be right, unless that is empty. Of very many mistakes the first are told.
     pub fn error(&mut self, span: Range<usize>, message: impl Into<String>, help: &str) {
+        if self.errors.len() >= MOST_MISTAKES {
+            return;
+        }
         let error = self.source.error(&span, message);
         self.errors.push(if help.is_empty() { error } else { error.with_help(help) });
     }

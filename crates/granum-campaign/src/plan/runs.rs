@@ -1,24 +1,29 @@
 //! The runs of a plan: every one is resolved and checked before anything is computed.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use granum_io::case::{SEED, SetKey};
+use granum_io::safe_text::quoted;
 use granum_io::{Case, Error, InputError, Result};
 
 use super::definition::{DesignKind, PATH, Plan, PlanRow, PlanVariable, RowPlace, SampleSeeds, VariableKind};
+use super::dependence::in_order;
 use super::design::{Axis, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
 use super::units;
 use super::values::{Chosen, RunValue, axis, chosen, given, levels, rounded};
 
 /// Number of digits of the case digest in the name of a run.
 const DIGITS: usize = 12;
+/// Most values of a run that a message names.
+const MOST_SHOWN: usize = 30;
 /// Most mistakes that are told one by one.
 const MOST_TOLD: usize = 5;
 /// Most runs of a plan.
 const MOST_RUNS: usize = 1_000_000;
 /// The first stage, whose parameters belong to the named path.
-const FIRST_STAGE: &str = "stage.1.";
+pub(super) const FIRST_STAGE: &str = "stage.1.";
 
 /// A run of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,6 +103,7 @@ impl Plan {
         let mut left_out = 0;
         let mut mistakes = Vec::new();
         let points = self.points(&mut left_out, &mut mistakes)?;
+        self.check_count(points.len())?;
         self.check_bare_numbers(points.first())?;
         let (mut runs, mut repeated) = (Vec::new(), 0);
         let mut names = BTreeSet::new();
@@ -131,6 +137,18 @@ impl Plan {
             return Err(self.source.error(&self.design.span, message).into());
         }
         Ok(PlannedRuns { runs, left_out, repeated })
+    }
+
+    /// Refuses more runs than a campaign can have.
+    fn check_count(&self, points: usize) -> Result<()> {
+        let replicates = self.design.replicates;
+        if points.saturating_mul(replicates) <= MOST_RUNS {
+            return Ok(());
+        }
+        let message = format!(
+            "the design has {points} points with {replicates} runs each; at most {MOST_RUNS} runs are possible"
+        );
+        Err(self.source.error(&self.design.span, message).into())
     }
 
     /// The seeds of the runs of point k with its settings, counted from the seed of its case; `None` for that seed itself.
@@ -167,7 +185,7 @@ impl Plan {
             }
             Err(Refusal::Constraint(k)) => {
                 let constraint = &self.constraints[k];
-                let message = format!("the row breaks the constraint {}", constraint.value.text());
+                let message = format!("the row breaks the constraint {}", quoted(constraint.value.text()));
                 mistakes.extend(
                     row.map(|row| Mistake { error: row.error(&self.source, message), values: String::new() }),
                 );
@@ -221,11 +239,7 @@ impl Plan {
             DesignKind::FullFactorial => {
                 let levels: Vec<usize> = free.iter().map(|variable| levels(variable)).collect();
                 let count = levels.iter().fold(1usize, |all, count| all.saturating_mul(*count));
-                if count.saturating_mul(self.design.replicates) > MOST_RUNS {
-                    let message =
-                        format!("the design has {count} combinations; at most {MOST_RUNS} runs are possible");
-                    return Err(self.source.error(&self.design.span, message).into());
-                }
+                self.check_count(count)?;
                 for point in full_factorial(&levels) {
                     found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
                 }
@@ -247,6 +261,19 @@ impl Plan {
         }
     }
 
+    /// The numbers of the base case that an evaluation has asked for, each of which is looked up once.
+    fn case_numbers(&self) -> impl Fn(&str) -> Option<f64> {
+        let known: RefCell<BTreeMap<String, Option<f64>>> = RefCell::default();
+        move |name: &str| {
+            if let Some(number) = known.borrow().get(name) {
+                return *number;
+            }
+            let number = self.case_number(name);
+            known.borrow_mut().insert(name.to_string(), number);
+            number
+        }
+    }
+
     pub(super) fn of_point(
         &self,
         free: &[&PlanVariable],
@@ -261,8 +288,10 @@ impl Plan {
 
     fn of_row(&self, row: &PlanRow) -> std::result::Result<Valued, Refusal> {
         let mut values = BTreeMap::new();
+        let cells: BTreeMap<&str, &String> =
+            row.cells.iter().map(|(name, text)| (name.as_str(), text)).rev().collect();
         for variable in self.variables.iter().filter(|variable| variable.kind.is_free()) {
-            let Some((_, text)) = row.cells.iter().find(|(name, _)| *name == variable.name) else { continue };
+            let Some(text) = cells.get(variable.name.as_str()) else { continue };
             let value = given(variable, text).map_err(|why| {
                 Refusal::Mistake(variable.span.clone(), format!("{} = {text} {why}", variable.name))
             })?;
@@ -273,34 +302,20 @@ impl Plan {
 
     /// Adds the values of expressions, and compares the constraints.
     fn valued<'a>(&'a self, mut values: BTreeMap<&'a str, Chosen>) -> std::result::Result<Valued, Refusal> {
-        let case_number = |name: &str| self.case_number(name);
-        let mut open: Vec<&PlanVariable> =
-            self.variables.iter().filter(|variable| !variable.kind.is_free()).collect();
-        while !open.is_empty() {
-            let known: BTreeMap<&str, Option<f64>> =
-                values.iter().map(|(name, chosen)| (*name, chosen.value.number())).collect();
-            let names: Vec<&str> = open.iter().map(|variable| variable.name.as_str()).collect();
-            let mut later = Vec::new();
-            for variable in &open {
-                let VariableKind::Expression(expression) = &variable.kind else { continue };
-                if expression.value.names().any(|name| names.contains(&name)) {
-                    later.push(*variable);
-                    continue;
-                }
-                let of = |name: &str| known.get(name).copied().unwrap_or_else(|| case_number(name));
-                let number = expression.value.value(&of).map_err(|why| {
-                    let message =
-                        format!("{}: {why}, where {}", variable.name, shown(&self.ordered(&values)));
-                    Refusal::Mistake(expression.span.clone(), message)
-                })?;
-                let number = rounded(number, variable.step);
-                values.insert(&variable.name, Chosen::number(number));
-            }
-            if later.len() == open.len() {
-                // A circle, which was refused when the plan was read.
-                break;
-            }
-            open = later;
+        let case_number = self.case_numbers();
+        // Each follows those that it depends on; a circle was refused when the plan was read.
+        for variable in in_order(&self.variables) {
+            let VariableKind::Expression(expression) = &variable.kind else { continue };
+            let of = |name: &str| match values.get(name) {
+                Some(chosen) => chosen.value.number(),
+                None => case_number(name),
+            };
+            let number = expression.value.value(&of).map_err(|why| {
+                let message = format!("{}: {why}, where {}", variable.name, shown(&self.ordered(&values)));
+                Refusal::Mistake(expression.span.clone(), message)
+            })?;
+            let number = rounded(number, variable.step);
+            values.insert(&variable.name, Chosen::number(number));
         }
         let of = |name: &str| match values.get(name) {
             Some(chosen) => chosen.value.number(),
@@ -311,7 +326,7 @@ impl Plan {
                 Ok(true) => {}
                 Ok(false) => return Err(Refusal::Constraint(k)),
                 Err(why) => {
-                    let message = format!("{}: {why}", constraint.value.text());
+                    let message = format!("{}: {why}", quoted(constraint.value.text()));
                     return Err(Refusal::Mistake(constraint.span.clone(), message));
                 }
             }
@@ -323,6 +338,7 @@ impl Plan {
             settings.extend(variable.keys.iter().map(|key| (key.value.clone(), chosen.text.clone())));
             settings.extend(chosen.set.iter().cloned());
         }
+        settings.extend(self.carried_over(&settings)?);
         Ok(Valued { values: self.ordered(&values), settings })
     }
 
@@ -391,7 +407,12 @@ impl Plan {
 
 /// `friction = 0.2, law = hertz`.
 pub(crate) fn shown(values: &[(String, RunValue)]) -> String {
-    values.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    let text = |(name, value): &(String, RunValue)| format!("{name} = {}", quoted(&value.to_string()));
+    let shown = values.iter().take(MOST_SHOWN).map(text).collect::<Vec<_>>().join(", ");
+    match values.len().saturating_sub(MOST_SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
 }
 
 /// The mistakes of runs as one error: the first few, and how many more there are.

@@ -193,6 +193,14 @@ fn variable_keys() -> Vec<Key> {
                 &["linear", "log"],
             ),
         ),
+        (
+            "stage",
+            choice(
+                "With key = \"path\". kept: parameters that the base case gives to its stage stay where the new path has them; new: the path \
+                 has those alone that the plan gives.",
+                &["kept", "new"],
+            ),
+        ),
         ("levels", count("Number of values of a range in a full factorial design.", 2, 1000)),
         (
             "values",

@@ -150,8 +150,64 @@ fn the_path_of_the_test_can_vary() {
         path(&found.runs[3]).value,
         granum_io::case::ParameterValue::Word("undrained-triaxial".into())
     );
+    // The case says nothing of its own that both paths have but the strain, which the plan gives.
+    let file = folder();
+    std::fs::write(file.path().join("plan.toml"), text).unwrap();
+    let plan = Plan::read(&file.path().join("plan.toml"), Reading::default()).unwrap();
+    let said = plan.replaced_tests(&plan.runs().unwrap());
+    assert_eq!(
+        said,
+        [
+            "path = undrained-triaxial replaces drained-triaxial of the base case; lateral_stress = 100000 of the base case does not"
+        ]
+    );
     let wrong = error(&text.replace("'undrained-triaxial'", "'undraind-triaxial'"));
     assert!(wrong.contains("is not a path; did you mean undrained-triaxial?"), "{wrong}");
+}
+
+/// What the base case gives to its stage stays where the new path has it, with all bits; a test that no path can take over is refused.
+#[test]
+fn another_path_keeps_the_parameters_that_it_has_in_common() {
+    let text = "case = 'sand.toml'\n[design]\nkind = 'full-factorial'\n[[variable]]\nname = 'kind'\n\
+                values = [{ name = 'drained', set = { path = 'drained-triaxial' } }, { name = 'undrained', \
+                set = { path = 'undrained-triaxial' } }, { name = 'fast', set = { path = 'undrained-triaxial', \
+                'stage.1.strain_rate' = '0.1 /s', 'stage.1.states' = 7 } }]\n";
+    let saying = |word: &str| text.replace("name = 'kind'", &format!("name = 'kind'\nstage = '{word}'"));
+    let stage = "lateral_stress = '100 kPa'\naxial_strain = 0.30000000000000004\ninertial_number = 2e-3\nstates = 30\n";
+    let folder = folder();
+    let base = SAND.replace("lateral_stress = '100 kPa'\naxial_strain = 0.1\n", stage);
+    std::fs::write(folder.path().join("sand.toml"), &base).unwrap();
+    let of = |run: &PlanRun, key: &str| {
+        run.case
+            .parameters()
+            .into_iter()
+            .find(|found| found.key == format!("stage.1.{key}"))
+            .and_then(|found| found.number())
+    };
+    let found = read(folder.path(), text).unwrap().runs;
+    assert_eq!(found[0].case.digest(), Case::parse(&base, "sand.toml").unwrap().digest());
+    for (run, states) in found.iter().zip([30.0, 30.0, 7.0]) {
+        assert_eq!(of(run, "axial_strain"), Some(0.30000000000000004));
+        assert_eq!(of(run, "states"), Some(states));
+    }
+    assert_eq!(of(&found[1], "inertial_number"), Some(2e-3));
+    assert_eq!(of(&found[2], "strain_rate"), Some(0.1));
+    assert!(
+        found[2].settings.iter().all(|(key, _)| key != "stage.1.inertial_number"),
+        "{:?}",
+        found[2].settings
+    );
+    // Only where the plan says so the path has its own parameters alone.
+    let new = read(folder.path(), &saying("new")).unwrap().runs;
+    assert_ne!(of(&new[1], "axial_strain"), Some(0.30000000000000004));
+    let wrong = read(folder.path(), &saying("old")).unwrap_err();
+    assert!(wrong.to_string().contains("must be \"kept\" or \"new\""), "{wrong}");
+    // A second stage would be lost.
+    std::fs::write(folder.path().join("sand.toml"), format!("{base}[[stage]]\npath = 'isotropic'\n"))
+        .unwrap();
+    let wrong = read(folder.path(), text).unwrap_err().to_string();
+    assert!(wrong.contains("all of its 2 stages") && wrong.contains("plan.toml:4"), "{wrong}");
+    assert_eq!(read(folder.path(), &saying("new")).unwrap().runs.len(), 3);
 }
 
 #[test]

@@ -20,7 +20,10 @@ const REMOVED: &str = ".granum-removed";
 /// If a file of the run is missing, changed or damaged.
 pub fn read_run(folder: &Path, vocabulary: &Vocabulary) -> Result<StoredRun> {
     let run = Run::at(folder)?.with_vocabulary(vocabulary);
-    Ok(StoredRun { record: run.record()?, digest: digest::of_run(&run)?, measured: read_record(&run)? })
+    let mut record = run.record()?;
+    // The rows move with the campaign, as the folder would.
+    record.source = record.source.relative_to(folder)?;
+    Ok(StoredRun { record, digest: digest::of_run(&run)?, measured: read_record(&run)? })
 }
 
 /// Removes the folder of a run or sample of a campaign: wherever the process is killed, the folder is whole or gone.

@@ -159,10 +159,11 @@ fn heads(path: &Path) -> std::io::Result<Vec<(StoredHead, u64, u64)>> {
         file.read_exact(&mut lengths)?;
         let number = |k: usize| u64::from_le_bytes(std::array::from_fn(|byte| lengths[8 * k + byte]));
         let (head, rows) = (number(0), number(1));
-        let start = at + 16 + head;
-        let Some(end) = start.checked_add(rows).filter(|end| *end <= size && head <= LONGEST_HEAD) else {
+        if head > LONGEST_HEAD {
             break;
-        };
+        }
+        let start = at + 16 + head;
+        let Some(end) = start.checked_add(rows).filter(|end| *end <= size) else { break };
         let mut text = vec![0; head as usize];
         file.read_exact(&mut text)?;
         if let Ok(head) = serde_json::from_slice::<StoredHead>(&text) {

@@ -5,6 +5,7 @@ use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 use std::time::Duration;
 
+use super::process::in_words;
 use crate::error::{Error, Result};
 
 /// Longest content of a lock file: a process id.
@@ -76,7 +77,7 @@ fn holder(file: &mut File) -> String {
         let mut text = String::new();
         let read = file.rewind().and_then(|()| file.take(32).read_to_string(&mut text));
         if let (Ok(_), Ok(process)) = (read, text.trim().parse::<u32>()) {
-            return format!(" (process {process})");
+            return format!(" ({})", in_words(process));
         }
     }
     String::new()

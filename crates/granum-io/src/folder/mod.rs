@@ -2,6 +2,7 @@
 
 mod lock;
 mod names;
+pub mod process;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +16,7 @@ pub use self::names::{check_name, check_output_file, inner_folder};
 use crate::aside;
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};
+use crate::run::CHECKPOINT;
 use crate::windows_names;
 
 /// Files by one of which a folder is known as granum's if its lock file was not copied with it.
@@ -96,6 +98,14 @@ impl OutputFolder {
         let name = path.as_ref().join(LOCK);
         let held = |file: File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
         is_lock(&name) && File::open(name).is_ok_and(held)
+    }
+
+    /// The process that uses the folder, in words, as its lock file names it; `None` if none does.
+    pub fn user(path: impl AsRef<Path>) -> Option<String> {
+        let path = path.as_ref();
+        let text =
+            OutputFolder::is_in_use(path).then(|| fs::read_to_string(path.join(LOCK)).unwrap_or_default())?;
+        Some(text.trim().parse::<u32>().map_or_else(|_| "another process".into(), process::in_words))
     }
 
     /// Opens a folder of granum's to continue in it, or creates it.
@@ -245,12 +255,15 @@ fn refuse_link(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// True if the folder contains nothing except the lock and leftovers of a killed process.
+/// True if the folder contains nothing except the lock and leftovers of a killed process: unfinished files, and beside a lock the first
+/// checkpoint of a run that has no record yet.
 fn is_empty(path: &Path) -> Result<bool> {
+    let is_locked = is_lock(&path.join(LOCK));
     for entry in fs::read_dir(path).map_err(Error::file("read", path))? {
         let name = entry.map_err(Error::file("read", path))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK && name != aside::GOING && !name.ends_with(UNFINISHED) {
+        let is_leftover = name.ends_with(UNFINISHED) || (is_locked && name == CHECKPOINT);
+        if name != LOCK && name != aside::GOING && !is_leftover {
             return Ok(false);
         }
     }

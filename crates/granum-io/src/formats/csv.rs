@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::formats::csv_words;
 use crate::formats::lines::{Lines, names, number, position};
 use crate::formats::table_format::TableFormat;
+use crate::safe_text;
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
 
@@ -121,7 +122,7 @@ pub fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<()> {
         return csv_words::write_rows(writer, table);
     }
     check_names(table).map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
-    let names: Vec<&str> = table.names().collect();
+    let names: Vec<_> = table.names().map(safe_text::csv).collect();
     writeln!(writer, "{}", names.join(","))?;
     let mut line = String::new();
     for row in 0..table.rows() {

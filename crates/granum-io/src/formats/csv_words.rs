@@ -6,6 +6,7 @@
 use std::io::{self, BufRead, Write};
 use std::path::Path;
 
+use crate::safe_text;
 use granum_core::{Column, Table};
 
 use super::lines::{Lines, position};
@@ -26,8 +27,9 @@ pub(super) fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<(
 
 /// A cell of CSV.
 fn quoted(text: &str) -> String {
+    let text = safe_text::csv(text);
     let is_plain = text.trim() == text && !text.contains([',', '"', '\n', '\r']) && !text.starts_with('#');
-    if is_plain { text.to_string() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+    if is_plain { text.into_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
 /// Reads the named columns, in that order, or all. A column is one of numbers if each of its cells is a number or empty, otherwise one of
@@ -126,7 +128,7 @@ fn column(name: &str, texts: &[String]) -> Column {
     let number = |text: &String| if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
     match texts.iter().map(number).collect::<Option<Vec<f64>>>() {
         Some(numbers) => Column::new(name, "", numbers),
-        None => Column::of_words(name, texts.iter().map(String::as_str)),
+        None => Column::of_words(name, texts.iter().map(|text| safe_text::of_csv(text))),
     }
 }
 

@@ -1,10 +1,8 @@
 //! The check of the files of a run: each must be the one of which its record holds the SHA-256.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
-use granum_core::digest::Digest;
-
+use super::file_digest::file_digest;
 use super::record::RunRecord;
 use crate::error::{Error, Result};
 use crate::shell::ShowPath;
@@ -55,20 +53,4 @@ pub(super) fn fault(folder: &Path, record: &RunRecord, name: &str) -> Result<Opt
     let Some(known) = known else { return Ok(if record.lists_all() { fault(FOREIGN) } else { None }) };
     let found = file_digest(&path)?;
     Ok(if found == *known || before == Some(&found) { None } else { fault(CHANGED) })
-}
-
-/// SHA-256 of a file, in hexadecimal digits.
-///
-/// # Errors
-/// [`Error::File`] if it cannot be read.
-pub fn file_digest(path: &Path) -> Result<String> {
-    let mut file = granum_core::input::open(path).map_err(Error::file("read", path))?;
-    let mut hash = Digest::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        match io::Read::read(&mut file, &mut buffer).map_err(Error::file("read", path))? {
-            0 => return Ok(hash.finish()),
-            count => hash.bytes(&buffer[..count]),
-        }
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::file_digest::RECORD;
 use super::record::RunRecord;
 use super::states::STATES;
 use super::times;
@@ -14,7 +15,6 @@ pub(super) const FORCES: &str = "forces.parquet";
 pub(super) const PREPARATION: &str = "preparation.parquet";
 pub(super) const SNAPSHOTS: &str = "snapshots";
 pub(super) const HISTOGRAMS: &str = "histograms";
-pub(crate) const RECORD: &str = "run.json";
 pub(super) const REPORT: &str = "report.html";
 pub(super) const FIGURES: &str = "figures";
 /// Inner folders, in whose places links are refused.

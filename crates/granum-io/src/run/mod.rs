@@ -3,10 +3,12 @@
 
 mod check;
 mod content;
+mod file_digest;
 mod record;
 mod removal;
 mod run_folder;
 mod stage_end;
+mod source;
 mod states;
 mod times;
 
@@ -34,17 +36,20 @@ use self::states::STATES;
 
 use self::content::{FORCES, HISTOGRAMS, PREPARATION, SERIES, SNAPSHOTS};
 
-pub use check::{FileFault, file_digest};
-pub(crate) use content::{CASE, RECORD};
+pub use check::FileFault;
+pub(crate) use content::CASE;
 pub use content::{CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT};
+pub(crate) use file_digest::RECORD;
+pub use file_digest::file_digest;
 pub use run_folder::RunFolder;
 
 pub use stage_end::StageEndRecord;
 
 pub use record::{
-    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunKind, RunRecord, RunSource, RunStatus,
-    TEST, nulls_are_nan,
+    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunKind, RunRecord, RunStatus, TEST,
+    nulls_are_nan,
 };
+pub use source::RunSource;
 
 /// Size of the files of a run, bytes, from which on several threads compare them.
 const MUCH_TO_READ: u64 = 1 << 24;
@@ -248,7 +253,7 @@ impl Run {
         )
     }
 
-    /// The record.
+    /// The record. The origin of its sample is named as it is found from here.
     ///
     /// # Errors
     /// If `run.json` is missing, damaged or of a newer version.
@@ -269,6 +274,9 @@ impl Run {
                 format!("is damaged: it lists {name:?}, which is no file of a run"),
             ));
         }
+        let preparation =
+            (!record.preparation_digest.is_empty()).then_some(record.preparation_digest.as_str());
+        record.source = record.source.in_folder(&self.path, preparation);
         times::read_into(&self.path, &mut record);
         Ok(record)
     }

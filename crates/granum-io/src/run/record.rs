@@ -1,11 +1,11 @@
 //! The content of `run.json`.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::stage_end::StageEndRecord;
+use super::source::RunSource;
 use crate::case::Case;
 
 /// Newest layout of `run.json` that this version reads and writes. Since format 2 times are in `seconds.json` and the file ends
@@ -60,24 +60,6 @@ impl QualityFlag {
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64, advice: impl Into<String>) -> Self {
         QualityFlag { name: name.into(), value, limit, passed: value <= limit, advice: advice.into() }
     }
-}
-
-/// The origin of the sample of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RunSource {
-    /// It was prepared according to the case.
-    #[default]
-    Case,
-    /// It is the sample in this run folder.
-    Sample(PathBuf),
-    /// A packing file.
-    Packing {
-        /// The file.
-        file: PathBuf,
-        /// SHA-256 of its bytes.
-        sha256: String,
-    },
 }
 
 /// The packing that the sample of a run was made from.

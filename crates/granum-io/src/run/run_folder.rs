@@ -13,11 +13,11 @@ use granum_core::Table;
 use granum_core::assembly::Assembly;
 use granum_sensors::RecordedState;
 
-use super::check::file_digest;
 use super::content::{
-    self, CASE, CHECKPOINT, FOLDERS, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT, RECORD,
+    self, CASE, CHECKPOINT, FOLDERS, FORCES, HISTOGRAMS, PREPARATION, PREVIOUS_CHECKPOINT,
     REFUSED_CHECKPOINT, SERIES, SNAPSHOTS,
 };
+use super::file_digest::{RECORD, file_digest};
 use super::record::{RUN_FORMAT, RunRecord};
 use super::states::{self, STATES};
 use super::{Run, times};
@@ -72,6 +72,7 @@ impl RunFolder {
         // A record that cannot be read is refused by whoever continues the run.
         let record = Run::in_folder(folder.path()).record().ok();
         let content = record.as_ref().map(|record| content_on_disk(folder.path(), record)).transpose()?;
+        let record = record.map(|record| named_from(folder.path(), record)).transpose()?;
         let state = State { record, content: content.unwrap_or_default(), old: Vec::new() };
         Ok(RunFolder { folder, state: Mutex::new(state) })
     }
@@ -82,6 +83,14 @@ impl RunFolder {
     /// [`Error::File`] if a file cannot be removed; all are then still there.
     pub fn remove_previous(&self) -> Result<()> {
         self.replacing(|| Ok(()))
+    }
+
+    /// Calls `write`, which writes the first files of a run: a previous run that they replace goes when all of them are there.
+    ///
+    /// # Errors
+    /// Those of `write`, and [`Error::File`] if the previous run cannot be replaced.
+    pub fn as_one(&self, write: impl FnOnce() -> Result<()>) -> Result<()> {
+        self.replacing(write)
     }
 
     /// Writes a checkpoint through `fill`; the previous one is kept as [`PREVIOUS_CHECKPOINT`].
@@ -199,7 +208,8 @@ impl RunFolder {
     /// [`Error::File`] if it cannot be written.
     pub fn write_record(&self, record: &RunRecord) -> Result<()> {
         self.replacing(|| {
-            let mut record = record.clone();
+            // Folders that are moved together find each other again.
+            let mut record = named_from(self.folder.path(), record.clone())?;
             record.format = RUN_FORMAT;
             let mut state = self.state();
             record.content = state.content.clone();
@@ -300,6 +310,11 @@ impl RunFolder {
         record.format = RUN_FORMAT;
         write_sealed(&self.folder.file(RECORD), &record)
     }
+}
+
+/// A record as its folder holds it.
+fn named_from(folder: &Path, record: RunRecord) -> Result<RunRecord> {
+    Ok(RunRecord { source: record.source.relative_to(folder)?, ..record })
 }
 
 /// SHA-256 of the files of a run that is opened, by the record; files on which the process was killed are looked at, and so are

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use granum_io::Error;
-use granum_io::recordable;
 use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::shell::ShowPath;
+use granum_io::{moved_with, path_from, path_in, recordable};
 use serde::{Deserialize, Serialize};
 
 use super::definition::StudyDefinition;
@@ -46,12 +46,22 @@ pub struct StudyPlan {
     pub mixed: bool,
 }
 
+/// Where a run is that the plan in a folder names. Earlier versions wrote absolute paths; if the run is gone from there, it was moved with
+/// the folder.
+fn place(folder: &Path, run: &Path) -> PathBuf {
+    let named = path_in(folder, run);
+    if !run.is_absolute() || named.exists() {
+        return named;
+    }
+    moved_with(folder, run, &|place| place.exists()).unwrap_or(named)
+}
+
 fn is_nothing(share: &f64) -> bool {
     *share == 0.0
 }
 
 impl StudyPlan {
-    /// A plan of this version, with absolute paths.
+    /// A plan of this version, with absolute paths in memory.
     ///
     /// # Errors
     /// If the working directory, to which relative paths refer, no longer exists, or a path is not UTF-8 text.
@@ -108,20 +118,27 @@ impl StudyPlan {
             )));
         }
         let text = if head.version >= 2 { unseal_strictly(&path, &text)? } else { text };
-        let plan: StudyPlan = serde_json::from_str(&text)
+        let mut plan: StudyPlan = serde_json::from_str(&text)
             .map_err(|error| wrong(format!("not a usable plan of a training: {error}")))?;
+        for run in plan.runs.iter_mut().chain(&mut plan.unseen) {
+            *run = place(folder, run);
+        }
         for name in plan.names() {
             granum_io::check_name("name of a surrogate", &name).map_err(|error| wrong(error.to_string()))?;
         }
         Ok(plan)
     }
 
-    /// Writes the plan.
+    /// Writes the plan. It names the runs relative to its folder, so that folders that are moved together find each other again.
     ///
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        Ok(write_sealed(&folder.join(PLAN_FILE), self)?)
+        let named = |paths: &[PathBuf]| -> std::result::Result<Vec<PathBuf>, Error> {
+            paths.iter().map(|path| path_from(folder, path)).collect()
+        };
+        let plan = StudyPlan { runs: named(&self.runs)?, unseen: named(&self.unseen)?, ..self.clone() };
+        Ok(write_sealed(&folder.join(PLAN_FILE), &plan)?)
     }
 
     /// What differs between two plans, in words.

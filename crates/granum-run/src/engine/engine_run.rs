@@ -14,6 +14,7 @@ pub struct EngineRun {
     /// The record with which the run begins.
     pub record: RunRecord,
     work: Box<Work>,
+    saves_first: bool,
 }
 
 impl EngineRun {
@@ -25,7 +26,19 @@ impl EngineRun {
         + Send
         + 'static,
     ) -> EngineRun {
-        EngineRun { record, work: Box::new(work) }
+        EngineRun { record, work: Box::new(work), saves_first: false }
+    }
+
+    /// The same run, whose work begins with saving a checkpoint: its folder then never depends on the folder or file that its sample comes
+    /// from, since the checkpoint is there before its record.
+    #[must_use]
+    pub fn saving_first(self) -> EngineRun {
+        EngineRun { saves_first: true, ..self }
+    }
+
+    /// True if its work begins with saving a checkpoint.
+    pub(crate) fn saves_first(&self) -> bool {
+        self.saves_first
     }
 
     /// Executes the run until its end, or until the observer stops it. The record of the sink must be that of the run.

@@ -3,7 +3,7 @@
 use granum_dem::observer::SimulationObserver;
 use granum_dem::preparation::PreparationError;
 use granum_io::Case;
-use granum_io::run::{RunFolder, RunRecord, RunStatus};
+use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
 
 use super::folder_sink::FolderSink;
 use super::laboratory_error::LaboratoryError;
@@ -29,7 +29,8 @@ impl PlannedRun {
 
     /// Executes the run until its end, or until the observer stops it, and writes its results into a folder. The record is written
     /// first and contains the case until the file of the case has been written, so that the run can be resumed from the first file
-    /// on.
+    /// on. Only where the sample is in another folder or file the first checkpoint comes before the record: whoever finds a record
+    /// can move the folder alone.
     ///
     /// # Errors
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
@@ -41,6 +42,11 @@ impl PlannedRun {
         let PlannedRun { case, run } = self;
         let mut record = run.record.clone();
         record.unwritten_case = Some(case.resolved_toml());
+        if run.saves_first() && record.source != RunSource::Case {
+            return finish(folder, record, |record| {
+                run.run(&mut FolderSink::with_checkpoint_first(folder, record, &case), observer)
+            });
+        }
         folder.write_record(&record)?;
         write_case(folder, &case, &record)?;
         record.unwritten_case = None;

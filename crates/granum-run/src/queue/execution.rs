@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use granum_dem::observer::SimulationObserver;
-use granum_io::run::file_digest;
+use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, file_digest};
 use granum_io::{Run, RunFolder, RunRecord, RunSource, RunStatus};
 
 use super::outcome::RunError;
@@ -121,6 +121,15 @@ pub(super) fn execute(
     })
 }
 
+fn has_lost_its_sample(run: &QueuedRun, record: &RunRecord) -> bool {
+    let is_there = match &record.source {
+        RunSource::Case => true,
+        RunSource::Sample(folder) => folder.is_dir(),
+        RunSource::Packing { file, .. } => file.is_file(),
+    };
+    !is_there && [CHECKPOINT, PREVIOUS_CHECKPOINT].iter().all(|name| !run.folder.join(name).exists())
+}
+
 fn go_on(
     laboratory: &Laboratory,
     run: &QueuedRun,
@@ -128,6 +137,8 @@ fn go_on(
 ) -> Result<RunRecord, RunError> {
     match Held::by(run, laboratory) {
         Ok(Held::Finished(record)) => return Ok(*record),
+        // A run that has nothing yet to go on from, nor the sample that its record names, begins again with the planned sample.
+        Ok(Held::Unfinished(record)) if has_lost_its_sample(run, &record) => {}
         Ok(Held::Unfinished(_)) => {
             let folder = RunFolder::open(&run.folder)?;
             match laboratory.resume(&folder, observer) {

@@ -82,7 +82,7 @@ impl RunList {
                 source: match &run.source {
                     // The folder of all runs may be moved.
                     Source::Folder(path) if run.after.is_some() => RunSource::Sample(inside(path, folder)),
-                    source => source.record()?,
+                    source => source.record()?.relative_to(folder)?,
                 },
                 case: run.case.resolved_toml(),
             })
@@ -161,12 +161,12 @@ impl RunList {
         let planned = |run: &Listed| -> Result<QueuedRun, QueueError> {
             let in_run = |error| QueueError::Run { run: run.name.clone(), source: Box::new(error) };
             let name = format!("{} (case of {})", file.shown(), run.name);
-            let source = match &run.source {
-                RunSource::Sample(path) if run.after.is_some() => Source::Folder(folder.join(path)),
-                RunSource::Packing { file, sha256 } if run::file_digest(file)? != *sha256 => {
-                    return Err(Error::content(file, "was changed since the runs were planned").into());
+            let source = match (&run.source, run.source.in_folder(folder, None)) {
+                (RunSource::Sample(path), _) if run.after.is_some() => Source::Folder(folder.join(path)),
+                (_, RunSource::Packing { file, sha256 }) if run::file_digest(&file)? != sha256 => {
+                    return Err(Error::content(&file, "was changed since the runs were planned").into());
                 }
-                source => Source::recorded(source).map_err(in_run)?,
+                (_, source) => Source::recorded(&source).map_err(in_run)?,
             };
             Ok(QueuedRun {
                 name: run.name.clone(),

@@ -144,6 +144,9 @@ impl CaseFlags {
                 setting.flag
             )));
         }
+        if let Some(text) = loading.and_then(|loading| dropped(&case, loading)) {
+            context.note(&text);
+        }
         let varied = varied(&case, loading, &settings)?;
         let several = varied.iter().any(|setting| setting.values.len() > 1);
         let mut all: Vec<Combination> = Vec::new();
@@ -161,6 +164,19 @@ impl CaseFlags {
         }
         Ok(all)
     }
+}
+
+/// What the case gives to its own path and the named one would have as well, but does not take over.
+fn dropped(case: &Case, (name, parameters): (&str, &[(&str, &str)])) -> Option<String> {
+    let given: Vec<&str> = parameters.iter().map(|(key, _)| *key).collect();
+    let change = case.path_exchange(name, &given)?;
+    let lost: Vec<String> = change.carried.iter().map(|(key, text)| format!("{key} = {text}")).collect();
+    (!lost.is_empty()).then(|| {
+        format!(
+            "--path {name} replaces the test of the case, so that its {} does not count; give what is to stay with --with",
+            lost.join(", ")
+        )
+    })
 }
 
 /// The keys of the path and of the flags, each with its values.

@@ -3,6 +3,7 @@
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
 use serde_json::{Value, json};
+use granum_io::safe_text;
 
 /// Significant digits of numbers.
 const DIGITS: usize = 4;
@@ -29,7 +30,10 @@ pub fn lines(table: &Table) -> Vec<String> {
         table.columns().iter().map(|column| cells(column, table.rows())).collect();
     let heads: Vec<Vec<String>> = (table.columns().iter().zip(&columns))
         .map(|(column, cells)| {
-            broken(&column.name, cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0))
+            broken(
+                &safe_text::line(&column.name),
+                cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0),
+            )
         })
         .collect();
     let height = heads.iter().map(Vec::len).max().unwrap_or(0);
@@ -43,7 +47,7 @@ pub fn lines(table: &Table) -> Vec<String> {
         .map(|((column, head), cells)| {
             let mut full = vec![String::new(); height - head.len()];
             full.extend(head);
-            full.extend(has_units.then(|| column.unit.clone()));
+            full.extend(has_units.then(|| safe_text::line(&column.unit).into_owned()));
             full.extend(cells);
             full
         })
@@ -68,7 +72,7 @@ fn cells(column: &Column, rows: usize) -> Vec<String> {
     match column.numbers() {
         Some(values) => values.iter().map(|value| number(*value)).collect(),
         None => (0..rows)
-            .map(|row| column.text(row).replace(char::is_control, " "))
+            .map(|row| safe_text::line(&column.text(row)).into_owned())
             .map(|text| if text.is_empty() { "-".into() } else { text })
             .collect(),
     }

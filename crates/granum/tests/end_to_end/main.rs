@@ -17,12 +17,15 @@ mod escape;
 mod families_chapter;
 mod family_questions;
 mod further_sensors;
+mod hostile_plans;
 mod inputs;
 mod lammps_decks;
 mod lammps_engine;
 mod materials;
 mod mechanics;
 mod mixed;
+#[cfg(unix)]
+mod moved_folders;
 mod names;
 mod networks;
 mod nothing_lost;

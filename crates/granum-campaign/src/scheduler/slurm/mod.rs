@@ -65,7 +65,9 @@ impl Scheduler for Slurm {
         let campaign = order.campaign;
         let mut claimant = Claimant::new(campaign.folder(), CAMPAIGN_CLAIM);
         let stops = || observer.flow() == Flow::Stop;
-        let Some(_claim) = claimant.take_unless_alive(&stops)? else {
+        let Some(_claim) =
+            claimant.take_unless_alive(&stops, &|words| observer.warn(&format!("the campaign {words}")))?
+        else {
             let (path, holder) = (campaign.folder().to_path_buf(), claimant.holder());
             return Err(Error::Locked { path, holder }.into());
         };

@@ -34,7 +34,8 @@ pub(super) fn plan(task: Task, observer: &mut dyn SimulationObserver) -> Result<
     let is_test = task.kind == RunKind::Test;
     let Begun { execution, run_state, record } = begin(&task, is_test, observer)?;
     let case = task.case;
-    Ok(EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer)))
+    let run = EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer));
+    Ok(run.saving_first())
 }
 
 /// A run whose inputs have been read and checked.

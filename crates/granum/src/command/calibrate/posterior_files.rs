@@ -58,7 +58,8 @@ impl Calibration<'_> {
         let mut one = plan(self.file, self.targets, std::slice::from_ref(&mean));
         one.design.sample_seeds = granum_campaign::plan::SampleSeeds::Same;
         let planned = planned(&one)?;
-        let test = &self.targets[0].name;
+        // It stays in its comment, whatever it holds.
+        let test = granum_io::safe_text::line(&self.targets[0].name);
         if let Some(run) = planned.runs.first() {
             let head =
                 format!("# The posterior mean of a calibration, at the conditions of the test {test}.\n\n");

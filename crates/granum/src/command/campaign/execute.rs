@@ -41,7 +41,7 @@ pub fn run(context: &Context, flags: &PlanFlags) -> Result<(), Failure> {
         let foreseen = Foreseen::of_campaign(&campaign)?;
         foreseen.tell(context, LEFT_OUT);
         let estimate = estimate::run_pilots(context, flags, &plan, &planned)?;
-        let mut result = plan_text::as_json(&planned);
+        let mut result = plan_text::as_json(&plan, &planned);
         result["foreseen_failures"] = foreseen.as_json();
         result["estimate"] = json!(estimate.as_ref().map(estimate::as_json));
         return output::say(context, &result, || {
@@ -75,6 +75,7 @@ pub(super) fn carry_out_whole(
     out: &Path,
 ) -> Result<(), Failure> {
     let scheduler = flags.scheduler.scheduler(context, &flags.carry_out)?;
+    plan.replaced_tests(planned).iter().for_each(|text| context.note(text));
     let (campaign, folder) = prepared(context, &flags.carry_out, plan, planned, out)?;
     if flags.list_jobs {
         return list_jobs(context, &campaign);

@@ -5,6 +5,7 @@ use granum_campaign::plan::{
 };
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
+use granum_io::safe_text;
 use granum_io::shell::ShowPath;
 use serde_json::{Map, Value, json};
 
@@ -28,6 +29,7 @@ pub fn text(plan: &Plan, planned: &PlannedRuns) -> String {
             planned.repeated
         ));
     }
+    lines.extend(plan.replaced_tests(planned).into_iter().map(|text| format!("  {text}")));
     lines.push("variables:".into());
     let width = plan.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
     lines.extend(
@@ -68,9 +70,9 @@ fn described(variable: &PlanVariable) -> String {
             format!("{} to {}{unit}{scale}", format_number(*from), format_number(*to))
         }
         VariableKind::Choice(choices) => {
-            choices.iter().map(|choice| choice.name.as_str()).collect::<Vec<_>>().join(", ")
+            choices.iter().map(|choice| safe_text::line(&choice.name)).collect::<Vec<_>>().join(", ")
         }
-        VariableKind::Expression(expression) => expression.value.text().to_string(),
+        VariableKind::Expression(expression) => safe_text::quoted(expression.value.text()),
         VariableKind::Given => "as listed".into(),
     };
     match &variable.keys[..] {
@@ -103,7 +105,7 @@ fn table(plan: &Plan, planned: &PlannedRuns) -> Table {
 }
 
 /// The runs as JSON.
-pub fn as_json(planned: &PlannedRuns) -> Value {
+pub fn as_json(plan: &Plan, planned: &PlannedRuns) -> Value {
     let run = |run: &granum_campaign::plan::PlanRun| {
         let values: Map<String, Value> =
             run.values.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
@@ -119,5 +121,6 @@ pub fn as_json(planned: &PlannedRuns) -> Value {
         "runs": planned.runs.iter().map(run).collect::<Vec<_>>(),
         "left_out_by_constraints": planned.left_out,
         "repeated": planned.repeated,
+        "replaced_tests": plan.replaced_tests(planned),
     })
 }
