@@ -46,6 +46,7 @@ mod initialisation;
 mod intervals;
 mod inverse;
 mod kernels;
+mod left_out;
 mod lstm;
 mod members;
 mod minimise;

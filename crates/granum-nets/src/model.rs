@@ -120,7 +120,9 @@ impl Model {
         let mut model =
             Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit, rows);
         model.fit.answer_range = model.answer_range(data)?;
-        model.fit.intervals = model.intervals_of(data, report.left_out.as_deref())?;
+        let left_out: Option<Vec<f64>> =
+            report.left_out.as_ref().map(|errors| errors.iter().map(|error| error * unit).collect());
+        model.fit.intervals = model.intervals_of(data, left_out.as_deref())?;
         Ok((model, report))
     }
 
@@ -134,16 +136,19 @@ impl Model {
         Ok(range.iter().all(|end| end.is_finite()).then_some(range))
     }
 
-    /// Compares the errors of left-out blocks with the standard deviations of the training observations.
-    fn intervals_of(&self, data: &Data, left_out: Option<&[f64]>) -> Result<Option<Intervals>, ModelError> {
-        let Some(left_out) = left_out else { return Ok(None) };
+    /// Compares the errors of left-out blocks, in the unit of the output, with the standard deviations of the training
+    /// observations.
+    pub(crate) fn intervals_of(
+        &self,
+        data: &Data,
+        left_out: Option<&[f64]>,
+    ) -> Result<Option<Intervals>, ModelError> {
+        let Some(errors) = left_out else { return Ok(None) };
         let Some(deviations) = self.standard_deviations_of(data.inputs(), data.points())? else {
             return Ok(None);
         };
-        let unit = self.output_scaler.inverse_factor();
-        let errors: Vec<f64> = left_out.iter().map(|error| error * unit).collect();
         let names: Vec<&str> = self.inputs.iter().map(|column| column.name.as_str()).collect();
-        Ok(Intervals::new(data, &names, &errors, &deviations))
+        Ok(Intervals::new(data, &names, errors, &deviations))
     }
 
     pub(crate) fn assemble(
@@ -229,7 +234,7 @@ impl Model {
 }
 
 /// The rows in the scaled units of the network.
-fn scale(data: &Data, inputs: &[Scaler], output: &Scaler) -> Data {
+pub(crate) fn scale(data: &Data, inputs: &[Scaler], output: &Scaler) -> Data {
     Data {
         inputs: data.inputs.iter().enumerate().map(|(i, v)| inputs[i % inputs.len()].scale(*v)).collect(),
         targets: data.targets.iter().map(|v| output.scale(*v)).collect(),

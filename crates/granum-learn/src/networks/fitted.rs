@@ -6,11 +6,13 @@ use granum_nets::{Deviation, Model, ModelError};
 use serde::{Deserialize, Serialize};
 
 use super::mapping::NetworkMapping;
+use super::ridge_share::{RidgeShare, StoredRidgeShare};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::surrogate::{Columns, Content, Estimate, Outside, Prediction, RunInputs, Surrogate, causes};
 
-/// A mapping with one trained network for each sub-model.
+/// A mapping with one trained network for each sub-model, and the ridge regression that has a share in their predictions if
+/// they were trained on several runs.
 ///
 /// As a [`Surrogate`] it predicts columns of a data set. [`SubModelNetworks::predict_states`] gives the predictions without
 /// intervals, and [`SubModelNetworks::predict_row`] those of single values, with the binned variable as an input if a histogram
@@ -18,9 +20,11 @@ use crate::surrogate::{Columns, Content, Estimate, Outside, Prediction, RunInput
 #[derive(Clone, Debug)]
 pub struct SubModelNetworks {
     method: String,
-    mapping: NetworkMapping,
-    networks: Vec<Model>,
+    pub(super) mapping: NetworkMapping,
+    pub(super) networks: Vec<Model>,
     columns: Columns,
+    /// The ridge regression that has a share in the predictions; `None` if the networks stand alone.
+    pub(super) beside: Option<RidgeShare>,
 }
 
 /// The prediction for a state.
@@ -84,7 +88,17 @@ impl SubModelNetworks {
             }
         }
         let columns = mapping.columns();
-        Ok(SubModelNetworks { method: method.to_owned(), mapping, networks, columns })
+        Ok(SubModelNetworks { method: method.to_owned(), mapping, networks, columns, beside: None })
+    }
+
+    /// The same networks with a ridge regression beside them.
+    pub(super) fn beside(self, beside: Option<RidgeShare>) -> SubModelNetworks {
+        SubModelNetworks { beside, ..self }
+    }
+
+    /// The share of ridge regression in the predictions, from 0 to 1: 0 if the networks stand alone.
+    pub fn share_of_ridge(&self) -> f64 {
+        self.beside.as_ref().and_then(|beside| beside.shares().first()).map_or(0.0, |share| *share)
     }
 
     /// The mapping.
@@ -172,7 +186,11 @@ impl SubModelNetworks {
                 let (state, at) = rows[k].split_at(self.columns.inputs.len());
                 self.mapping.push_inputs(state, at, &mut inputs);
             }
-            let spread = self.spread(sub_model, &inputs, level)?;
+            let mut spread = self.spread(sub_model, &inputs, level)?;
+            let width = self.columns.inputs.len();
+            let states: Vec<&[f64]> = own.iter().map(|&k| &rows[k][..width]).collect();
+            let at: Vec<f64> = own.iter().flat_map(|&k| rows[k][width..].iter().copied()).collect();
+            self.correct(sub_model, &states, &at, &mut spread.values)?;
             let ranges = self.trained_ranges(sub_model);
             for (place, &k) in own.iter().enumerate() {
                 predictions[k] = Some(RowPrediction {
@@ -212,7 +230,6 @@ impl SubModelNetworks {
         let failed = |error: ModelError| self.failed(sub_model, &error);
         let points = self.mapping.points_of_value();
         let (batch, deviations) = network.predict_batch_with_deviations(inputs, points).map_err(failed)?;
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / points as f64;
         Ok(Spread {
             values: batch.values.chunks(points).map(mean).collect(),
             deviations,
@@ -242,27 +259,35 @@ impl SubModelNetworks {
             let batch = self.networks[sub_model]
                 .predict_batch(&inputs)
                 .map_err(|error| self.failed(sub_model, &error))?;
-            let each = batch.values.len() / own.len();
+            let rows_of_state = batch.values.len() / own.len();
+            let mut values = match self.mapping.predicts_histogram() {
+                true => batch.values,
+                false => batch.values.chunks(rows_of_state).map(mean).collect(),
+            };
+            let each = values.len() / own.len();
+            let states: Vec<&[f64]> = own.iter().flat_map(|&k| std::iter::repeat_n(rows[k], each)).collect();
+            self.correct(sub_model, &states, &at.repeat(own.len()), &mut values)?;
             for (place, &k) in own.iter().enumerate() {
-                let values = &batch.values[place * each..(place + 1) * each];
+                let outside = &batch.outside[place * rows_of_state..(place + 1) * rows_of_state];
                 let inside = self.mapping.sub_model_at(self.mapping.coordinate_of(rows[k])).1;
                 predictions[k] = Some(StatePrediction {
-                    values: match self.mapping.predicts_histogram() {
-                        true => values.to_vec(),
-                        false => vec![values.iter().sum::<f64>() / each as f64],
-                    },
+                    values: values[place * each..(place + 1) * each].to_vec(),
                     sub_model,
-                    outside: !inside || batch.outside[place * each..(place + 1) * each].contains(&true),
+                    outside: !inside || outside.contains(&true),
                 });
             }
         }
         Ok(predictions.into_iter().flatten().collect())
     }
 
-    fn failed(&self, sub_model: usize, error: &ModelError) -> LearnError {
+    pub(super) fn failed(&self, sub_model: usize, error: &ModelError) -> LearnError {
         let network = format!("{} sub-model {}", self.mapping.name, sub_model + 1);
         LearnError::Network { network, reason: error.to_string() }
     }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Predictions with their standard deviations, and the half width of an interval in standard deviations.
@@ -285,6 +310,9 @@ impl Spread {
 struct Stored {
     mapping: NetworkMapping,
     networks: Vec<serde_json::Value>,
+    /// Files of earlier versions, and those of networks that stand alone, have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    beside: Option<StoredRidgeShare>,
 }
 
 impl SubModelNetworks {
@@ -303,7 +331,8 @@ impl SubModelNetworks {
         if networks.columns != *columns {
             return Err(failed("the columns of the mapping are not those that the file names".into()));
         }
-        Ok(networks)
+        let beside = stored.beside.map(|beside| beside.restored(columns)).transpose();
+        Ok(networks.beside(beside.map_err(|error| failed(error.to_string()))?))
     }
 }
 
@@ -344,7 +373,11 @@ impl Surrogate for SubModelNetworks {
             reason: error.to_string(),
         };
         let networks = self.networks.iter().map(|model| model.to_value().map_err(failed));
-        Content::new(&Stored { mapping: self.mapping.clone(), networks: networks.collect::<Result<_>>()? })
+        Content::new(&Stored {
+            mapping: self.mapping.clone(),
+            networks: networks.collect::<Result<_>>()?,
+            beside: self.beside.as_ref().map(RidgeShare::stored).transpose()?,
+        })
     }
 }
 

@@ -14,6 +14,7 @@ use super::mapping::{Form, NetworkMapping};
 use super::settings::NetworkSettings;
 use super::training::{FEWEST_STATES, NetworkTask, network_seed};
 use super::training_rows::{Rule, TrainingStates, first_ratio};
+use super::weighing::weighed;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::surrogate::{Columns, Content, FitSpec, Surrogate, SurrogateMethod};
@@ -188,7 +189,8 @@ impl SurrogateMethod for NetworksBySubModel {
             part.completed();
             Ok(model)
         })?;
-        Ok(Box::new(SubModelNetworks::new(&self.name, mapping, networks)?))
+        let (networks, beside) = weighed(&states, dataset, spec, self.rule, networks)?;
+        Ok(Box::new(SubModelNetworks::new(&self.name, mapping, networks)?.beside(beside)))
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {

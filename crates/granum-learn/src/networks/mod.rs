@@ -6,13 +6,16 @@
 //!
 //! A quantity is a column or a histogram. A histogram can enter the networks as a whole or point by point ([`Form`]), and a
 //! histogram that is predicted is one network with the binned variable as an input. [`training_rows`] explains which states a
-//! network learns from and how they are weighted, and [`sensor_share`] how much weight an input has.
+//! network learns from and how they are weighted, [`sensor_share`] how much weight an input has, and `ridge_share` why ridge
+//! regression has a share in the predictions.
 
 mod checkpoints;
+mod corrections;
 mod fitted;
 mod kept_networks;
 mod mapping;
 mod method;
+mod ridge_share;
 pub mod sensor_share;
 mod settings;
 mod sub_model;
@@ -20,15 +23,19 @@ mod summary;
 mod table;
 mod training;
 pub mod training_rows;
+mod weighing;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod weighing_tests;
 
 pub use checkpoints::{NetworkCheckpoints, NoCheckpoints};
 pub use fitted::{RowPrediction, StatePrediction, SubModelNetworks, networks_of};
 pub use kept_networks::{KeptNetworks, TIMES_FILE};
 pub use mapping::{Form, MappingBins, MappingQuantity, NetworkMapping};
 pub use method::NetworksBySubModel;
+pub(crate) use ridge_share::{RidgeShare, StoredRidgeShare, supported_share};
 pub use settings::NetworkSettings;
 pub use sub_model::{SubModel, is_within, sub_model_at};
 pub use summary::NetworkScores;

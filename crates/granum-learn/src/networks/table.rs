@@ -57,8 +57,12 @@ impl SubModelNetworks {
         Ok(TablePrediction { table, outside, sub_models: sub_models.into_iter().collect() })
     }
 
-    /// The numbers, counted from 1, of those of the given sub-models (counted from 0) whose networks learned a constant.
+    /// The numbers, counted from 1, of those of the given sub-models (counted from 0) whose predictions are constant: those of
+    /// networks that learned a constant and stand alone.
     pub fn constants(&self, sub_models: &[usize]) -> Vec<usize> {
+        if self.share_of_ridge() > 0.0 {
+            return Vec::new();
+        }
         sub_models.iter().filter(|k| self.networks()[**k].is_constant()).map(|k| k + 1).collect()
     }
 

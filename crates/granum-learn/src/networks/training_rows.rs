@@ -107,7 +107,7 @@ impl<'a> TrainingStates<'a> {
         let histogram = mapping.predicts_histogram();
         let chosen = match rule {
             Rule::Separate => self.own_states(sub_model),
-            Rule::Pooled => self.thinned(if histogram { MOST_HISTOGRAMS } else { MOST_STATES }),
+            Rule::Pooled => self.thinned(self.most()),
         };
         let (mut inputs, mut targets, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
         for &(run, state) in &chosen {
@@ -137,6 +137,27 @@ impl<'a> TrainingStates<'a> {
         let runs = self.runs.iter().enumerate();
         let states = runs.flat_map(|(k, run)| (0..run.inputs.len()).map(move |state| (k, state)));
         states.filter(|&(run, state)| self.is_in(&self.runs[run].inputs[state], sub_model)).collect()
+    }
+
+    /// The states from which each network learns by [`Rule::Pooled`]: the number of the row in the data set, the inputs and the outputs.
+    pub fn chosen(&self) -> impl Iterator<Item = (usize, &[f64], &[f64])> {
+        let first: Vec<usize> = (self.runs.iter())
+            .scan(0, |next, run| {
+                let first = *next;
+                *next += run.inputs.len();
+                Some(first)
+            })
+            .collect();
+        let state = move |(run, state): (usize, usize)| {
+            let rows = &self.runs[run];
+            (first[run] + state, rows.inputs[state].as_slice(), rows.outputs[state].as_slice())
+        };
+        self.thinned(self.most()).into_iter().map(state)
+    }
+
+    /// Largest number of training states.
+    fn most(&self) -> usize {
+        if self.mapping.predicts_histogram() { MOST_HISTOGRAMS } else { MOST_STATES }
     }
 
     /// At most `most` of the states, by the numbers of their runs and their numbers in the run, see [`every_nth`].

@@ -19,7 +19,11 @@ use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
-use crate::networks::{NetworkCheckpoints, NetworkSettings, NetworkTask, NoCheckpoints};
+use crate::networks::{
+    NetworkCheckpoints, NetworkSettings, NetworkTask, NoCheckpoints, RidgeShare, StoredRidgeShare,
+    supported_share,
+};
+use crate::surrogate::ridge::RidgeRegression;
 
 /// Feed-forward networks of one size for every output.
 ///
@@ -55,6 +59,62 @@ const NAME: &str = "feed-forward";
 
 fn failed(error: impl std::fmt::Display) -> LearnError {
     LearnError::Surrogate { method: NAME.into(), reason: error.to_string() }
+}
+
+impl FeedForward {
+    /// The training rows of an output.
+    fn rows(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        columns: &Columns,
+        inputs: &[f64],
+        output: &Variable,
+    ) -> Result<Data> {
+        let targets = dataset.values(&[&output.name])?;
+        let observations = targets.len() as f64 * self.observations_per_row;
+        Data::new(inputs.to_vec(), columns.inputs.len(), targets)
+            .and_then(|data| data.with_observations(observations))
+            .and_then(|data| data.with_blocks(dataset.run_of_rows()))
+            .and_then(|data| match spec.place_of_coordinate(columns) {
+                Some(place) => data.with_spread_column(place),
+                None => Ok(data),
+            })
+            .map_err(failed)
+    }
+}
+
+/// The networks with the share of ridge regression in each output that left-out runs support, and with intervals that hold for
+/// both together. Networks without regularisation, and those of a single run, stand alone.
+fn weighed(
+    dataset: &Dataset,
+    spec: &FitSpec,
+    columns: &Columns,
+    models: Vec<Model>,
+    rows: impl Fn(&Variable) -> Result<Data>,
+) -> Result<(Vec<Model>, Option<RidgeShare>)> {
+    let runs = dataset.runs().len();
+    let Some(means) =
+        (runs > 1).then(|| RidgeRegression::default().left_out_means(dataset, spec).ok()).flatten()
+    else {
+        return Ok((models, None));
+    };
+    // For each output its rows, and the errors of the network and of ridge regression on them.
+    let mut of_outputs: Vec<(Data, Vec<(f64, f64)>)> = Vec::new();
+    for (k, (model, output)) in models.iter().zip(&columns.outputs).enumerate() {
+        let data = rows(output)?;
+        let Some(network) = model.left_out_errors(&data).map_err(failed)? else { return Ok((models, None)) };
+        let ridge = means.iter().zip(data.targets()).map(|(means, target)| means[k] - target);
+        let errors = network.into_iter().zip(ridge).collect();
+        of_outputs.push((data, errors));
+    }
+    let shares = of_outputs.iter().map(|(_, errors)| supported_share(errors, runs, 1.0)).collect();
+    let Some(beside) = RidgeShare::fit(dataset, spec, shares) else { return Ok((models, None)) };
+    let calibrated = models.into_iter().zip(of_outputs).enumerate().map(|(k, (model, (data, errors)))| {
+        let mixed: Vec<f64> = errors.iter().map(|(a, b)| beside.mixed(k, *a, *b)).collect();
+        model.with_left_out_errors(&data, &mixed).map_err(failed)
+    });
+    Ok((calibrated.collect::<Result<_>>()?, Some(beside)))
 }
 
 impl SurrogateMethod for FeedForward {
@@ -97,7 +157,6 @@ impl SurrogateMethod for FeedForward {
                 self.hidden.clone(),
             )
         };
-        let blocks = dataset.run_of_rows();
         let shared = SharedObserver::new(observer);
         let (done, total) = (AtomicUsize::new(0), columns.outputs.len());
         let models = parallel::map(total, spec.threads, |k| {
@@ -107,16 +166,7 @@ impl SurrogateMethod for FeedForward {
             }
             let output = &columns.outputs[k];
             let mut part = shared.part(&output.name);
-            let targets = dataset.values(&[&output.name])?;
-            let observations = targets.len() as f64 * self.observations_per_row;
-            let data = Data::new(inputs.clone(), columns.inputs.len(), targets)
-                .and_then(|data| data.with_observations(observations))
-                .and_then(|data| data.with_blocks(blocks.clone()))
-                .and_then(|data| match spec.place_of_coordinate(&columns) {
-                    Some(place) => data.with_spread_column(place),
-                    None => Ok(data),
-                })
-                .map_err(failed)?;
+            let data = self.rows(dataset, spec, &columns, &inputs, output)?;
             let seed = spec.seed.wrapping_add(k as u64);
             let task = NetworkTask {
                 name: output.name.clone(),
@@ -131,7 +181,9 @@ impl SurrogateMethod for FeedForward {
             part.completed();
             Ok(model)
         })?;
-        Ok(Box::new(FittedNetworks { columns, models }))
+        let data = |output: &Variable| self.rows(dataset, spec, &columns, &inputs, output);
+        let (models, beside) = weighed(dataset, spec, &columns, models, data)?;
+        Ok(Box::new(FittedNetworks { columns, models, beside }))
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
@@ -145,7 +197,8 @@ impl SurrogateMethod for FeedForward {
         if models.len() != columns.outputs.len() || !models.iter().zip(&columns.outputs).all(fits) {
             return Err(failed("the networks are not those of its columns"));
         }
-        Ok(Box::new(FittedNetworks { columns, models }))
+        let beside = kept.beside.map(|beside| beside.restored(&columns)).transpose()?;
+        Ok(Box::new(FittedNetworks { columns, models, beside }))
     }
 }
 
@@ -172,16 +225,37 @@ fn quantities(dataset: &Dataset, columns: &Columns) -> Vec<usize> {
     numbers
 }
 
-/// Networks, one for each output.
+/// Networks, one for each output, and the ridge regression that has a share in their predictions.
 struct FittedNetworks {
     columns: Columns,
     models: Vec<Model>,
+    beside: Option<RidgeShare>,
+}
+
+impl FittedNetworks {
+    /// Adds the share of ridge regression to the values of an output.
+    fn correct(&self, output: usize, ridge: Option<&Vec<Vec<f64>>>, values: &mut [f64]) {
+        if let (Some(beside), Some(ridge)) = (&self.beside, ridge) {
+            values
+                .iter_mut()
+                .zip(ridge)
+                .for_each(|(value, ridge)| *value = beside.mixed(output, *value, ridge[output]));
+        }
+    }
+
+    /// What ridge regression predicts for each row.
+    fn ridge(&self, inputs: &RunInputs) -> Result<Option<Vec<Vec<f64>>>> {
+        self.beside.as_ref().map(|beside| beside.means(inputs.values().to_vec())).transpose()
+    }
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Kept {
     networks: Vec<serde_json::Value>,
+    /// Files of earlier versions, and those of networks that stand alone, have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    beside: Option<StoredRidgeShare>,
 }
 
 impl Surrogate for FittedNetworks {
@@ -196,8 +270,10 @@ impl Surrogate for FittedNetworks {
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let flat = inputs.values();
         let mut predictions = vec![Prediction::default(); inputs.len()];
-        for model in &self.models {
-            let (batch, deviations) = model.predict_batch_with_deviations(flat, 1).map_err(failed)?;
+        let ridge = self.ridge(inputs)?;
+        for (output, model) in self.models.iter().enumerate() {
+            let (mut batch, deviations) = model.predict_batch_with_deviations(flat, 1).map_err(failed)?;
+            self.correct(output, ridge.as_ref(), &mut batch.values);
             let quantile = model.quantile(level);
             for (k, (prediction, mean)) in predictions.iter_mut().zip(batch.values).enumerate() {
                 let estimate = Estimate::new(mean);
@@ -221,8 +297,10 @@ impl Surrogate for FittedNetworks {
 
     fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
         let mut means = vec![Vec::with_capacity(self.models.len()); inputs.len()];
-        for model in &self.models {
-            let values = model.predict_batch(inputs.values()).map_err(failed)?.values;
+        let ridge = self.ridge(inputs)?;
+        for (output, model) in self.models.iter().enumerate() {
+            let mut values = model.predict_batch(inputs.values()).map_err(failed)?.values;
+            self.correct(output, ridge.as_ref(), &mut values);
             means.iter_mut().zip(values).for_each(|(row, mean)| row.push(mean));
         }
         Ok(means)
@@ -230,6 +308,7 @@ impl Surrogate for FittedNetworks {
 
     fn content(&self) -> Result<Content> {
         let networks = self.models.iter().map(|model| model.to_value().map_err(failed));
-        Content::new(&Kept { networks: networks.collect::<Result<_>>()? })
+        let beside = self.beside.as_ref().map(RidgeShare::stored).transpose()?;
+        Content::new(&Kept { networks: networks.collect::<Result<_>>()?, beside })
     }
 }

@@ -123,6 +123,7 @@ pub use possible_values::possible_values;
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, UnseenCombination, causes, outside_of};
 pub use recurrent::Recurrent;
 pub use registry::SurrogateMethods;
+pub(crate) use ridge::FittedRidge;
 pub use ridge::RidgeRegression;
 pub use run_inputs::RunInputs;
 pub use spec::{Columns, FitSpec};

@@ -75,6 +75,8 @@ impl Default for RidgeRegression {
 }
 
 const NAME: &str = "ridge";
+/// Most parts of the runs that are left out one after the other.
+const PARTS: usize = 16;
 
 fn failed(reason: impl Into<String>) -> LearnError {
     LearnError::Surrogate { method: NAME.into(), reason: reason.into() }
@@ -157,6 +159,102 @@ impl Fitted {
     }
 }
 
+fn unsolved() -> LearnError {
+    failed("the equations have no solution; are there infinite or huge values?")
+}
+
+impl RidgeRegression {
+    /// The regression of any targets on rows of inputs, and its parameters but those that depend on the targets; the coordinate
+    /// is given by its place among the inputs.
+    fn curves_and_slopes(
+        &self,
+        coordinate: Option<usize>,
+        inputs: &[&[f64]],
+    ) -> Result<(Fitted, Regression)> {
+        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
+            return Err(failed(format!("the penalty must be a positive number, not {}", self.penalty)));
+        }
+        let width = inputs.first().map_or(0, |row| row.len());
+        let ranges: Vec<[f64; 2]> = (0..width).map(|k| range(inputs.iter().map(|row| row[k]))).collect();
+        let along =
+            |input: usize| Coordinate { input, start: ranges[input][0].min(0.0), end: ranges[input][1] };
+        let coordinate = coordinate.map(along);
+        let mut fitted =
+            Fitted { coordinate, ranges, deviations: Vec::new(), factor: Vec::new(), outputs: Vec::new() };
+        let functions: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.functions(row)).collect();
+        let others: Vec<Vec<f64>> = (0..width)
+            .filter(|&input| fitted.coordinate.as_ref().is_none_or(|coordinate| coordinate.input != input))
+            .map(|input| inputs.iter().map(|row| row[input]).collect())
+            .collect();
+        let penalty = self.penalty * inputs.len() as f64;
+        let regression = Regression::new(&functions, &others, &|_, _| penalty).ok_or_else(unsolved)?;
+        fitted.factor = regression.factor().lower().to_vec();
+        fitted.deviations = regression.deviations().to_vec();
+        Ok((fitted, regression))
+    }
+
+    /// The means for every row of a data set from the runs of the others: runs are left out one by one, or if they are many in
+    /// [`PARTS`] parts. One row of outputs for each row of the data set.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethod::fit`], or if there is one run.
+    pub(crate) fn left_out_means(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Vec<Vec<f64>>> {
+        let columns = spec.columns(dataset)?;
+        let inputs = dataset.values(&columns.input_names())?;
+        let inputs: Vec<&[f64]> = inputs.chunks_exact(columns.inputs.len()).collect();
+        let outputs = dataset.values(&columns.output_names())?;
+        let outputs: Vec<&[f64]> = outputs.chunks_exact(columns.outputs.len()).collect();
+        let runs = dataset.run_of_rows();
+        let parts = dataset.runs().len().min(PARTS);
+        if parts < 2 {
+            return Err(failed("a run can be left out of two or more"));
+        }
+        let mut means = vec![Vec::new(); inputs.len()];
+        for part in 0..parts {
+            let (own, others): (Vec<usize>, Vec<usize>) =
+                (0..inputs.len()).partition(|&row| runs[row] % parts == part);
+            let rows: Vec<&[f64]> = others.iter().map(|&row| inputs[row]).collect();
+            let (fitted, regression) = self.curves_and_slopes(spec.place_of_coordinate(&columns), &rows)?;
+            let coefficients = |output: usize| {
+                regression.coefficients(&others.iter().map(|&row| outputs[row][output]).collect::<Vec<_>>())
+            };
+            let coefficients: Vec<Vec<f64>> = (0..columns.outputs.len()).map(coefficients).collect();
+            for row in own {
+                let functions = fitted.row(inputs[row]);
+                means[row] = coefficients.iter().map(|own| dot(own, &functions)).collect();
+            }
+        }
+        Ok(means)
+    }
+
+    /// As [`SurrogateMethod::fit`], for the means alone: the scatter of the observations is not estimated.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethod::fit`].
+    pub(crate) fn fit_means(&self, dataset: &Dataset, spec: &FitSpec) -> Result<FittedRidge> {
+        let columns = spec.columns(dataset)?;
+        let values = dataset.values(&columns.input_names())?;
+        let inputs: Vec<&[f64]> = values.chunks_exact(columns.inputs.len()).collect();
+        let (mut fitted, regression) = self.curves_and_slopes(spec.place_of_coordinate(&columns), &inputs)?;
+        for output in &columns.outputs {
+            let coefficients = regression.coefficients(&dataset.values(&[&output.name])?);
+            let (noise_variance, run_variance, degrees_of_freedom) = (0.0, 0.0, 1.0);
+            fitted.outputs.push(Output { coefficients, noise_variance, run_variance, degrees_of_freedom });
+        }
+        Ok(FittedRidge { columns, fitted })
+    }
+
+    /// As [`SurrogateMethod::load`], as its own type.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethod::load`].
+    pub(crate) fn loaded(&self, columns: Columns, content: &Content) -> Result<FittedRidge> {
+        let fitted: Fitted = content.read()?;
+        fitted.check(&columns)?;
+        Ok(FittedRidge { columns, fitted })
+    }
+}
+
 impl SurrogateMethod for RidgeRegression {
     fn name(&self) -> &str {
         NAME
@@ -172,28 +270,10 @@ impl SurrogateMethod for RidgeRegression {
         spec: &FitSpec,
         observer: &mut dyn Observer,
     ) -> Result<Box<dyn Surrogate>> {
-        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
-            return Err(failed(format!("the penalty must be a positive number, not {}", self.penalty)));
-        }
         let columns = spec.columns(dataset)?;
         let values = dataset.values(&columns.input_names())?;
         let inputs: Vec<&[f64]> = values.chunks_exact(columns.inputs.len()).collect();
-        let ranges: Vec<[f64; 2]> =
-            (0..columns.inputs.len()).map(|k| range(inputs.iter().map(|row| row[k]))).collect();
-        let coordinate = spec.place_of_coordinate(&columns);
-        let along =
-            |input: usize| Coordinate { input, start: ranges[input][0].min(0.0), end: ranges[input][1] };
-        let coordinate = coordinate.map(along);
-        let mut fitted =
-            Fitted { coordinate, ranges, deviations: Vec::new(), factor: Vec::new(), outputs: Vec::new() };
-        let functions: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.functions(row)).collect();
-        let others: Vec<Vec<f64>> = (0..columns.inputs.len())
-            .filter(|&input| fitted.coordinate.as_ref().is_none_or(|coordinate| coordinate.input != input))
-            .map(|input| inputs.iter().map(|row| row[input]).collect())
-            .collect();
-        let unsolved = || failed("the equations have no solution; are there infinite or huge values?");
-        let penalty = self.penalty * inputs.len() as f64;
-        let regression = Regression::new(&functions, &others, &|_, _| penalty).ok_or_else(unsolved)?;
+        let (mut fitted, regression) = self.curves_and_slopes(spec.place_of_coordinate(&columns), &inputs)?;
         let scatter = Scatter::new(self.penalty, &regression);
         let runs = dataset.run_of_rows();
         for (done, output) in columns.outputs.iter().enumerate() {
@@ -201,15 +281,11 @@ impl SurrogateMethod for RidgeRegression {
             let targets = dataset.values(&[&output.name])?;
             fitted.outputs.push(scatter.output(&targets, &runs).ok_or_else(unsolved)?);
         }
-        fitted.factor = regression.factor().lower().to_vec();
-        fitted.deviations = regression.into_deviations();
         Ok(Box::new(FittedRidge { columns, fitted }))
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
-        let fitted: Fitted = content.read()?;
-        fitted.check(&columns)?;
-        Ok(Box::new(FittedRidge { columns, fitted }))
+        Ok(Box::new(self.loaded(columns, content)?))
     }
 }
 
@@ -290,7 +366,8 @@ impl<'a> Scatter<'a> {
 }
 
 /// A fitted ridge regression.
-struct FittedRidge {
+#[derive(Clone, Debug)]
+pub(crate) struct FittedRidge {
     columns: Columns,
     fitted: Fitted,
 }

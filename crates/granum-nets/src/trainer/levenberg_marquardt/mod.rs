@@ -38,6 +38,7 @@ use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progr
 use super::traingdx::norm;
 use crate::data::Data;
 use crate::differentiable::{Differentiable, GaussNewton};
+use crate::left_out::left_out_of;
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
@@ -198,7 +199,10 @@ impl Trainer for LevenbergMarquardt {
         }
         let left_out = match termination {
             TerminationReason::Stopped => None,
-            _ => search.left_out(model.weights(), data),
+            _ => {
+                let shift = search.decay();
+                left_out_of(search.problem.as_mut(), model.weights(), data, shift)
+            }
         };
         Ok(TrainingReport {
             validation_error,
@@ -433,25 +437,6 @@ impl<'a> Search<'a> {
             self.damping *= 10.0;
         }
         Err(TerminationReason::MaximumDamping)
-    }
-
-    /// Errors that the observations of each block would have if it had not been used for training; `None` for a single
-    /// block.
-    fn left_out(&mut self, weights: &[f64], data: &Data) -> Option<Vec<f64>> {
-        if data.block_count() < 2 || data.target_columns() > 1 || self.decay() <= 0.0 {
-            return None;
-        }
-        self.problem.squared_error(weights);
-        let shift = self.decay();
-        if !self.problem.linearise(weights) || !self.problem.factorise(shift) {
-            return None;
-        }
-        let weights = data.observation_weights();
-        let mut errors = self.problem.left_out_residuals(data.blocks(), shift)?;
-        for (error, weight) in errors.iter_mut().zip(&weights) {
-            *error = if *weight > 0.0 { *error / weight.sqrt() } else { f64::NAN };
-        }
-        Some(errors)
     }
 
     /// Estimates the precisions of weights and noise at the current weights.

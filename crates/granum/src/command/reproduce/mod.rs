@@ -45,7 +45,8 @@ const FOLDERS: [&str; 4] = ["runs", "models", "figures", "sizes"];
                   reproduce --training-runs 16 --out more"
 )]
 pub struct Reproduce {
-    /// Use 1000 grains, fewer states and a faster test: takes a minute and shows that everything works; not to be cited.
+    /// Use 1000 grains, fewer states and a faster test: shows that everything works in a few minutes of processor time; not to be
+    /// cited.
     #[arg(long)]
     quick: bool,
     /// Folder of the results; created if it does not exist, and continued if it holds the same reproduction.
