@@ -22,6 +22,7 @@ mod recordable;
 pub mod run;
 pub mod safe_text;
 pub mod sealed;
+pub mod sheet;
 pub mod shell;
 pub mod snapshot;
 mod text;

@@ -54,7 +54,7 @@ impl Reader {
         let engine = table.get("engine").and_then(|node| self.text(node, "engine")).unwrap_or_default();
         let lammps = self.lammps(table, &engine);
         let design = match table.get("design") {
-            Some(node) => self.design(node)?,
+            Some(node) => self.design(node, &names)?,
             None => {
                 let help = format!("add [design] with kind = one of {}", KINDS.join(", "));
                 self.error(0..0, "the plan has no design", &help);

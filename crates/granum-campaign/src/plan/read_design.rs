@@ -17,7 +17,7 @@ pub(super) const DESIGN_KEYS: [&str; 7] =
 pub(super) const KINDS: [&str; 5] = ["sobol", "latin-hypercube", "full-factorial", "list", "csv"];
 
 impl Reader {
-    pub(super) fn design(&mut self, node: &Node) -> Result<Option<DesignTable>> {
+    pub(super) fn design(&mut self, node: &Node, variables: &[String]) -> Result<Option<DesignTable>> {
         let DeValue::Table(table) = node.get_ref() else {
             self.error(node.span(), "design must be a table", "write [design] with its keys below");
             return Ok(None);
@@ -40,7 +40,7 @@ impl Reader {
                 Some(rows) => DesignKind::Rows(rows),
                 None => return Ok(None),
             },
-            "csv" => match self.csv_rows(node, table)? {
+            "csv" => match self.csv_rows(node, table, variables)? {
                 Some(rows) => DesignKind::Rows(rows),
                 None => return Ok(None),
             },
@@ -115,14 +115,20 @@ impl Reader {
         Some(rows)
     }
 
-    pub(super) fn csv_rows(&mut self, design: &Node, table: &DeTable) -> Result<Option<Vec<PlanRow>>> {
+    pub(super) fn csv_rows(
+        &mut self,
+        design: &Node,
+        table: &DeTable,
+        variables: &[String],
+    ) -> Result<Option<Vec<PlanRow>>> {
         let Some(node) = table.get("file") else {
             self.error(design.span(), "a design of kind csv needs file, the name of a CSV file", "");
             return Ok(None);
         };
         let Some(name) = self.text(node, "file") else { return Ok(None) };
+        let variables: Vec<&str> = variables.iter().map(String::as_str).collect();
         match named_file(&self.source.folder, &name, self.reading.outside) {
-            Ok(path) if path.is_file() => rows::read_csv(&path).map(Some),
+            Ok(path) if path.is_file() => rows::read_csv(&path, &variables).map(Some),
             Ok(path) => {
                 let message = format!("file = {name:?}: there is no file {}", path.shown());
                 self.error(node.span(), message, "the name counts from the folder of the plan");

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use granum_core::quantity::format_number;
 use granum_io::case::Value;
 use granum_io::safe_text::quoted;
 use granum_io::{Case, Error};
@@ -13,6 +14,7 @@ use super::definition::{Choice, FixedKey, PATH, PlanVariable, Spanned, VariableK
 use super::expression::Expression;
 use super::reader::{Node, Reader};
 use super::units;
+use super::values::{multiples, rounded};
 
 /// Most variables of a plan or a calibration, expressions included.
 const MOST_VARIABLES: usize = 1000;
@@ -125,6 +127,7 @@ impl Reader {
     pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
         let (unit, step) = self.unit_and_step(&draft, case)?;
         let kind = self.kind(&draft, &unit)?;
+        self.check_step(&draft, &kind, step)?;
         let new_stage = self.new_stage(&draft)?;
         Some(PlanVariable {
             name: draft.name,
@@ -154,6 +157,31 @@ impl Reader {
                 None
             }
         }
+    }
+
+    /// Refuses a step that leaves a range fewer than two values.
+    fn check_step(&mut self, draft: &Draft, kind: &VariableKind, step: Option<f64>) -> Option<()> {
+        let (VariableKind::Range { between, texts, .. }, Some(step)) = (kind, step) else { return Some(()) };
+        let [from, to] = texts;
+        let message = match multiples(*between, step) {
+            None => format!(
+                "no multiple of the step {} lies in the range from {from} to {to}",
+                format_number(step)
+            ),
+            Some([first, last]) if first == last => format!(
+                "only one multiple of the step {}, {}, lies in the range from {from} to {to}",
+                format_number(step),
+                format_number(rounded(first * step, Some(step)))
+            ),
+            Some(_) => return Some(()),
+        };
+        let span = draft.table.get("step").map_or_else(|| draft.span.clone(), |node| node.span());
+        self.error(
+            span,
+            format!("{} has too few values: {message}", draft.name),
+            "numbers are rounded to multiples of the step; give a smaller step, or a wider range",
+        );
+        None
     }
 
     /// The unit of the keys of a variable, and the step to which its numbers are rounded, if there is one.

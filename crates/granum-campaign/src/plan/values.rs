@@ -87,7 +87,11 @@ pub(super) fn chosen(variable: &PlanVariable, at: Coordinate) -> Chosen {
                 Coordinate::Share(share) => share,
                 Coordinate::Level(level) => level as f64 / (levels.unwrap_or(2) - 1) as f64,
             };
-            Chosen::number(rounded(between_bounds(*between, *logarithmic, share), variable.step))
+            let number = rounded(between_bounds(*between, *logarithmic, share), variable.step);
+            Chosen::number(match variable.step {
+                Some(step) => within(number, step, *between),
+                None => number,
+            })
         }
         _ => Chosen::number(f64::NAN),
     }
@@ -110,6 +114,32 @@ pub(super) fn rounded(number: f64, step: Option<f64>) -> f64 {
         None => format!("{number:.5e}"),
     };
     text.parse().unwrap_or(number)
+}
+
+/// A multiple of a step, or the nearest one in the range if it is outside: 0 is no value of a range from 0.1 in steps of 0.25.
+fn within(number: f64, step: f64, [from, to]: [f64; 2]) -> f64 {
+    let Some([first, last]) = multiples([from, to], step) else { return number };
+    if number < from && !is_bound(number, from) {
+        return rounded(first * step, Some(step));
+    }
+    if number > to && !is_bound(number, to) {
+        return rounded(last * step, Some(step));
+    }
+    number
+}
+
+/// The smallest and the largest whole number of steps in a range, up to the rounding of its bounds; none if no multiple lies in it.
+pub(super) fn multiples([from, to]: [f64; 2], step: f64) -> Option<[f64; 2]> {
+    let nearest = |bound: f64| (bound / step).round();
+    let at = |bound: f64| is_bound(rounded(nearest(bound) * step, Some(step)), bound);
+    let first = if at(from) { nearest(from) } else { (from / step).ceil() };
+    let last = if at(to) { nearest(to) } else { (to / step).floor() };
+    (first <= last).then_some([first, last])
+}
+
+/// True for a number that differs from a bound only as numbers do that are rounded to twelve digits.
+fn is_bound(number: f64, bound: f64) -> bool {
+    (number - bound).abs() <= 1e-10 * bound.abs()
 }
 
 /// The value that a row gives to a variable.

@@ -25,6 +25,7 @@
 //! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
 //! can be saved at any check and resumed.
 
+mod density_measure;
 mod error;
 mod next_trial;
 mod procedure_search;
@@ -33,6 +34,7 @@ mod specification;
 mod stages;
 mod state;
 
+pub use self::density_measure::DensityMeasure;
 pub use self::error::{PreparationError, StageFault};
 pub use self::next_trial::NextTrial;
 pub use self::procedure_search::Procedure;

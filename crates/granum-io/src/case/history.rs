@@ -2,7 +2,6 @@
 //!
 //! The case of a run contains the rows, so that the run no longer needs the file.
 
-use std::io::BufRead;
 use std::path::Path;
 
 use granum_dem::loading::{History, HistoryQuantity, MOST_ROWS};
@@ -13,11 +12,14 @@ use super::stage_values::{Mistake, Node, Parsed, number, text};
 use super::suggestion::meant;
 use super::unit::dimension;
 use crate::error::{Error, Result};
-use crate::formats::lines::{self, Lines};
+use crate::sheet::{Sheet, Sought, plain, signs, split};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// Keys of a stage that give a history.
 pub(super) const HISTORY_KEYS: [&str; 3] = ["file", "columns", "rows"];
+
+/// The column of times, which the loading does not use.
+const TIME: &str = "time";
 
 /// The quantity to which a column of a file belongs.
 struct SourceColumn {
@@ -34,12 +36,22 @@ pub(super) fn dimension_of(quantity: HistoryQuantity) -> Dimension {
     dimension(if matches!(quantity, HistoryQuantity::Stress(_)) { "Pa" } else { "1" })
 }
 
-/// Reads a file.
+/// Reads a file. Its values are as they stand there, but for columns whose sign of compression a comment states.
 ///
 /// # Errors
 /// If it cannot be read; [`Error::Input`] with line and column for what is wrong in it.
 pub(super) fn read(path: &Path) -> Result<History> {
-    read_lines(&mut Lines::open(path)?)
+    with_header(|sought| history(&Sheet::open(path, sought)?))
+}
+
+/// True if comments of a file state the signs of compression.
+///
+/// # Errors
+/// As for [`read`].
+pub(super) fn states_signs(path: &Path) -> Result<bool> {
+    with_header(|sought| {
+        Ok(Sheet::open(path, sought)?.comments().any(|(_, text)| signs::of_comment(text).is_some()))
+    })
 }
 
 /// Refuses a file if the largest value of a column whose name has no unit is in doubt.
@@ -50,96 +62,102 @@ pub(super) fn check_bare(
     path: &Path,
     mut doubt: impl FnMut(HistoryQuantity, f64) -> Option<Doubt>,
 ) -> Result<()> {
-    let history = read(path)?;
-    let lines = &mut Lines::open(path)?;
-    let columns = header(lines)?;
-    let names: Vec<(usize, String)> = lines.cells().map(|(start, cell)| (start, cell.to_string())).collect();
+    let sheet = with_header(|sought| Sheet::open(path, sought))?;
+    let history = history(&sheet)?;
+    let columns = header(&sheet)?;
     let quantities =
-        columns.iter().zip(names).filter_map(|(column, name)| Some((column, column.quantity?, name)));
-    for (k, (column, quantity, (start, cell))) in quantities.enumerate() {
+        columns.iter().enumerate().filter_map(|(at, column)| Some((at, column, column.quantity?)));
+    for (k, (at, column, quantity)) in quantities.enumerate() {
         let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let largest = history.rows.iter().filter_map(|row| row.get(k).copied()).fold(0.0, larger);
         if let Some(doubt) = doubt(quantity, largest).filter(|_| column.is_bare) {
             let name = quantity.name();
             let message = format!("{name} goes to {} and {}", format_number(largest), doubt.message());
-            let error = lines.cell_error(start, &cell, message).with_help(doubt.header_help(&name));
-            return Err(error.into());
+            return Err(sheet.header_error(at, message).with_help(doubt.header_help(&name)).into());
         }
     }
     Ok(())
 }
 
-fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<History> {
-    let places = header(lines)?;
+fn with_header<T>(read: impl FnOnce(&Sought) -> Result<T>) -> Result<T> {
+    let is_name = |cell: &str| {
+        let (name, _) = split(cell);
+        name == TIME || quantity_named(name).is_some()
+    };
+    read(&Sought { is_name: &is_name, count: usize::MAX, may_have_units: true })
+}
+
+fn history(sheet: &Sheet) -> Result<History> {
+    let places = header(sheet)?;
     let columns = places.iter().filter_map(|place| place.quantity).collect();
     let mut history = History { columns, rows: Vec::new() };
     let mut time = f64::NEG_INFINITY;
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
+    let mut rows = sheet.rows(&(0..places.len()).collect::<Vec<_>>())?;
+    while rows.advance()? {
         let mut row = Vec::with_capacity(places.len());
-        let mut count = 0;
-        for (start, cell) in lines.cells() {
-            if let Some(place) = places.get(count) {
-                let value = value(lines, place, start, cell)?;
-                match place.quantity {
-                    Some(_) => row.push(value),
-                    None if value <= time => {
-                        let message = format!("time = {cell} does not increase from row to row");
-                        return Err(lines.cell_error(start, cell, message).into());
-                    }
-                    None => time = value,
+        for (at, place) in places.iter().enumerate() {
+            let name = place.quantity.map_or_else(|| TIME.to_string(), HistoryQuantity::name);
+            let value = rows.finite(at, &name)? * place.factor + 0.0;
+            match place.quantity {
+                Some(_) => row.push(value),
+                None if value <= time => {
+                    let message = format!("time = {} does not increase from row to row", rows.cell(at));
+                    return Err(rows.cell_error(at, message).into());
                 }
+                None => time = value,
             }
-            count += 1;
-        }
-        if count != places.len() {
-            let message = format!("the row has {count} cells, but the header names {} columns", places.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
         }
         history.rows.push(row);
         if history.rows.len() > MOST_ROWS {
-            let message = format!("the history has more than {MOST_ROWS} rows");
-            return Err(lines.error(0..lines.line().len(), message).into());
+            return Err(rows.whole_error(format!("the history has more than {MOST_ROWS} rows")).into());
         }
     }
     match history.fault() {
         None => Ok(history),
-        Some(fault) => Err(Error::content(Path::new(lines.file()), fault)),
+        Some(fault) => Err(Error::content(Path::new(sheet.file()), fault)),
     }
 }
 
-/// The columns that the first line names.
-fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<SourceColumn>> {
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
-        // What every table refuses: empty names, two alike, other separators.
-        lines::names(lines)?;
-        let place = |(start, cell): (usize, &str)| {
-            place(cell.trim_matches('"')).map_err(|(message, help)| {
-                Error::from(lines.cell_error(start, cell, message).with_help(help))
-            })
-        };
-        return lines.cells().map(place).collect();
-    }
-    Err(Error::content(Path::new(lines.file()), "is empty; the first line must name the columns"))
-}
-
-/// What the name of a column says, e.g. `xx_stress (kPa)`; what is wrong with it and what would be right.
-fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
-    let (name, unit) = match cell.split_once(['(', '[']) {
-        Some((name, unit)) => (name.trim(), unit.trim_end_matches([')', ']']).trim()),
-        None => (cell, ""),
+/// The columns that the header names, with the signs that comments state.
+fn header(sheet: &Sheet) -> Result<Vec<SourceColumn>> {
+    let column = |at: usize| {
+        let (name, unit) = sheet.name_and_unit(at)?;
+        column(name, unit)
+            .map_err(|(message, help)| Error::from(sheet.header_error(at, message).with_help(help)))
     };
-    if name == "time" {
+    let mut columns: Vec<SourceColumn> = (0..sheet.header().len()).map(column).collect::<Result<_>>()?;
+    let stated: Vec<(usize, &str)> =
+        sheet.comments().filter_map(|(at, text)| Some((at, signs::of_comment(text)?))).collect();
+    for (at, text) in stated {
+        let wrong = |message: String| Error::from(sheet.error(at..at, message));
+        for (name, is_negative) in signs::signs(text).map_err(wrong)? {
+            let quantity = name.as_deref().map(|name| quantity_named(name).ok_or(name));
+            let quantity = match quantity.transpose() {
+                Ok(quantity) => quantity,
+                Err(name) => return Err(wrong(format!("{name} is not a column of a history"))),
+            };
+            let named = columns.iter_mut().filter(|column| column.quantity.is_some());
+            for column in named.filter(|column| quantity.is_none() || column.quantity == quantity) {
+                column.factor = column.factor.abs() * if is_negative { -1.0 } else { 1.0 };
+            }
+        }
+    }
+    Ok(columns)
+}
+
+/// The quantity of a name, or of one that differs in capitals and blanks.
+fn quantity_named(name: &str) -> Option<HistoryQuantity> {
+    HistoryQuantity::named(name).or_else(|| HistoryQuantity::named(&plain(name)))
+}
+
+/// What the name and the unit of a column say, e.g. `xx_stress (kPa)`; what is wrong with it and what would be right.
+fn column(name: &str, unit: &str) -> std::result::Result<SourceColumn, (String, String)> {
+    if plain(name) == TIME {
         return Ok(SourceColumn { quantity: None, factor: 1.0, is_bare: false });
     }
-    let Some(quantity) = HistoryQuantity::named(name) else {
+    let Some(quantity) = quantity_named(name) else {
         let names: Vec<String> = HistoryQuantity::all().map(HistoryQuantity::name).collect();
-        let help = meant(name, names.iter().map(String::as_str).chain(["time"]));
+        let help = meant(name, names.iter().map(String::as_str).chain([TIME]));
         return Err((format!("{name} is not a column of a history"), help));
     };
     let factor = match unit {
@@ -150,15 +168,6 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
         (format!("the unit of {name}: 1 {unit} {why}"), format!("e.g. {name} (kPa), or no unit for SI"))
     };
     Ok(SourceColumn { quantity: Some(quantity), factor: factor.map_err(wrong)?, is_bare: unit.is_empty() })
-}
-
-fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell: &str) -> Result<f64> {
-    let name = place.quantity.map_or_else(|| "time".to_string(), HistoryQuantity::name);
-    let value = lines::number(lines, &name, start, cell)? * place.factor + 0.0;
-    if value.is_finite() {
-        return Ok(value);
-    }
-    Err(lines.cell_error(start, cell, format!("{name} = {cell} is not finite")).into())
 }
 
 /// The key `columns` of a stage.
@@ -216,7 +225,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<History> {
-        read_lines(&mut Lines::new(text.as_bytes(), "element.csv"))
+        with_header(|sought| history(&Sheet::read(text.as_bytes(), "element.csv", sought)?))
     }
 
     #[test]
@@ -224,6 +233,18 @@ mod tests {
         let found = read("# an element\ntime,xx_strain (%),yy_stress [kPa]\n0,0,100\n1,0.5,120\n").unwrap();
         assert_eq!(found.columns, [HistoryQuantity::Strain(0), HistoryQuantity::Stress(1)]);
         assert_eq!(found.rows, [[0.0, 100e3], [0.005, 120e3]]);
+    }
+
+    #[test]
+    fn files_of_offices_are_read_with_their_signs() {
+        let text = "Versuch;12\n# compression xx_strain = negative;;\nTime;XX strain;yy_stress\ns;%;kPa\n0;0;100\n1;-0,5;120,5\n";
+        let found = read(text).unwrap();
+        assert_eq!(found.columns, [HistoryQuantity::Strain(0), HistoryQuantity::Stress(1)]);
+        assert_eq!(found.rows, [[0.0, 100e3], [0.005, 120.5e3]]);
+        let all = read(&text.replace("compression xx_strain", "compression")).unwrap();
+        assert_eq!(all.rows, [[0.0, -100e3], [0.005, -120.5e3]]);
+        let said = read(&text.replace("compression xx_strain", "compression q")).unwrap_err().to_string();
+        assert!(said.contains("element.csv:2:1: q is not a column of a history"), "{said}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod bare_number;
 mod case_stage;
 mod case_test;
 mod definition;
+mod densities;
 mod difference;
 mod digest;
 pub(crate) mod doubt;

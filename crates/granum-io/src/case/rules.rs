@@ -3,11 +3,12 @@
 use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
 use granum_dem::contact::PairProperties;
 use granum_dem::contact::choice::check;
+use granum_dem::preparation::DensityMeasure;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 use granum_sensors::force_distribution::bins_of;
 
 use super::definition::Case;
-use super::stresses;
+use super::{densities, stresses};
 use crate::error::{Error, Result};
 
 /// A rule: the fields concerned (the error points to the first one that the user has given), and what is wrong.
@@ -35,15 +36,32 @@ pub(super) const RULES: &[Rule] = &[
     Rule { fields: &["preparation.stage"], broken: stresses::of_preparation_stages },
     Rule { fields: &["stage"], broken: stresses::of_stages },
     Rule {
-        fields: &["preparation.initial_solid_fraction", "preparation.solid_fraction"],
+        fields: &[
+            "preparation.initial_solid_fraction",
+            "preparation.solid_fraction",
+            "preparation.void_ratio",
+            "preparation.relative_density",
+        ],
         broken: |case| {
-            let initial = case.preparation.initial_solid_fraction;
-            let target = case.preparation.target().filter(|target| *target <= initial)?;
+            let p = &case.preparation;
+            let initial = p.initial_solid_fraction;
+            p.target().filter(|target| *target <= initial)?;
+            let measure = DensityMeasure::new(p);
+            let same = match measure {
+                DensityMeasure::SolidFraction => String::new(),
+                _ => format!(" (a {} of {:.3})", measure.name(), measure.value(p, initial)),
+            };
             Some(format!(
-                "preparation.initial_solid_fraction = {initial} must be below preparation.solid_fraction = {target}: \
-                 the loose initial state is compressed to the sample"
+                "preparation.initial_solid_fraction = {initial}{same} must be looser than preparation.{} = {}: the loose initial state is \
+                 compressed to the sample",
+                measure.key(),
+                measure.target(p)?
             ))
         },
+    },
+    Rule {
+        fields: &["preparation.solid_fraction", "preparation.void_ratio", "preparation.relative_density"],
+        broken: densities::of_sample,
     },
     Rule {
         fields: &[

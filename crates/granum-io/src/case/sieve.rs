@@ -2,14 +2,13 @@
 //!
 //! The case of a run contains the points, so that the run no longer needs the file.
 
-use std::io::BufRead;
 use std::path::Path;
 
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::sizes::check_curve;
 
 use crate::error::{Error, Result};
-use crate::formats::lines::{self, Lines};
+use crate::sheet::{Sheet, Sought, plain, split};
 
 /// Points of a curve: diameter, m, and share of the mass that is finer.
 pub(super) type Points = Vec<[f64; 2]>;
@@ -21,87 +20,74 @@ const COLUMNS: [(&str, Dimension, &str); 2] =
 /// Most points of a curve.
 const MOST_POINTS: usize = 10_000;
 
-/// Reads a file whose columns are `diameter` and `finer`, each with its unit in the header, e.g. `diameter (mm),finer (%)`.
+/// What the header of a file looks like.
+const EXAMPLE: &str = "e.g. diameter (mm),finer (%)";
+
+/// Reads a file whose columns are `diameter` and `finer`, each with its unit in the header, e.g. `diameter (mm),finer (%)`, or in a row below
+/// it.
 ///
 /// # Errors
 /// If it cannot be read; with line and column for what is wrong in it.
 pub(super) fn read(path: &Path) -> Result<Points> {
-    read_lines(&mut Lines::open(path)?)
+    with_header(|sought| points(&Sheet::open(path, sought)?))
 }
 
-fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Points> {
-    let factors = header(lines)?;
+fn with_header<T>(read: impl FnOnce(&Sought) -> Result<T>) -> Result<T> {
+    let is_name = |cell: &str| place(split(cell).0).is_some();
+    read(&Sought { is_name: &is_name, count: COLUMNS.len(), may_have_units: true })
+}
+
+fn points(sheet: &Sheet) -> Result<Points> {
+    let factors = header(sheet)?;
     let mut points: Points = Vec::new();
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
-        let cells: Vec<(usize, String)> =
-            lines.cells().map(|(start, cell)| (start, cell.to_string())).collect();
-        if cells.len() != COLUMNS.len() {
-            let message =
-                format!("the row has {} cells, but the header names {} columns", cells.len(), COLUMNS.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
-        }
+    let mut rows = sheet.rows(&(0..factors.len()).collect::<Vec<_>>())?;
+    while rows.advance()? {
         let mut point = [0.0; 2];
-        for (k, (start, cell)) in cells.iter().enumerate() {
-            let (place, factor) = factors[k];
-            point[place] = lines::number(lines, COLUMNS[place].0, *start, cell)? * factor;
+        for (column, (place, factor)) in factors.iter().enumerate() {
+            point[*place] = rows.number(column, COLUMNS[*place].0)? * factor;
         }
         points.push(point);
         let fault = |wrong: (Option<usize>, String)| wrong.0.map(|_| wrong.1);
         if let Some(message) = check_curve(&points).err().and_then(fault) {
-            return Err(lines.error(0..lines.line().len(), format!("the point {message}")).into());
+            return Err(rows.whole_error(format!("the point {message}")).into());
         }
         if points.len() > MOST_POINTS {
-            return Err(lines.error(0..0, format!("a curve can have {MOST_POINTS} points")).into());
+            return Err(rows.whole_error(format!("a curve can have {MOST_POINTS} points")).into());
         }
     }
     match check_curve(&points) {
         Ok(()) => Ok(points),
         Err((_, message)) => {
-            Err(Error::content(Path::new(lines.file()), format!("the sieve curve {message}")))
+            Err(Error::content(Path::new(sheet.file()), format!("the sieve curve {message}")))
         }
     }
 }
 
 /// For each column of the file its place in a point, and what its numbers are multiplied by.
-fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<(usize, f64)>> {
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
-        lines::names(lines)?;
-        let column = |(start, cell): (usize, &str)| {
-            column(cell.trim_matches('"')).map_err(|message| {
-                Error::from(lines.cell_error(start, cell, message).with_help("e.g. diameter (mm),finer (%)"))
-            })
-        };
-        let found: Vec<(usize, f64)> = lines.cells().map(column).collect::<Result<_>>()?;
-        let mut places: Vec<usize> = found.iter().map(|(place, _)| *place).collect();
-        places.sort_unstable();
-        if places != [0, 1] {
-            let message = "a sieve curve has the columns diameter and finer, each once";
-            return Err(lines
-                .error(0..lines.line().len(), message.into())
-                .with_help("e.g. diameter (mm),finer (%)")
-                .into());
-        }
-        return Ok(found);
+fn header(sheet: &Sheet) -> Result<Vec<(usize, f64)>> {
+    let column = |at: usize| {
+        let (name, unit) = sheet.name_and_unit(at)?;
+        column(name, unit).map_err(|message| Error::from(sheet.header_error(at, message).with_help(EXAMPLE)))
+    };
+    let found: Vec<(usize, f64)> = (0..sheet.header().len()).map(column).collect::<Result<_>>()?;
+    let mut places: Vec<usize> = found.iter().map(|(place, _)| *place).collect();
+    places.sort_unstable();
+    if places != [0, 1] {
+        let message = "a sieve curve has the columns diameter and finer, each once";
+        return Err(sheet.whole_header_error(message.into()).with_help(EXAMPLE).into());
     }
-    Err(Error::content(
-        Path::new(lines.file()),
-        "is empty; the first line must name the columns diameter and finer",
-    ))
+    Ok(found)
 }
 
-/// Place and factor of a column from its name, e.g. `finer (%)`.
-fn column(cell: &str) -> std::result::Result<(usize, f64), String> {
-    let (name, unit) = match cell.split_once(['(', '[']) {
-        Some((name, unit)) => (name.trim(), unit.trim_end_matches([')', ']']).trim()),
-        None => (cell.trim(), ""),
-    };
-    let Some(place) = COLUMNS.iter().position(|(known, _, _)| *known == name) else {
+/// The place of a column in a point.
+fn place(name: &str) -> Option<usize> {
+    let is = |name: &str| COLUMNS.iter().position(|(known, _, _)| *known == name);
+    is(name).or_else(|| is(&plain(name)))
+}
+
+/// Place and factor of a column from its name and unit, e.g. of `finer (%)`.
+fn column(name: &str, unit: &str) -> std::result::Result<(usize, f64), String> {
+    let Some(place) = place(name) else {
         return Err(format!("{name} is no column of a sieve curve"));
     };
     let (_, dimension, example) = COLUMNS[place];
@@ -177,7 +163,7 @@ mod tests {
     use crate::Case;
 
     fn read(text: &str) -> Result<Points> {
-        read_lines(&mut Lines::new(text.as_bytes(), "sand.csv"))
+        with_header(|sought| points(&Sheet::read(text.as_bytes(), "sand.csv", sought)?))
     }
 
     #[test]

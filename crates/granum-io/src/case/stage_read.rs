@@ -230,6 +230,14 @@ impl TableReader<'_, '_> {
             let path = self.reader.named_file(&name).map_err(|why| Mistake(file.span(), why, None));
             let path = self.take("file", path)?;
             return match history::read(&path) {
+                Ok(_)
+                    if table.get("compression").is_some()
+                        && history::states_signs(&path).unwrap_or(false) =>
+                {
+                    let why =
+                        "states the signs of compression in its comments, and so does the key compression";
+                    self.take("file", Err(Mistake(file.span(), why.into(), Some("keep one of them".into()))))
+                }
                 Ok(history) => Some(history),
                 Err(crate::Error::Input(error)) => {
                     self.reader.errors.push(*error);

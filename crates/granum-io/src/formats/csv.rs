@@ -1,17 +1,18 @@
 //! Comma-separated values: a line of names, then one line of numbers for each row.
 //!
-//! Numbers are written as the shortest text that is read back as the same double. Lines that start with `#` and blank lines
-//! are ignored. Units are not written.
+//! Numbers are written as the shortest text that is read back as the same double. Units are not written. What a person hands in may have
+//! other separators and marks, which the [`sheet`](crate::sheet) reads.
 
 use std::io::{self, BufRead, Write};
 use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
+use crate::formats::csv_columns::{wanted, with_header};
 use crate::formats::csv_words;
-use crate::formats::lines::{Lines, names, number, position};
 use crate::formats::table_format::TableFormat;
 use crate::safe_text;
+use crate::sheet::Sheet;
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
 
@@ -42,8 +43,7 @@ impl TableFormat for Csv {
 /// If the file cannot be read; [`Error::Input`] with line and column for a cell that is not a number, a row of another
 /// length, a header that is missing or contains a name twice; [`Error::Content`] for a missing column.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
-    let mut lines = Lines::open(path)?;
-    read_lines(&mut lines, names)
+    with_header(names, |sought| numbers(&Sheet::open(path, sought)?, names))
 }
 
 /// Reads a table from any reader of text; `file` is its name for messages.
@@ -51,52 +51,22 @@ pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 /// # Errors
 /// As for [`read`].
 pub fn read_from(reader: impl BufRead, file: &str, names: Option<&[&str]>) -> Result<Table> {
-    read_lines(&mut Lines::new(reader, file), names)
+    with_header(names, |sought| numbers(&Sheet::read(reader, file, sought)?, names))
 }
 
-fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Result<Table> {
-    let header = header(lines)?;
-    let wanted: Vec<usize> = match names {
-        None => (0..header.len()).collect(),
-        Some(names) => {
-            names.iter().map(|name| position(lines.file(), &header, name)).collect::<Result<_>>()?
-        }
-    };
-    // The destination of each cell of a line, if it has one.
-    let mut slots = vec![None; header.len()];
-    for (slot, column) in wanted.iter().enumerate() {
-        slots[*column] = Some(slot);
-    }
+fn numbers(sheet: &Sheet, names: Option<&[&str]>) -> Result<Table> {
+    let wanted = wanted(sheet, names)?;
+    let header = sheet.header();
     let mut values = vec![Vec::new(); wanted.len()];
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
-        let mut count = 0;
-        for (start, cell) in lines.cells() {
-            if let Some(Some(slot)) = slots.get(count) {
-                values[*slot].push(number(lines, &header[count], start, cell)?);
-            }
-            count += 1;
-        }
-        if count != header.len() {
-            let message = format!("the row has {count} cells, but the header names {} columns", header.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
+    let mut rows = sheet.rows(&wanted)?;
+    while rows.advance()? {
+        for (column, values) in wanted.iter().zip(&mut values) {
+            values.push(rows.number(*column, &header[*column])?);
         }
     }
     let columns =
         wanted.iter().zip(values).map(|(at, values)| Column::new(&header[*at], "", values)).collect();
     Ok(Table::new(columns)?)
-}
-
-/// The names in the first line that is neither blank nor a comment.
-fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<String>> {
-    while lines.advance()? {
-        if !lines.is_empty() {
-            return names(lines);
-        }
-    }
-    Err(Error::content(Path::new(lines.file()), "is empty; the first line must name the columns"))
 }
 
 /// Writes a table under a temporary name and renames it. In a table with words a number that is not known is an empty cell, in one of
@@ -183,12 +153,13 @@ mod tests {
         );
         assert_eq!(message("a,a\n"), "t.csv:1:3: two columns have the name a");
         assert_eq!(
-            message("a;b\n1;2\n"),
-            "t.csv:1:1: \"a;b\" is not a column name: cells must be separated by commas"
+            message("a,b,\n1,1,2\n"),
+            "t.csv:2:1: the row has 3 cells, but the header names 2 columns"
         );
+        assert_eq!(message("a,,b\n1,1,2\n"), "t.csv:1:3: a column has no name");
         assert_eq!(message("# nothing\n"), "t.csv: is empty; the first line must name the columns");
         let not_text = read_from(&b"a\n\xff\n"[..], "t.csv", None).unwrap_err().to_string();
-        assert_eq!(not_text, "t.csv:2:1: the line is not UTF-8 text");
+        assert_eq!(not_text, "t.csv:2:1: a = \"ÿ\" is not a number");
     }
 
     #[test]
@@ -211,11 +182,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let table = Table::new(vec![Column::new("a,b", "", vec![])]).unwrap();
         assert!(write(&folder.path().join("x.csv"), &table).is_err());
-        // A byte order mark that is not at the beginning of a file is a name like any other, but when written it would be at
-        // the beginning.
-        let read = parse("# units follow\n\u{feff}\n").unwrap();
-        assert_eq!(read.names().collect::<Vec<_>>(), ["\u{feff}"]);
-        assert_eq!(write_rows(&mut Vec::new(), &read).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+        // A byte order mark is no part of a name, wherever it stands.
+        let read = parse("# units follow\n\u{feff}a\n").unwrap();
+        assert_eq!(read.names().collect::<Vec<_>>(), ["a"]);
     }
 
     proptest! {

@@ -1,16 +1,16 @@
 //! Comma-separated values with columns of words: tables of runs, for instance.
 //!
-//! A number that is not known is an empty cell; texts are quoted where they need it (RFC 4180), and a quoted text may not contain a line
-//! break when it is read. Equal tables give equal bytes.
+//! A number that is not known is an empty cell; texts are quoted where they need it (RFC 4180). Equal tables give equal bytes.
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use crate::safe_text;
 use granum_core::{Column, Table};
 
-use super::lines::{Lines, position};
-use crate::error::{Error, Result};
+use super::csv_columns::{wanted, with_header};
+use crate::error::Result;
+use crate::sheet::Sheet;
 
 /// Writes a table with words.
 ///
@@ -36,92 +36,28 @@ fn quoted(text: &str) -> String {
 /// words.
 ///
 /// # Errors
-/// If the file cannot be read; [`Error::Input`] with its place for a quote that is not closed or a row of another length;
-/// [`Error::Content`] for a missing column.
+/// If the file cannot be read; [`Error::Input`](crate::Error::Input) with its place for a quote that is not closed or a row of another
+/// length; [`Error::Content`](crate::Error::Content) for a missing column.
 pub(super) fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
-    read_lines(&mut Lines::open(path)?, names)
+    with_header(names, |sought| words(&Sheet::open(path, sought)?, names))
 }
 
-fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Result<Table> {
-    let mut header: Option<Vec<String>> = None;
-    let mut texts: Vec<Vec<String>> = Vec::new();
-    while lines.advance()? {
-        if lines.is_empty() {
-            continue;
-        }
-        let cells = cells(lines)?;
-        let Some(header) = &header else {
-            texts = vec![Vec::new(); cells.len()];
-            header = Some(cells);
-            continue;
-        };
-        if cells.len() != header.len() {
-            let message =
-                format!("the row has {} cells, but the header names {} columns", cells.len(), header.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
-        }
-        texts.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
-    }
-    let header = header.ok_or_else(|| {
-        Error::content(Path::new(lines.file()), "is empty; the first line must name the columns")
-    })?;
-    let wanted: Vec<usize> = match names {
-        None => (0..header.len()).collect(),
-        Some(names) => {
-            names.iter().map(|name| position(lines.file(), &header, name)).collect::<Result<_>>()?
-        }
-    };
-    Ok(Table::new(wanted.iter().map(|at| column(&header[*at], &texts[*at])).collect())?)
-}
-
-/// The cells of the current line without quotes.
-fn cells<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
-    let line = lines.line();
-    let mut cells = Vec::new();
-    let mut rest = line;
-    loop {
-        let start = rest.trim_start();
-        let (cell, after) = match start.strip_prefix('"') {
-            None => {
-                let end = start.find(',').unwrap_or(start.len());
-                (start[..end].trim_end().to_string(), &start[end..])
-            }
-            Some(inner) => match in_quotes(inner) {
-                Some((cell, after)) => (cell, after.trim_start()),
-                None => {
-                    let at = line.len() - start.len();
-                    return Err(lines.error(at..line.len(), "the quote is not closed".into()).into());
-                }
-            },
-        };
-        cells.push(cell);
-        match after.strip_prefix(',') {
-            Some(next) => rest = next,
-            None if after.is_empty() => return Ok(cells),
-            None => {
-                let at = line.len() - after.len();
-                return Err(lines.error(at..line.len(), "a comma must follow the quoted text".into()).into());
-            }
+fn words(sheet: &Sheet, names: Option<&[&str]>) -> Result<Table> {
+    let wanted = wanted(sheet, names)?;
+    let mut texts: Vec<Vec<String>> = vec![Vec::new(); wanted.len()];
+    // Between commas numbers have points, and words may be anything.
+    let numbers: &[usize] = if sheet.has_commas() { &[] } else { &wanted };
+    let mut rows = sheet.rows(numbers)?.with_all();
+    while rows.advance()? {
+        for (column, texts) in wanted.iter().zip(&mut texts) {
+            let word = rows.word(*column);
+            // A decimal comma in a column of numbers; words stay as they are.
+            let number = if sheet.has_commas() { String::new() } else { rows.quantity(*column) };
+            texts.push(if number.parse::<f64>().is_ok() { number } else { word.to_string() });
         }
     }
-}
-
-/// The text up to the closing quote, in which two quotes stand for one, and what follows.
-fn in_quotes(text: &str) -> Option<(String, &str)> {
-    let mut cell = String::new();
-    let mut rest = text;
-    loop {
-        let end = rest.find('"')?;
-        cell.push_str(&rest[..end]);
-        rest = &rest[end + 1..];
-        match rest.strip_prefix('"') {
-            Some(next) => {
-                cell.push('"');
-                rest = next;
-            }
-            None => return Some((cell, rest)),
-        }
-    }
+    let header = sheet.header();
+    Ok(Table::new(wanted.iter().zip(&texts).map(|(at, texts)| column(&header[*at], texts)).collect())?)
 }
 
 fn column(name: &str, texts: &[String]) -> Column {
@@ -170,10 +106,12 @@ mod tests {
 
     #[test]
     fn mistakes_have_their_place() {
-        let message =
-            |text: &str| read_lines(&mut Lines::new(text.as_bytes(), "t.csv"), None).unwrap_err().to_string();
+        let message = |text: &str| {
+            let read = Sheet::read(text.as_bytes(), "t.csv", &crate::sheet::Sought::NOTHING);
+            read.and_then(|sheet| words(&sheet, None)).unwrap_err().to_string()
+        };
         assert_eq!(message("a,b\n1,\"x\n"), "t.csv:2:3: the quote is not closed");
-        assert_eq!(message("a,b\n\"x\"y,1\n"), "t.csv:2:4: a comma must follow the quoted text");
+        assert_eq!(message("a,b\n\"x\"y,1\n"), "t.csv:2:4: a separator must follow the quoted text");
         assert_eq!(message("a,b\nx\n"), "t.csv:2:1: the row has 1 cells, but the header names 2 columns");
         assert_eq!(message("# no\n"), "t.csv: is empty; the first line must name the columns");
         assert!(message("a,a\n1,2\n").contains("two columns have the name a"));

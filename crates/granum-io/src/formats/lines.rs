@@ -1,10 +1,8 @@
-//! The lines of CSV files with their cells, and what a cell can be: a name or a number.
+//! The lines of text files, one after the other, each with a limit to its length.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
-
-use granum_core::names::suggestion;
 
 use crate::error::{Error, InputError, Result};
 use crate::shell::ShowPath;
@@ -73,69 +71,8 @@ impl<R: BufRead> Lines<R> {
         &self.file
     }
 
-    /// True if the line is blank or a comment.
-    pub(crate) fn is_empty(&self) -> bool {
-        let line = self.line().trim_start();
-        line.is_empty() || line.starts_with('#')
-    }
-
-    /// The cells of the line, each with the byte at which it starts.
-    pub(crate) fn cells(&self) -> impl Iterator<Item = (usize, &str)> {
-        let line = self.line();
-        line.split(',').map(move |cell| {
-            let trimmed = cell.trim();
-            (trimmed.as_ptr() as usize - line.as_ptr() as usize, trimmed)
-        })
-    }
-
     /// An error about bytes of the line.
     pub(crate) fn error(&self, span: std::ops::Range<usize>, message: String) -> InputError {
         InputError::in_line(&self.file, self.number, self.line(), span, message)
     }
-
-    /// An error about the cell at `start`.
-    pub(crate) fn cell_error(&self, start: usize, cell: &str, message: String) -> InputError {
-        self.error(start..start + cell.len(), message)
-    }
-}
-
-/// The names of columns in the current line.
-pub(crate) fn names<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
-    let mut names: Vec<String> = Vec::new();
-    for (start, cell) in lines.cells() {
-        let name = cell.trim_matches('"');
-        let wrong = if name.is_empty() {
-            "a column has no name".to_string()
-        } else if name.parse::<f64>().is_ok() {
-            format!("{name} is not a column name: the first line must name the columns")
-        } else if names.iter().any(|known| known == name) {
-            format!("two columns have the name {name}")
-        } else if name.contains([';', '\t']) {
-            format!("{name:?} is not a column name: cells must be separated by commas")
-        } else {
-            names.push(name.to_string());
-            continue;
-        };
-        return Err(lines.cell_error(start, cell, wrong).into());
-    }
-    Ok(names)
-}
-
-pub(crate) fn position(file: &str, header: &[String], name: &str) -> Result<usize> {
-    header.iter().position(|known| known == name).ok_or_else(|| {
-        let help = suggestion(name, header.iter().map(String::as_str));
-        Error::content(Path::new(file), format!("there is no column {name}; {help}"))
-    })
-}
-
-/// The number in a cell; `nan` and `inf` count as numbers, an empty cell does not.
-pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, cell: &str) -> Result<f64> {
-    cell.parse().map_err(|_| {
-        let shown: String = cell.chars().take(40).collect();
-        let message = match shown.as_str() {
-            "" => format!("the cell of column {column} is empty; a number is needed"),
-            _ => format!("{column} = {shown:?} is not a number"),
-        };
-        lines.cell_error(start, cell, message).into()
-    })
 }

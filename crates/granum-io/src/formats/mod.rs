@@ -21,6 +21,7 @@ mod arrays;
 mod beginning;
 mod column_names;
 pub mod csv;
+mod csv_columns;
 mod csv_words;
 mod export;
 pub mod extended_xyz;

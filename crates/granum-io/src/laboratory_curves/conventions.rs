@@ -3,11 +3,30 @@
 use granum_core::names::suggestion;
 use granum_core::quantity::{Dimension, parse_quantity};
 
+use super::laboratory_test::{QUANTITIES, place};
+use crate::sheet::signs::signs;
+use crate::sheet::{DecimalMark, split};
+
+/// The quantities that have a sign of compression.
+const SIGNED: [&str; 7] = [
+    "axial_strain",
+    "volumetric_strain",
+    "axial_stress",
+    "lateral_stress",
+    "deviator_stress",
+    "mean_stress",
+    "pore_pressure",
+];
+
 /// How numbers of a file are to be read; what is `None` is as the comments of the file say, or else the first of its words.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Conventions {
     /// True if compression is negative in the file.
     pub compression_negative: Option<bool>,
+    /// The same of single quantities, which goes before what is said of all: `("axial_strain", true)`.
+    pub column_signs: Vec<(String, bool)>,
+    /// The decimal mark of the file, if its numbers do not tell it.
+    pub decimal_mark: Option<DecimalMark>,
     /// True if strains are logarithmic.
     pub logarithmic: Option<bool>,
     /// True if stresses are total ones, from which the column `pore_pressure` is subtracted.
@@ -55,8 +74,9 @@ impl DeviatorMeasure {
 }
 
 /// The keys that a comment or a caller can state, each with what it can be.
-const KEYS: [(&str, &str); 5] = [
+const KEYS: [(&str, &str); 6] = [
     ("compression", "positive or negative"),
+    ("decimal", "point or comma"),
     ("strain", "engineering or logarithmic"),
     ("stress", "effective or total"),
     ("deviator_stress", "difference, half, norm or octahedral"),
@@ -85,7 +105,8 @@ impl Conventions {
             words.iter().position(|word| *word == value).map(|which| which == 1).ok_or_else(refused)
         };
         match key {
-            "compression" => self.compression_negative = Some(one_of(["positive", "negative"])?),
+            "compression" => self.state_signs(value)?,
+            "decimal" => self.decimal_mark = Some(DecimalMark::from_word(value).ok_or_else(refused)?),
             "strain" => self.logarithmic = Some(one_of(["engineering", "logarithmic"])?),
             "stress" => self.total_stress = Some(one_of(["effective", "total"])?),
             "deviator_stress" => {
@@ -104,6 +125,59 @@ impl Conventions {
         Ok(())
     }
 
+    /// States signs of compression: `negative` of all columns, `axial_strain=negative` of one, or several of these with commas between.
+    ///
+    /// # Errors
+    /// What it can be.
+    fn state_signs(&mut self, value: &str) -> Result<(), String> {
+        for (name, is_negative) in signs(value)? {
+            match name {
+                None => self.compression_negative = Some(is_negative),
+                Some(name) => self.column_signs.push((name, is_negative)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the quantities of the names whose signs are stated, which may also be those of columns that are mapped.
+    ///
+    /// # Errors
+    /// If a name is neither, if a quantity has no sign of compression, or two.
+    pub(super) fn resolved(mut self) -> Result<Conventions, String> {
+        let mut found: Vec<(String, bool)> = Vec::new();
+        for (name, is_negative) in &self.column_signs {
+            let mapped = self.columns.iter().find(|(_, column)| column == name || split(column).0 == name);
+            let quantity = mapped.map_or_else(|| name.clone(), |(quantity, _)| quantity.clone());
+            let stated = format!("compression of {name}");
+            if !SIGNED.contains(&quantity.as_str()) {
+                return Err(match place(&quantity) {
+                    Some(_) => format!("{stated}: {quantity} has no sign of compression"),
+                    None => format!(
+                        "{stated}: it is no quantity of a laboratory test; {}",
+                        suggestion(name, SIGNED.into_iter())
+                    ),
+                });
+            }
+            if found.iter().any(|(known, negative)| *known == quantity && negative != is_negative) {
+                return Err(format!("{stated}: it is stated twice, as positive and as negative"));
+            }
+            found.push((quantity, *is_negative));
+        }
+        self.column_signs = found;
+        Ok(self)
+    }
+
+    /// -1 for each quantity in whose column compression is negative. A pore pressure is a pressure unless its own sign is stated.
+    pub(super) fn signs(&self) -> [f64; QUANTITIES.len()] {
+        let sign = |(name, _): (&str, _)| {
+            let own =
+                self.column_signs.iter().find(|(known, _)| known == name).map(|(_, negative)| *negative);
+            let all = self.compression_negative.filter(|_| SIGNED.contains(&name) && name != "pore_pressure");
+            if own.or(all) == Some(true) { -1.0 } else { 1.0 }
+        };
+        QUANTITIES.map(sign)
+    }
+
     /// True if a comment with this key states a convention.
     pub(super) fn is_key(key: &str) -> bool {
         KEYS.iter().any(|(known, _)| *known == key)
@@ -113,11 +187,24 @@ impl Conventions {
     pub(super) fn or(&self, other: Conventions) -> Conventions {
         Conventions {
             compression_negative: self.compression_negative.or(other.compression_negative),
+            column_signs: self.signs_or(&other),
+            decimal_mark: self.decimal_mark.or(other.decimal_mark),
             logarithmic: self.logarithmic.or(other.logarithmic),
             total_stress: self.total_stress.or(other.total_stress),
             deviator: self.deviator.or(other.deviator),
             bedding_strain: self.bedding_strain.or(other.bedding_strain),
             columns: self.columns.clone(),
         }
+    }
+
+    /// The signs of single columns; what is said here of all columns goes before what the other says of single ones.
+    fn signs_or(&self, other: &Conventions) -> Vec<(String, bool)> {
+        let mut found = self.column_signs.clone();
+        if self.compression_negative.is_none() {
+            let is_new =
+                |(name, _): &&(String, bool)| !self.column_signs.iter().any(|(known, _)| known == name);
+            found.extend(other.column_signs.iter().filter(is_new).cloned());
+        }
+        found
     }
 }

@@ -28,6 +28,7 @@ pub(super) fn doubts(
         deviator_measure(test, readings, stated),
         total_stress(test, readings, stated),
         kind_of_strain(test, readings, stated),
+        sign_of_volume(readings),
         bedding(test, stated),
         name(test),
     ];
@@ -175,6 +176,26 @@ fn kind_of_strain(
     doubt(evidence, format!("if strains are {word}: --as strain={word}"))
 }
 
+/// A void ratio that rises where the volumetric strain says contraction.
+fn sign_of_volume(readings: &Readings) -> Option<LaboratoryDoubt> {
+    let (e, strain) = (readings.column("void_ratio"), readings.signed("volumetric_strain"));
+    if e.len() != strain.len() || largest(&strain) < 0.005 {
+        return None;
+    }
+    let first = *e.first()?;
+    let misfit = |sign: f64| {
+        let apart = e.iter().zip(&strain).map(|(e, v)| ((1.0 + first) * (1.0 - sign * v) - 1.0 - e).abs());
+        apart.fold(0.0, f64::max)
+    };
+    if misfit(1.0) < 5.0 * misfit(-1.0) {
+        return None;
+    }
+    doubt(
+        "the void ratio rises where the volumetric strain, taken as positive in compression, says contraction".into(),
+        "if it is positive in dilation: --compression volumetric_strain=negative",
+    )
+}
+
 /// A stiffness at the start of a hundredth of the rest is a plate that settles, or a membrane that is pressed in.
 fn bedding(test: &LaboratoryTest, stated: &Conventions) -> Option<LaboratoryDoubt> {
     let (x, q) = (&test.axial_strain, &test.deviator_stress);
@@ -273,6 +294,23 @@ mod tests {
         // An undrained path bends, and tells nothing.
         let bent = found(header, |e| format!("{e},{},{}", q(e), 100.0 - 3.0 * e + 0.2 * e * e));
         assert_eq!(bent, Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_volumetric_strain_of_the_other_sign_is_doubted() {
+        let header = format!("{STRESSES},volumetric_strain (%),void_ratio");
+        let row = |sign: f64| {
+            move |e: f64| {
+                let volume = 0.2 - 0.3 * e;
+                format!("{e},{},100,{volume},{}", 100.0 + q(e), 1.7 * (1.0 - sign * volume / 100.0) - 1.0)
+            }
+        };
+        assert_eq!(found(&header, row(1.0)), Vec::<String>::new());
+        let doubts = found(&header, row(-1.0));
+        assert!(
+            doubts.len() == 1 && doubts[0].contains("--compression volumetric_strain=negative"),
+            "{doubts:?}"
+        );
     }
 
     #[test]

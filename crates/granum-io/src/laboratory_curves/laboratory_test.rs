@@ -54,14 +54,14 @@ pub struct LaboratoryTest {
 /// The readings of a test as they stand in the file, in SI units.
 pub(super) struct Readings<'a> {
     pub(super) rows: &'a [[f64; QUANTITIES.len()]],
-    /// -1 if compression is negative in the file.
-    pub(super) sign: f64,
+    /// For each quantity -1 if compression is negative in its column.
+    pub(super) signs: [f64; QUANTITIES.len()],
 }
 
 impl Readings<'_> {
     /// The column of a quantity; empty if the file does not have it, or not in every row.
     pub(super) fn column(&self, wanted: &str) -> Vec<f64> {
-        let Some(at) = QUANTITIES.iter().position(|(name, _)| *name == wanted) else { return Vec::new() };
+        let Some(at) = place(wanted) else { return Vec::new() };
         if self.rows.iter().any(|row| row[at].is_nan()) {
             return Vec::new();
         }
@@ -70,6 +70,12 @@ impl Readings<'_> {
 
     /// The column with compression positive.
     pub(super) fn signed(&self, wanted: &str) -> Vec<f64> {
-        self.column(wanted).into_iter().map(|x| self.sign * x).collect()
+        let sign = place(wanted).map_or(1.0, |at| self.signs[at]);
+        self.column(wanted).into_iter().map(|x| sign * x).collect()
     }
+}
+
+/// The place of a quantity among all.
+pub(super) fn place(wanted: &str) -> Option<usize> {
+    QUANTITIES.iter().position(|(name, _)| *name == wanted)
 }

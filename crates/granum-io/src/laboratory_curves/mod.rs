@@ -1,15 +1,16 @@
 //! Curves of laboratory tests: a CSV file with one row a reading, of one test or of several.
 //!
-//! The first line that is no comment names the columns, each with its unit, as in `axial_strain (%)` or `axial_stress_kPa`. Known
-//! are [`QUANTITIES`] and `test`, the name of the test of a row; other columns are ignored, and a column of another name can be
+//! The header names the columns, each with its unit, as in `axial_strain (%)` or `axial_stress_kPa`, or with the units in the row below
+//! (see [`sheet`](crate::sheet) for what a file may look like). Known are [`QUANTITIES`] and `test`, the name of the test of a row; other columns are ignored, and a column of another name can be
 //! mapped to a known one. Compression is positive, strains are engineering strains (changes over initial lengths and volume) and
-//! stresses effective ones, unless a comment such as `# compression = negative` or `# strain = logarithmic`, or [`Conventions`], say
+//! stresses effective ones, unless a comment such as `# compression = negative`, `# compression axial_strain = negative` or `# strain = logarithmic`, or [`Conventions`], say
 //! otherwise. What readings show to be otherwise is a doubt, which is told and changes nothing.
 
 mod conventions;
 mod doubts;
 mod laboratory_test;
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use granum_core::names::suggestion;
@@ -17,7 +18,7 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 use crate::case::doubt::{Known, NumberKind};
 use crate::error::{Error, InputError, Result};
-use crate::formats::lines::{self, Lines};
+use crate::sheet::{Sheet, Sought, plain, signs, split};
 
 pub use conventions::{Conventions, DeviatorMeasure};
 pub use laboratory_test::{LaboratoryDoubt, LaboratoryTest, QUANTITIES};
@@ -29,6 +30,8 @@ const TEST: &str = "test";
 
 /// A column of the file that is used.
 struct SourceColumn {
+    /// Its place in the file.
+    at: usize,
     quantity: usize,
     factor: f64,
     /// Where the name of the column stands, if it has no unit.
@@ -36,7 +39,13 @@ struct SourceColumn {
 }
 
 /// The columns of a file that are used, and the place of that of the names of tests.
-type Header = (Vec<Option<SourceColumn>>, Option<usize>);
+struct Header {
+    columns: Vec<SourceColumn>,
+    test: Option<usize>,
+}
+
+/// The readings of a test, in the order of [`QUANTITIES`].
+type Reading = [f64; QUANTITIES.len()];
 
 /// Reads all tests of a file, in the order in which they first appear.
 ///
@@ -44,59 +53,66 @@ type Header = (Vec<Option<SourceColumn>>, Option<usize>);
 /// If it cannot be read; with line and column for what is wrong in it.
 pub fn read_laboratory(path: impl AsRef<Path>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
     let path = path.as_ref();
-    read(&mut Lines::open(path)?, conventions)
+    with_header(conventions, |sought| read(Sheet::open(path, sought)?, conventions))
 }
 
-fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+/// Reads what has a header with the quantities of a test, or with the columns that are mapped to them.
+fn with_header<T>(conventions: &Conventions, read: impl FnOnce(&Sought) -> Result<T>) -> Result<T> {
+    let is_mapped = |cell: &str| {
+        conventions.columns.iter().any(|(_, column)| cell == column || split(cell).0 == split(column).0)
+    };
+    let is_name = |cell: &str| is_mapped(cell) || quantity_named(split(cell).0).is_some();
+    read(&Sought { is_name: &is_name, count: usize::MAX, may_have_units: true })
+}
+
+/// The quantity of a name, or of one that differs in capitals and blanks.
+fn quantity_named(name: &str) -> Option<usize> {
+    laboratory_test::place(name).or_else(|| laboratory_test::place(&plain(name)))
+}
+
+fn read(sheet: Sheet, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+    let sheet = sheet.with_mark(conventions.decimal_mark);
     let mut stated = Conventions::default();
-    let mut header: Option<Header> = None;
-    let mut rows: Vec<(String, Vec<[f64; QUANTITIES.len()]>)> = Vec::new();
-    while lines.advance()? {
-        if lines.is_empty() {
-            comment(lines, &mut stated)?;
-            continue;
-        }
-        let Some((places, test)) = &header else {
-            header = Some(columns(lines, conventions)?);
-            continue;
-        };
-        let mut row = [f64::NAN; QUANTITIES.len()];
-        let (mut name, mut count) = (String::new(), 0);
-        for (start, cell) in lines.cells() {
-            if *test == Some(count) {
-                name = unquoted(cell);
-            }
-            if let Some(Some(place)) = places.get(count) {
-                let value = lines::number(lines, QUANTITIES[place.quantity].0, start, cell)?;
-                if !value.is_finite() {
-                    let message = format!("{} = {cell} is not finite", QUANTITIES[place.quantity].0);
-                    return Err(lines.cell_error(start, cell, message).into());
-                }
-                row[place.quantity] = value * place.factor;
-            }
-            count += 1;
-        }
-        if count != places.len() {
-            let message = format!("the row has {count} cells, but the header names {} columns", places.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
-        }
-        match rows.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, rows)) => rows.push(row),
-            None => rows.push((name, vec![row])),
-        }
+    for (at, text) in sheet.comments() {
+        comment(&sheet, at, text, &mut stated)?;
     }
-    let file = Path::new(lines.file());
-    if rows.is_empty() {
+    let file = Path::new(sheet.file());
+    let stated = conventions.or(stated).resolved().map_err(|why| Error::content(file, why))?;
+    let header = header(&sheet, conventions)?;
+    let tests = readings(&sheet, &header)?;
+    if tests.is_empty() {
         return Err(Error::content(
             file,
             "has no rows; a header of columns and a row for each reading are needed",
         ));
     }
-    for column in header.iter().flat_map(|(places, _)| places).flatten() {
-        check_bare(column, rows.iter().flat_map(|(_, rows)| rows).map(|row| row[column.quantity]))?;
+    for column in &header.columns {
+        check_bare(column, tests.iter().flat_map(|(_, rows)| rows).map(|row| row[column.quantity]))?;
     }
-    let stated = conventions.or(stated);
-    rows.into_iter().map(|(name, rows)| test(file, name, &rows, &stated)).collect()
+    tests.into_iter().map(|(name, rows)| test(file, name, &rows, &stated)).collect()
+}
+
+/// The readings of each test, in the order in which they first appear.
+fn readings(sheet: &Sheet, header: &Header) -> Result<Vec<(String, Vec<Reading>)>> {
+    let mut tests: Vec<(String, Vec<Reading>)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
+    let mut rows = sheet.rows(&header.columns.iter().map(|column| column.at).collect::<Vec<_>>())?;
+    while rows.advance()? {
+        let mut reading = [f64::NAN; QUANTITIES.len()];
+        for column in &header.columns {
+            let value = rows.finite(column.at, QUANTITIES[column.quantity].0)?;
+            reading[column.quantity] = value * column.factor;
+        }
+        let name = header.test.map_or("", |at| rows.cell(at));
+        match places.get(name) {
+            Some(place) => tests[*place].1.push(reading),
+            None => {
+                places.insert(name.to_string(), tests.len());
+                tests.push((name.to_string(), vec![reading]));
+            }
+        }
+    }
+    Ok(tests)
 }
 
 /// Refuses strains beyond 1 in a column whose name has no unit: they are probably in per cent.
@@ -119,35 +135,26 @@ fn check_bare(column: &SourceColumn, values: impl Iterator<Item = f64>) -> Resul
 }
 
 /// A comment may state a convention.
-fn comment<R: std::io::BufRead>(lines: &Lines<R>, stated: &mut Conventions) -> Result<()> {
-    let text = lines.line().trim().trim_start_matches('#').trim();
+fn comment(sheet: &Sheet, at: usize, text: &str, stated: &mut Conventions) -> Result<()> {
+    let wrong = |message| Error::from(sheet.error(at..at + text.len(), message));
+    if let Some(signs) = signs::of_comment(text) {
+        return stated.state("compression", signs).map_err(wrong);
+    }
+    let text = text.trim().trim_start_matches('#').trim();
     let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
         return Ok(());
     };
-    if Conventions::is_key(key) {
-        stated
-            .state(key, value)
-            .map_err(|message| Error::from(lines.error(0..lines.line().len(), message)))?;
+    match Conventions::is_key(key) && key != "decimal" {
+        true => stated.state(key, value).map_err(wrong),
+        false => Ok(()),
     }
-    Ok(())
 }
 
-/// Name and unit of a column, e.g. `axial_stress (kPa)`, `axial_stress_kPa`, `axial_strain_percent`.
-fn split(cell: &str) -> (&str, &str) {
-    if let Some((name, unit)) = cell.split_once(['(', '[']) {
-        return (name.trim(), unit.trim_end_matches([')', ']']).trim());
-    }
-    for (ending, unit) in [("_percent", "%"), ("_kPa", "kPa"), ("_MPa", "MPa"), ("_Pa", "Pa")] {
-        if let Some(name) = cell.strip_suffix(ending) {
-            return (name, unit);
-        }
-    }
-    (cell.trim(), "")
-}
+/// A column that is mapped: its place, the quantity, and the unit that goes before that of the header.
+type Mapped<'a> = (usize, &'a str, &'a str);
 
-fn columns<R: std::io::BufRead>(lines: &Lines<R>, conventions: &Conventions) -> Result<Header> {
-    let names = lines::names(lines)?;
-    let mut mapped = Vec::new();
+fn mapped<'a>(sheet: &Sheet, conventions: &'a Conventions) -> Result<Vec<Mapped<'a>>> {
+    let mut found: Vec<Mapped> = Vec::new();
     for (quantity, column) in &conventions.columns {
         let known = QUANTITIES.iter().map(|(name, _)| *name).chain([TEST]);
         if !known.clone().any(|name| name == quantity) {
@@ -155,55 +162,97 @@ fn columns<R: std::io::BufRead>(lines: &Lines<R>, conventions: &Conventions) -> 
                 format!("{quantity} is no quantity of a laboratory test; {}", suggestion(quantity, known));
             return Err(Error::Rule(message));
         }
-        let (name, unit) = split(column);
-        let at = names.iter().position(|cell| cell == column || split(cell).0 == name).ok_or_else(|| {
-            let help = suggestion(name, names.iter().map(String::as_str));
-            Error::content(Path::new(lines.file()), format!("there is no column {name}; {help}"))
-        })?;
-        mapped.push((at, quantity.as_str(), unit.to_string()));
+        let at = mapped_place(sheet, column)?;
+        let twice = found.iter().find(|(place, known, _)| *place == at || known == quantity);
+        if let Some((place, known, _)) = twice {
+            let message = match *place == at {
+                true => format!("the column is mapped to {known} and to {quantity}"),
+                false => format!("the column is mapped to {quantity}, and so is {}", sheet.header()[*place]),
+            };
+            return Err(sheet.header_error(at, message).into());
+        }
+        found.push((at, quantity, split(column).1));
     }
-    let mut test = None;
-    let mut places = Vec::new();
-    for (at, (start, cell)) in lines.cells().enumerate() {
-        let unquoted = unquoted(cell);
-        let (own, own_unit) = split(&unquoted);
+    Ok(found)
+}
+
+/// The place of a column that is named as in the header, or without its unit.
+fn mapped_place(sheet: &Sheet, column: &str) -> Result<usize> {
+    let header = sheet.header();
+    if let Some(at) = header.iter().position(|cell| cell == column) {
+        return Ok(at);
+    }
+    let (name, _) = split(column);
+    let mut named = header.iter().enumerate().filter(|(_, cell)| split(cell).0 == name);
+    match (named.next(), named.next()) {
+        (Some((at, _)), None) => Ok(at),
+        (Some((_, first)), Some((_, second))) => {
+            let message = format!("both {first} and {second} are columns {name}; give one of them in full");
+            Err(Error::content(Path::new(sheet.file()), message))
+        }
+        (None, _) => {
+            let help = suggestion(name, header.iter().map(String::as_str));
+            Err(Error::content(Path::new(sheet.file()), format!("there is no column {name}; {help}")))
+        }
+    }
+}
+
+fn header(sheet: &Sheet, conventions: &Conventions) -> Result<Header> {
+    let mapped = mapped(sheet, conventions)?;
+    let is_exact = |name: &str| sheet.header().iter().any(|cell| split(cell).0 == name);
+    let mut header = Header { columns: Vec::new(), test: None };
+    for (at, cell) in sheet.header().iter().enumerate() {
+        let (own, _) = split(cell);
         let mapping = mapped.iter().find(|(place, _, _)| *place == at);
+        let known = |quantity: usize| QUANTITIES[quantity].0;
+        // A name in other words, such as "Axial strain", stands for the known one where that is not there.
+        let own = match laboratory_test::place(&plain(own)).map(known).filter(|name| !is_exact(name)) {
+            Some(name) => name,
+            None => own,
+        };
         let taken = mapped.iter().any(|(_, quantity, _)| *quantity == own);
-        let (name, unit) = match mapping {
-            Some((_, quantity, unit)) => (*quantity, if unit.is_empty() { own_unit } else { unit.as_str() }),
-            None if taken => ("", ""),
-            None => (own, own_unit),
+        let (name, stated_unit) = match mapping {
+            Some((_, quantity, unit)) => (*quantity, *unit),
+            None if taken => continue,
+            None => (own, ""),
         };
         if name == TEST {
-            test = Some(at);
+            header.test = Some(at);
         }
-        let Some(quantity) = QUANTITIES.iter().position(|(known, _)| *known == name) else {
-            places.push(None);
-            continue;
-        };
-        let (_, dimension) = QUANTITIES[quantity];
-        if unit.is_empty() && dimension == Dimension::STRESS {
-            let message = format!("the column {name} needs its unit");
-            return Err(lines
-                .cell_error(start, cell, message)
-                .with_help(format!("e.g. {name} (kPa)"))
-                .into());
+        let Some(quantity) = laboratory_test::place(name) else { continue };
+        if let Some(first) = header.columns.iter().find(|column| column.quantity == quantity) {
+            let first = &sheet.header()[first.at];
+            let message = format!("{cell} is {name}, and so is the column {first}");
+            let help = format!("leave one of them out, or name the right one: --map {name}='COLUMN'");
+            return Err(sheet.header_error(at, message).with_help(help).into());
         }
-        let factor = if unit.is_empty() { Ok(1.0) } else { parse_quantity(&format!("1 {unit}"), dimension) };
-        let factor = factor.map_err(|why| {
-            Error::from(lines.cell_error(start, cell, format!("the unit of {name}: 1 {unit} {why}")))
-        })?;
-        let is_strain = QUANTITIES[quantity].0.ends_with("_strain");
-        let bare = (unit.is_empty() && is_strain).then(|| lines.cell_error(start, cell, String::new()));
-        places.push(Some(SourceColumn { quantity, factor, bare }));
+        header.columns.push(source_column(sheet, at, quantity, stated_unit)?);
     }
-    let has =
-        |name: &str| places.iter().flatten().any(|place: &SourceColumn| QUANTITIES[place.quantity].0 == name);
-    if !has("axial_strain") {
-        let message = "there is no column axial_strain; name it in the header, or map a column to it";
-        return Err(Error::content(Path::new(lines.file()), message));
+    let is_axial = |column: &SourceColumn| QUANTITIES[column.quantity].0 == "axial_strain";
+    if !header.columns.iter().any(is_axial) {
+        let names: Vec<&str> = sheet.header().iter().map(String::as_str).take(12).collect();
+        let message = format!(
+            "there is no column axial_strain among {}; name it in the header, or map a column to it (--map axial_strain='COLUMN')",
+            names.join(", ")
+        );
+        return Err(Error::content(Path::new(sheet.file()), message));
     }
-    Ok((places, test))
+    Ok(header)
+}
+
+/// A column of a quantity with its unit: the stated one, or else that of the header or of the row below it.
+fn source_column(sheet: &Sheet, at: usize, quantity: usize, stated_unit: &str) -> Result<SourceColumn> {
+    let (name, dimension) = QUANTITIES[quantity];
+    let unit = if stated_unit.is_empty() { sheet.name_and_unit(at)?.1 } else { stated_unit };
+    if unit.is_empty() && dimension == Dimension::STRESS {
+        let message = format!("the column {name} needs its unit");
+        return Err(sheet.header_error(at, message).with_help(format!("e.g. {name} (kPa)")).into());
+    }
+    let factor = if unit.is_empty() { Ok(1.0) } else { parse_quantity(&format!("1 {unit}"), dimension) };
+    let factor = factor
+        .map_err(|why| Error::from(sheet.header_error(at, format!("the unit of {name}: 1 {unit} {why}"))))?;
+    let bare = (unit.is_empty() && name.ends_with("_strain")).then(|| sheet.header_error(at, String::new()));
+    Ok(SourceColumn { at, quantity, factor, bare })
 }
 
 /// A test from its rows.
@@ -213,18 +262,17 @@ fn test(
     rows: &[[f64; QUANTITIES.len()]],
     stated: &Conventions,
 ) -> Result<LaboratoryTest> {
-    let sign = if stated.compression_negative == Some(true) { -1.0 } else { 1.0 };
     let logarithmic = stated.logarithmic == Some(true);
-    let readings = Readings { rows, sign };
+    let readings = Readings { rows, signs: stated.signs() };
     let column = |wanted: &str| readings.column(wanted);
     let strain = |wanted: &str| -> Vec<f64> {
-        column(wanted)
-            .into_iter()
-            .map(|x| if logarithmic { 1.0 - libm::exp(-sign * x) } else { sign * x })
-            .collect()
+        readings.signed(wanted).into_iter().map(|x| if logarithmic { 1.0 - libm::exp(-x) } else { x }).collect()
     };
-    let pore_pressure =
-        if stated.total_stress == Some(true) { column("pore_pressure") } else { vec![0.0; rows.len()] };
+    let pore_pressure = if stated.total_stress == Some(true) {
+        readings.signed("pore_pressure")
+    } else {
+        vec![0.0; rows.len()]
+    };
     if pore_pressure.is_empty() {
         let message = "stresses are total ones, and there is no column pore_pressure to subtract from them";
         return Err(Error::content(file, message));
@@ -257,9 +305,14 @@ fn test(
     }
     let of = if found.name.is_empty() { String::new() } else { format!(" of the test {}", found.name) };
     if found.axial_strain.windows(2).any(|pair| pair[1] < pair[0]) {
-        let what = match stated.compression_negative {
-            Some(true) => "with compression = negative; is it positive in this file?",
-            _ => "(is compression = negative missing?)",
+        let is_negative = readings.signs[0] < 0.0;
+        let what = match is_negative {
+            true => {
+                "with compression = negative; is it positive in this file? (--compression axial_strain=positive)"
+            }
+            false => {
+                "(is compression = negative missing? of this column alone: --compression axial_strain=negative)"
+            }
         };
         let message = format!(
             "the axial strain{of} falls from row to row; curves of monotonic tests are compared {what}"
@@ -270,7 +323,8 @@ fn test(
         if values.iter().sum::<f64>() < 0.0 {
             let message = format!(
                 "the {name}{of} is negative, which is tension, while the axial strain is positive, which is compression: strains and \
-                 stresses must have one sign of compression (compression = negative tells that of the file)"
+                 stresses must have one sign of compression (--compression negative tells that of the file, --compression \
+                 axial_strain=negative that of a column)"
             );
             return Err(Error::content(file, message));
         }
@@ -297,20 +351,13 @@ fn without_bedding(test: LaboratoryTest, bedding: f64) -> LaboratoryTest {
     }
 }
 
-/// A cell without its quotation marks; two of them inside stand for one.
-fn unquoted(cell: &str) -> String {
-    match cell.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
-        Some(inside) => inside.replace("\"\"", "\""),
-        None => cell.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     pub(super) fn tests(text: &str, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
-        read(&mut Lines::new(text.as_bytes(), "lab.csv"), conventions)
+        let open = |sought: &Sought| Sheet::read(text.as_bytes(), "lab.csv", sought);
+        with_header(conventions, |sought| read(open(sought)?, conventions))
     }
 
     #[test]

@@ -108,7 +108,7 @@ fn a_cell_that_is_none_is_refused() {
     let message = |text: &str| cell_message(text).unwrap_err().to_string();
     assert!(
         message("# grains")
-            .starts_with("p.csv:3:1: the periodic cell is not given; the first line must be like")
+            .starts_with("p.csv:2:1: the periodic cell is not given; the first line must be like")
     );
     assert!(
         message("# periodic box, m: xlo=0").starts_with("p.csv:1:1: the value ylo of the cell is missing")

@@ -11,25 +11,17 @@ pub struct LaboratoryFlags {
     /// The column of a quantity, e.g. --map axial_strain='eps1 (%)'; can be repeated.
     #[arg(long, value_name = "QUANTITY=COLUMN")]
     map: Vec<String>,
-    /// What the file's numbers are, e.g. --as strain=logarithmic, --as stress=total, --as deviator_stress=half, --as bedding_strain='0.3 %';
-    /// can be repeated.
+    /// What the file's numbers are, e.g. --as strain=logarithmic, --as stress=total, --as deviator_stress=half, --as bedding_strain='0.3 %',
+    /// --as decimal=comma; can be repeated.
     #[arg(long = "as", value_name = "KEY=VALUE")]
     read_as: Vec<String>,
-    /// Sign of compression in the file.
-    #[arg(long, value_enum)]
-    compression: Option<Sign>,
+    /// Sign of compression in the file, or in one of its columns: --compression negative, --compression axial_strain=negative,
+    /// --compression volumetric_strain=negative for a volumetric strain that is positive in dilation; can be repeated.
+    #[arg(long, value_name = "[QUANTITY=]SIGN")]
+    compression: Vec<String>,
     /// Kind of the strains in the file.
     #[arg(long, value_enum)]
     strain: Option<Strain>,
-}
-
-/// Sign of compression.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Sign {
-    /// Compression is positive.
-    Positive,
-    /// Compression is negative.
-    Negative,
 }
 
 /// Kind of strain.
@@ -44,14 +36,13 @@ enum Strain {
 impl LaboratoryFlags {
     /// True if any of them is given.
     pub fn is_given(&self) -> bool {
-        let lists = !(self.map.is_empty() && self.read_as.is_empty());
-        lists || self.compression.is_some() || self.strain.is_some()
+        let lists = [&self.map, &self.read_as, &self.compression];
+        lists.iter().any(|list| !list.is_empty()) || self.strain.is_some()
     }
 
     /// The conventions that they state.
     pub fn conventions(&self) -> Result<Conventions, Failure> {
         let mut conventions = Conventions {
-            compression_negative: self.compression.map(|sign| sign == Sign::Negative),
             logarithmic: self.strain.map(|strain| strain == Strain::Logarithmic),
             ..Conventions::default()
         };
@@ -62,6 +53,11 @@ impl LaboratoryFlags {
                 )));
             };
             conventions.columns.push((quantity.trim().to_string(), column.trim().to_string()));
+        }
+        for text in &self.compression {
+            conventions
+                .state("compression", text)
+                .map_err(|message| Failure::new(format!("--compression {text:?}: {message}")))?;
         }
         for text in &self.read_as {
             let stated = match text.split_once('=') {

@@ -6,7 +6,7 @@ use clap::Args;
 use granum_antony2006::evaluation::networks;
 use granum_antony2006::{Mapping, is_of_paper};
 use granum_io::shell::ShowPath;
-use granum_io::{check_output_file, read_columns, write_table};
+use granum_io::{check_output_file, write_table};
 use granum_learn::networks::SubModelNetworks;
 use granum_learn::study::Study;
 use granum_learn::{LearnError, Surrogate};
@@ -15,7 +15,7 @@ use serde_json::json;
 use super::family_flags::FamilyFlags;
 use super::predict_family;
 use super::predict_surrogate;
-use super::prediction_input::{LEVEL, outside_text, row};
+use super::prediction_input::{LEVEL, outside_text, row, rows};
 use super::study_folder;
 use super::trained_range::inputs;
 use crate::context::Context;
@@ -187,7 +187,7 @@ impl Predict {
         }
         let names = surrogate.input_names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let table = read_columns(path, &names)?;
+        let table = rows(context, path, &names, &[], &|_| String::new())?;
         let predictions = surrogate.predict_table(&table, LEVEL).map_err(|error| match error {
             LearnError::Rows(reason) => Failure::new(format!("{}: {reason}", path.shown())),
             other => other.into(),

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use granum_core::Table;
 use granum_io::shell::ShowPath;
-use granum_io::{check_output_file, read_columns, write_table};
+use granum_io::{check_output_file, write_table};
 use granum_learn::Surrogate;
 use granum_learn::inference::{RUN, predict_table};
 use granum_learn::surrogate::{Cause, Estimate};
 use serde_json::{Value, json};
 
-use super::prediction_input::{LEVEL, combination_json, combination_text, outside_text, row};
+use super::prediction_input::{LEVEL, combination_json, combination_text, outside_text, row, rows};
 use super::prediction_words::InputWords;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -20,10 +20,7 @@ use crate::output;
 pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Result<(), Failure> {
     let columns = surrogate.columns();
     let names = columns.input_names();
-    let unit = |name: &str| {
-        let known = columns.inputs.iter().find(|input| input.name == name);
-        known.map_or_else(String::new, |input| input.unit.clone())
-    };
+    let unit = |name: &str| unit_of(surrogate, name);
     let words = InputWords::new(columns);
     let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), words.names().join(", "));
     let (given, numbers) = words.given(flags, &needs)?;
@@ -46,6 +43,12 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
         lines.extend(flags);
         lines.join("\n")
     })
+}
+
+/// The unit of an input, as far as the surrogate knows it.
+fn unit_of(surrogate: &dyn Surrogate, name: &str) -> String {
+    let known = surrogate.columns().inputs.iter().find(|input| input.name == name);
+    known.map_or_else(String::new, |input| input.unit.clone())
 }
 
 fn as_json(output: &str, estimate: &Estimate) -> Value {
@@ -89,11 +92,11 @@ pub fn many(
     let words = InputWords::new(surrogate.columns());
     let inputs: Vec<&str> = words.numbers.iter().map(String::as_str).collect();
     // A column that divides the rows into runs is used if there is one.
-    let with_runs: Vec<&str> = inputs.iter().copied().chain([RUN]).collect();
-    let mut table = match inputs.contains(&RUN) {
-        _ if inputs.is_empty() => Table::default(),
-        true => read_columns(input, &inputs)?,
-        false => read_columns(input, &with_runs).or_else(|_| read_columns(input, &inputs))?,
+    let optional: &[&str] = if inputs.contains(&RUN) { &[] } else { &[RUN] };
+    let unit = |name: &str| unit_of(surrogate, name);
+    let mut table = match inputs.is_empty() {
+        true => Table::default(),
+        false => rows(context, input, &inputs, optional, &unit)?,
     };
     words.read_into(&mut table, input)?;
     let predictions = predict_table(surrogate, &table, LEVEL)
@@ -101,9 +104,9 @@ pub fn many(
     let outside =
         predictions.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
     if outside > 0 {
-        let rows = predictions.rows();
+        let count = predictions.rows();
         context.warn(&format!(
-            "{outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
+            "{outside} of {count} rows lie outside the range to which the surrogate was fitted (column outside \
              is 1): do not trust their predictions"
         ));
     }

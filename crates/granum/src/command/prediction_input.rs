@@ -1,8 +1,13 @@
 //! The inputs of a prediction from the command line, and what is said of them.
 
+use std::path::Path;
+
+use granum_core::Table;
 use granum_core::names::nearest;
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_io::case::{Fields, Vocabulary};
+use granum_io::read_columns;
+use granum_io::sheet::read_inputs;
 use granum_learn::surrogate::{Outside, UnseenCombination};
 use serde_json::{Value, json};
 
@@ -16,7 +21,7 @@ pub(super) const LEVEL: f64 = 0.9;
 
 /// The dimension of an input: that of its unit, or else that of the quantity of its name, which may be a column of a sensor, a
 /// parameter of a path or a key of the case.
-fn dimension(vocabulary: &Vocabulary, name: &str, unit: &str) -> Dimension {
+pub(super) fn dimension(vocabulary: &Vocabulary, name: &str, unit: &str) -> Dimension {
     let of_sensor = || {
         vocabulary
             .sensors()
@@ -35,6 +40,28 @@ fn dimension(vocabulary: &Vocabulary, name: &str, unit: &str) -> Dimension {
     let given = (!unit.is_empty()).then(|| unit.to_string());
     let unit = given.or_else(of_sensor).or_else(of_path).or_else(of_case).unwrap_or_default();
     DIMENSIONS.into_iter().find(|known| known.si_unit() == unit).unwrap_or(Dimension::NUMBER)
+}
+
+/// The rows of a file: a table of the inputs and, of the optional columns, of those that it has. The header of a CSV may give units.
+pub(super) fn rows(
+    context: &Context,
+    path: &Path,
+    names: &[&str],
+    optional: &[&str],
+    unit: &dyn Fn(&str) -> String,
+) -> Result<Table, Failure> {
+    let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    if is_csv {
+        let of = |name: &str| dimension(context.vocabulary(), name, &unit(name));
+        let read = |optional: &[&str]| read_inputs(path, names, optional, &of);
+        // An optional column of words is passed over.
+        return Ok(read(optional).or_else(|error| if optional.is_empty() { Err(error) } else { read(&[]) })?);
+    }
+    let all: Vec<&str> = names.iter().chain(optional).copied().collect();
+    match optional.is_empty() {
+        true => Ok(read_columns(path, names)?),
+        false => Ok(read_columns(path, &all).or_else(|_| read_columns(path, names))?),
+    }
 }
 
 /// The dimensions that an input can have.

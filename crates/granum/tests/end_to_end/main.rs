@@ -37,6 +37,7 @@ mod settings;
 mod several_runs;
 mod sixteen_cases;
 mod stages;
+mod tables;
 mod tests_of_grains;
 mod tutorial;
 mod unexplained;

@@ -122,7 +122,7 @@ fn keys_without_a_part_in_a_run_from_a_packing_are_named_or_refused() {
             "s",
             "--force",
             "--set",
-            "preparation.solid_fraction=0.75",
+            "preparation.solid_fraction=0.72",
             "--set",
             "preparation.friction=auto",
         ],

@@ -49,7 +49,7 @@ impl ResultFormat for GrainTable {
         let text = String::from_utf8_lossy(head);
         let mut lines = text.lines().map(|line| line.trim().trim_start_matches('\u{feff}'));
         let Some(line) = lines.find(|line| !line.is_empty() && !line.starts_with('#')) else { return false };
-        let names = Names::new(line.split(',').map(|name| name.trim().trim_matches('"')));
+        let names = Names::new(line.split([',', ';', '\t']).map(|name| name.trim().trim_matches('"')));
         // A packing that has nothing but places and radii is read as one.
         names.are_of_contacts()
             || (names.are_of_grains() && (names.say_more() || !PackingCsv.recognises(head)))

@@ -1,11 +1,9 @@
 //! The line of a packing file that gives the periodic cell.
 
-use std::io::BufRead;
-
 use granum_core::geometry::{Matrix, Vector, determinant, invert};
 
 use crate::error::Result;
-use crate::formats::lines::Lines;
+use crate::sheet::Sheet;
 use granum_core::quantity::format_number;
 
 /// An example of such a line.
@@ -16,15 +14,14 @@ const BOX: [&str; 6] = ["xlo", "ylo", "zlo", "xhi", "yhi", "zhi"];
 const TILT: [&str; 3] = ["xy", "xz", "yz"];
 const CELL: [&str; 12] = ["ox", "oy", "oz", "ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz"];
 
-/// Origin and edges, if the line is a comment that gives the cell.
-pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matrix)>> {
-    let line = lines.line();
+/// Origin and edges, if the comment that begins at a byte of the file gives the cell.
+pub(super) fn parse(sheet: &Sheet, at: usize, line: &str) -> Result<Option<(Vector, Matrix)>> {
     let comment = line.trim_start().trim_start_matches('#').trim_start();
     let tilted = comment.starts_with("periodic box");
     if !tilted && !comment.starts_with("periodic cell") {
         return Ok(None);
     }
-    let wrong = |message: String| lines.error(0..line.len(), message).with_help(EXAMPLE);
+    let wrong = |message: String| sheet.error(at..at + line.len(), message).with_help(EXAMPLE);
     let known: Vec<&str> = if tilted { BOX.into_iter().chain(TILT).collect() } else { CELL.to_vec() };
     let mut values: Vec<Option<f64>> = vec![None; known.len()];
     for pair in comment.split_whitespace().filter(|word| word.contains('=')) {

@@ -15,14 +15,15 @@ mod cell;
 use std::io::{BufRead, Write};
 use std::path::Path;
 
+use granum_core::geometry::{Matrix, Vector};
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::formats::lines::{Lines, names, number, position};
 use crate::formats::{FrameCell, PackingFormat};
 use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
+use crate::sheet::{Rows, Sheet, Sought};
 
 /// The format.
 pub struct PackingCsv;
@@ -37,11 +38,13 @@ impl PackingFormat for PackingCsv {
     fn recognises(&self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
         text.lines().map(str::trim_start).any(|line| {
-            line.strip_prefix('#').is_some_and(|comment| comment.trim_start().starts_with("periodic "))
+            line.trim_start_matches(['\u{feff}', '"'])
+                .strip_prefix('#')
+                .is_some_and(|comment| comment.trim_start().starts_with("periodic "))
         })
     }
     fn read(&self, path: &Path) -> Result<Packing> {
-        read_lines(&mut Lines::open(path)?)
+        with_header(|sought| packing(&Sheet::open(path, sought)?))
     }
     fn write(&self, path: &Path, packing: &Packing) -> Result<()> {
         write_atomically(path, |file| {
@@ -66,71 +69,64 @@ impl PackingFormat for PackingCsv {
 /// # Errors
 /// As for [`Packing::checked`]; also [`Error::Input`] for a missing cell and for text that is not a number.
 pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
-    read_lines(&mut Lines::new(reader, file))
+    with_header(|sought| packing(&Sheet::read(reader, file, sought)?))
 }
 
-/// The cell that comments before the first row give, and the names of the columns of a CSV.
+/// Reads what has a header with the columns of a packing.
+fn with_header<T>(read: impl FnOnce(&Sought) -> Result<T>) -> Result<T> {
+    let is_name = |cell: &str| Columns::NAMES.contains(&cell);
+    read(&Sought { is_name: &is_name, count: Columns::NAMES.len(), may_have_units: false })
+}
+
+/// The cell that comments give, and the names of the columns of a CSV.
 pub(super) fn cell_and_names(path: &Path) -> Result<(Option<FrameCell>, Vec<String>)> {
-    let mut lines = Lines::open(path)?;
-    let mut found = None;
-    while lines.advance()? {
-        if !lines.is_empty() {
-            return Ok((found, names(&lines)?));
-        }
-        let given = cell::parse(&lines)?.map(|(origin, edges)| FrameCell { origin, edges });
-        found = given.or(found);
-    }
-    Err(Error::content(path, "is empty; the first line must name the columns"))
+    let sheet = Sheet::open(path, &Sought::NOTHING)?;
+    let cell =
+        cell_of(&sheet, sheet.comments_before_header())?.map(|(origin, edges)| FrameCell { origin, edges });
+    Ok((cell, sheet.header().to_vec()))
 }
 
-fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
-    let mut cell = None;
-    let mut columns = None;
+/// Origin and edges of the cell that comments give; the last of them counts.
+fn cell_of<'a>(
+    sheet: &Sheet,
+    comments: impl Iterator<Item = (usize, &'a str)>,
+) -> Result<Option<(Vector, Matrix)>> {
+    let mut found = None;
+    for (at, text) in comments {
+        found = cell::parse(sheet, at, text)?.or(found);
+    }
+    Ok(found)
+}
+
+fn packing(sheet: &Sheet) -> Result<Packing> {
+    let columns = Columns::from_header(sheet)?;
+    let Some((origin, cell)) = cell_of(sheet, sheet.comments())? else {
+        let message = "the periodic cell is not given".to_string();
+        return Err(sheet.whole_header_error(message).with_help(cell::EXAMPLE).into());
+    };
     let mut grains: Vec<(PackedGrain, usize)> = Vec::new();
     // Materials by id, since grains may stand in any order.
     let mut materials = PackedMaterials::default();
     let mut of: Vec<(u64, u8)> = Vec::new();
-    while lines.advance()? {
-        if lines.is_empty() {
-            if let Some(found) = cell::parse(lines)? {
-                cell = Some(found);
-            }
-            continue;
-        }
-        let Some(columns) = &columns else {
-            columns = Some(Columns::from_header(lines)?);
-            continue;
-        };
-        if cell.is_none() {
-            let message = "the periodic cell is not given".to_string();
-            return Err(lines.error(0..0, message).with_help(cell::EXAMPLE).into());
-        }
-        let grain = columns.grain(lines)?;
+    let mut rows = sheet.rows(&columns.places)?;
+    while rows.advance()? {
+        let grain = columns.grain(&rows)?;
         if let Some(place) = columns.material {
-            of.push((grain.id, material(lines, grain.id, place, &mut materials)?));
+            of.push((grain.id, material(&rows, grain.id, place, &mut materials)?));
         }
-        grains.push((grain, lines.number()));
+        grains.push((grain, rows.line()));
     }
-    let Some((origin, cell)) = cell else {
-        let message = "is not a packing: it needs a cell and grains";
-        return Err(Error::content(Path::new(lines.file()), message));
-    };
-    let packing = Packing::checked(lines.file(), origin, cell, grains)?;
+    let packing = Packing::checked(sheet.file(), origin, cell, grains)?;
     of.sort_unstable();
     Ok(Packing { materials: materials.in_order(of.into_iter().map(|(_, material)| material)), ..packing })
 }
 
 /// The material that a row names.
-fn material<R: BufRead>(
-    lines: &Lines<R>,
-    id: u64,
-    place: usize,
-    materials: &mut PackedMaterials,
-) -> Result<u8> {
-    let Some((start, name)) = lines.cells().nth(place) else { return Ok(0) };
+fn material(rows: &Rows, id: u64, place: usize, materials: &mut PackedMaterials) -> Result<u8> {
+    let name = rows.cell(place);
     let wrong = |what: &str| {
         let message = format!("grain {id}: material = {name:?} {what}");
-        Error::from(lines.cell_error(start, name, message))
+        Error::from(rows.cell_error(place, message))
     };
     if !is_material_name(name) {
         return Err(wrong("is not a name of letters, digits, - and _"));
@@ -140,7 +136,6 @@ fn material<R: BufRead>(
 
 /// Positions of the five columns.
 struct Columns {
-    header: Vec<String>,
     places: [usize; 5],
     /// Where the names of materials are, if there are any.
     material: Option<usize>,
@@ -149,33 +144,25 @@ struct Columns {
 impl Columns {
     const NAMES: [&'static str; 5] = ["id", "x", "y", "z", "radius"];
 
-    fn from_header<R: BufRead>(lines: &Lines<R>) -> Result<Columns> {
-        let header = names(lines)?;
+    fn from_header(sheet: &Sheet) -> Result<Columns> {
         let mut places = [0; 5];
         for (place, name) in places.iter_mut().zip(Self::NAMES) {
-            *place = position(lines.file(), &header, name)?;
+            *place = sheet.position(name)?;
         }
-        let material = header.iter().position(|name| name == "material");
-        Ok(Columns { header, places, material })
+        let material = sheet.header().iter().position(|name| name == "material");
+        Ok(Columns { places, material })
     }
 
-    fn grain<R: BufRead>(&self, lines: &Lines<R>) -> Result<PackedGrain> {
-        let cells: Vec<(usize, &str)> = lines.cells().collect();
-        if cells.len() != self.header.len() {
-            let message =
-                format!("the row has {} cells, but the header names {}", cells.len(), self.header.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
-        }
-        let [id, numbers @ ..] = self.places;
-        let (start, text) = cells[id];
+    fn grain(&self, rows: &Rows) -> Result<PackedGrain> {
+        let [id_place, numbers @ ..] = self.places;
+        let text = rows.cell(id_place);
         let id: u64 = text.parse().ok().filter(|id| *id > 0).ok_or_else(|| {
             let message = format!("id = {text:?} is not a whole number from 1");
-            Error::from(lines.cell_error(start, text, message))
+            Error::from(rows.cell_error(id_place, message))
         })?;
         let mut values = [0.0; 4];
         for ((value, place), name) in values.iter_mut().zip(numbers).zip(&Self::NAMES[1..]) {
-            let (start, text) = cells[place];
-            *value = number(lines, name, start, text)?;
+            *value = rows.number(place, name)?;
             let wrong = if !value.is_finite() {
                 "must be finite"
             } else if *name == "radius" && *value <= 0.0 {
@@ -183,7 +170,8 @@ impl Columns {
             } else {
                 continue;
             };
-            return Err(lines.cell_error(start, text, format!("grain {id}: {name} = {text} {wrong}")).into());
+            let message = format!("grain {id}: {name} = {} {wrong}", rows.cell(place));
+            return Err(rows.cell_error(place, message).into());
         }
         let [x, y, z, radius] = values;
         Ok(PackedGrain { id, position: [x, y, z], radius })

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::{EachProgress, Flow, SimulationObserver, SimulationObservers, SimulationProgress};
-use granum_dem::preparation::{Phase, PreparationOutcome, Preparing, Sample, SampleSpecification, Trial};
+use granum_dem::preparation::{
+    DensityMeasure, Phase, PreparationOutcome, Preparing, Sample, SampleSpecification, Trial,
+};
 use granum_dem::simulation::Simulation;
 use granum_io::case::{Vocabulary, decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
@@ -268,31 +270,42 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
     }
     if let Some(target) = p.target() {
         let reached = sample.simulation.state().solid_fraction();
+        let is_looser = reached < target;
+        let missed = (reached - target).abs();
+        // In the measure in which it was asked for; a solid fraction is the usual one and goes without its name.
+        let measure = DensityMeasure::new(p);
+        let key = measure.key();
+        let value = |solid_fraction: f64| (measure.value(p, solid_fraction) * 1e4).round() / 1e4;
+        let reached = format!("{:.4}", measure.value(p, reached));
+        let target = match measure {
+            DensityMeasure::SolidFraction => target.to_string(),
+            _ => format!("{} {}", measure.name(), measure.target(p).unwrap_or_else(|| value(target))),
+        };
         let advice = if !compacted {
             format!(
-                "target {target} not reached: the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached:.4}; set \
+                "target {target} not reached: the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached}; set \
                  preparation.solid_fraction = \"none\" or start from a looser packing"
             )
         } else if let Some(friction) = p.friction {
             format!(
-                "target {target} not reached: preparation.friction = {friction} gives {reached:.4}; set it to \"auto\", or \
+                "target {target} not reached: preparation.friction = {friction} gives {reached}; set it to \"auto\", or \
                  preparation.solid_fraction = \"none\""
             )
         } else {
             let procedure = sample.trials.last().map_or_else(String::new, described);
-            let means = if reached < target {
+            let means = if is_looser {
                 "more preparation.cycles, or preparation.rolling_friction = 0, make denser samples"
             } else {
                 "more resistance to rolling of the grains or a larger preparation.inertial_number makes looser ones"
             };
             format!(
-                "target {target} not reached: compaction with {procedure} gives {reached:.4}, and no other came closer; choose another \
-                 preparation.solid_fraction, or \"none\" ({means})"
+                "target {target} not reached: compaction with {procedure} gives {reached}, and no other came closer; choose another \
+                 preparation.{key}, or preparation.solid_fraction = \"none\" in its place ({means})"
             )
         };
         results.quality.push(run::QualityFlag::at_most(
             "solid_fraction_missed_by",
-            (reached - target).abs(),
+            missed,
             p.solid_fraction_tolerance,
             advice,
         ));
