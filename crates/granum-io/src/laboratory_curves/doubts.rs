@@ -301,7 +301,7 @@ mod tests {
         let header = format!("{STRESSES},volumetric_strain (%),void_ratio");
         let row = |sign: f64| {
             move |e: f64| {
-                let volume = 0.2 - 0.3 * e;
+                let volume = -0.3 * e;
                 format!("{e},{},100,{volume},{}", 100.0 + q(e), 1.7 * (1.0 - sign * volume / 100.0) - 1.0)
             }
         };

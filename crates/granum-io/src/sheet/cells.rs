@@ -41,7 +41,8 @@ pub fn read_cells(path: &Path, names: &[&str]) -> Result<(Vec<String>, Vec<CellR
         let cell = |at: usize| {
             let cell = rows.quantity(at);
             let unit = columns[at].1;
-            match !unit.is_empty() && cell.parse::<f64>().is_ok() {
+            // The unit of a pure number says nothing.
+            match !["", "1"].contains(&unit) && cell.parse::<f64>().is_ok() {
                 true => format!("{cell} {unit}"),
                 false => cell,
             }

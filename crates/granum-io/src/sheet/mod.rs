@@ -156,7 +156,8 @@ impl Sheet {
 
     /// The comments before the header.
     pub(crate) fn comments_before_header(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.comments().take_while(|(at, _)| *at < self.source.header_at)
+        let header_at = self.source.header_at;
+        self.comments().take_while(move |(at, _)| *at < header_at)
     }
 
     /// The rows. The decimal mark is decided by these columns of numbers.

@@ -27,7 +27,8 @@ fn compared(here: &Path, file: &str, flags: &[&str]) -> Value {
 fn laboratory_files_are_read_as_they_are() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    std::fs::write(here.join("sand.toml"), SAND).unwrap();
+    std::fs::write(here.join("sand.toml"), SAND.replace("axial_strain = 0.01", "axial_strain = 0.07"))
+        .unwrap();
     done(here, &["run", "sand.toml", "--out", "run"]);
     let write = |name: &str, text: &str| std::fs::write(here.join(name), text).unwrap();
     write("strain.csv", STRAIN_NEGATIVE);
@@ -69,7 +70,8 @@ fn laboratory_files_are_read_as_they_are() {
 fn files_of_offices_give_the_same_numbers() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    std::fs::write(here.join("sand.toml"), SAND).unwrap();
+    std::fs::write(here.join("sand.toml"), SAND.replace("axial_strain = 0.01", "axial_strain = 0.07"))
+        .unwrap();
     done(here, &["run", "sand.toml", "--out", "run"]);
     let plain = STRAIN_NEGATIVE.replace('-', "");
     std::fs::write(here.join("plain.csv"), &plain).unwrap();
@@ -117,8 +119,6 @@ fn files_of_offices_give_the_same_numbers() {
         let message = refused(here, 1, &["compare", "run", "lab.csv", "--force"]);
         assert!(parts.iter().all(|part| message.contains(part)), "{text}: {message}");
     }
-    std::fs::write(here.join("lab.csv"), "axial_strain (%);deviator_stress (kPa)\n1,125;2,250\n").unwrap();
-    done(here, &["compare", "run", "lab.csv", "--as", "decimal=comma", "--force"]);
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn designs_are_read_as_they_are_and_stay_in_their_ranges() {
         .as_array()
         .unwrap()
         .iter()
-        .map(|run| run["variables"]["friction"].as_f64().unwrap_or(f64::NAN))
+        .map(|run| run["values"]["friction"].as_f64().unwrap_or(f64::NAN))
         .collect();
     assert!(
         frictions.iter().all(|friction| [0.3, 0.6].contains(friction)) && !frictions.is_empty(),
