@@ -136,7 +136,8 @@ pub fn html(text: &str) -> String {
 /// assert_eq!((csv("=A1").as_ref(), csv("-1.5e3").as_ref(), csv("-x").as_ref()), ("'=A1", "-1.5e3", "'-x"));
 /// ```
 pub fn csv(text: &str) -> Cow<'_, str> {
-    let safe = line(text);
+    // A quoted cell may have several lines, which are read back as they were.
+    let safe = escaped_where(text, |c| is_obeyed(c) && c != '\n');
     let first = safe.trim_start().chars().next();
     let is_formula =
         matches!(first, Some('=' | '+' | '-' | '@' | '\u{ff1d}' | '\u{ff0b}' | '\u{ff0d}' | '\u{ff20}'));
@@ -211,7 +212,7 @@ mod tests {
             assert!(cell.starts_with('\''), "{cell}");
             assert_eq!(of_csv(&cell), formula);
         }
-        assert_eq!(csv("\t=1"), "\\t=1");
+        assert_eq!((csv("\t=1").as_ref(), csv("a\nb").as_ref()), ("\\t=1", "a\nb"));
         assert_eq!((of_csv("'quoted'"), of_csv("x"), of_csv("'-1")), ("'quoted'", "x", "'-1"));
     }
 }

@@ -135,14 +135,14 @@ pub fn envelope(page: &mut Page, runs: &[RunReport]) -> Option<Markup> {
     let found = Envelopes::of_tests(&tested(runs))?;
     let caption = "Largest deviator stress of each test against the mean stress there: tests that take part (filled), others (hollow), and \
                    the envelope *q* = *M* *p* + *c* down to the isotropic tensile strength.";
-    let figure = Figure::new("Envelope of the strength", 1, vec![Panel::plot(envelope_plot(&found))]);
-    let figure = page.own_figure("strength-envelope", caption, &figure);
-    let table = found.envelope.map(|envelope| envelope_table(page, &envelope));
+    let table_and_figure = found.envelope.map(|envelope| {
+        let figure = Figure::new("Envelope of the strength", 1, vec![Panel::plot(envelope_plot(&found))]);
+        (envelope_table(page, &envelope), page.own_figure("strength-envelope", caption, &figure))
+    });
     let remark = format!("{}.", capital(granum_run::strength::SECANT_REMARK));
     Some(html! {
         p { (rich(&literal(&remark))) }
-        @if let Some(table) = table { (table) }
-        (figure)
+        @if let Some((table, figure)) = table_and_figure { (table) (figure) }
         (list_of_reasons(&found.tests))
     })
 }

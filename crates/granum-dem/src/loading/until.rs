@@ -50,6 +50,20 @@ pub enum Until {
     },
 }
 
+impl Until {
+    /// True if both ask for the same: the same condition, and of a measure the same measure.
+    pub fn is_of_kind(&self, other: &Until) -> bool {
+        match (self, other) {
+            (Until::Reaches { measure: one, .. }, Until::Reaches { measure: another, .. })
+            | (
+                Until::DoubleAmplitude { measure: one, .. },
+                Until::DoubleAmplitude { measure: another, .. },
+            ) => one == another,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
+
 /// Why a stage ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -85,6 +85,8 @@ impl CaseStage {
                     stage.resets &= resets;
                 }
                 if let (false, Some(driven)) = (until.is_empty(), driven(&stages)) {
+                    // An end that the path has by itself gives way to one of the same kind.
+                    stages[driven].until.retain(|own| until.iter().all(|end| !own.is_of_kind(end)));
                     stages[driven].until.extend(until);
                 }
                 stages

@@ -154,7 +154,8 @@ mod tests {
         assert_eq!(message("a,a\n"), "t.csv:1:3: two columns have the name a");
         assert_eq!(
             message("a,b,\n1,1,2\n"),
-            "t.csv:2:1: the row has 3 cells, but the header names 2 columns"
+            "t.csv:2:1: the row has 3 cells, but the header names 2 columns; decimal commas cannot be told from commas between \
+             cells: separate the cells by semicolons, or write decimal points"
         );
         assert_eq!(message("a,,b\n1,1,2\n"), "t.csv:1:3: a column has no name");
         assert_eq!(message("# nothing\n"), "t.csv: is empty; the first line must name the columns");

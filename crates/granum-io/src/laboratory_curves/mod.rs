@@ -266,7 +266,11 @@ fn test(
     let readings = Readings { rows, signs: stated.signs() };
     let column = |wanted: &str| readings.column(wanted);
     let strain = |wanted: &str| -> Vec<f64> {
-        readings.signed(wanted).into_iter().map(|x| if logarithmic { 1.0 - libm::exp(-x) } else { x }).collect()
+        readings
+            .signed(wanted)
+            .into_iter()
+            .map(|x| if logarithmic { 1.0 - libm::exp(-x) } else { x })
+            .collect()
     };
     let pore_pressure = if stated.total_stress == Some(true) {
         readings.signed("pore_pressure")

@@ -7,8 +7,8 @@ mod file_digest;
 mod record;
 mod removal;
 mod run_folder;
-mod stage_end;
 mod source;
+mod stage_end;
 mod states;
 mod times;
 

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::stage_end::StageEndRecord;
 use super::source::RunSource;
+use super::stage_end::StageEndRecord;
 use crate::case::Case;
 
 /// Newest layout of `run.json` that this version reads and writes. Since format 2 times are in `seconds.json` and the file ends

@@ -164,7 +164,9 @@ fn inertial_number(case: &Case) -> Option<ForeseenFailure> {
             mean_stress = rest_stress(stage).unwrap_or(mean_stress);
             continue;
         }
-        if !symmetry::is_driven(stage) || stage.record == Default::default() {
+        // Without stress there is no inertial number, which is then not judged either.
+        let has_stress = mean_stress > 0.0;
+        if !has_stress || !symmetry::is_driven(stage) || stage.record == Default::default() {
             continue;
         }
         let number = number_of(case, stage, mean_stress)?;

@@ -24,9 +24,18 @@ fn logarithmic(strain: f64) -> f64 {
 pub fn of_laboratory(test: &LaboratoryTest) -> BTreeMap<String, f64> {
     let rows = test.axial_strain.len();
     let has = |values: &[f64]| values.len() == rows && rows > 0;
-    if !has(&test.deviator_stress) || !has(&test.mean_stress) {
+    if !has(&test.deviator_stress) {
         return BTreeMap::new();
     }
+    // Without a mean stress a constant lateral stress stands in for that of the test; what depends on it is left out below.
+    let has_mean_stress = has(&test.mean_stress);
+    let mean_stress: Vec<f64> = match has_mean_stress {
+        true => test.mean_stress.clone(),
+        false => {
+            let largest = test.deviator_stress.iter().fold(1.0f64, |most, q| most.max(q.abs()));
+            test.deviator_stress.iter().map(|q| largest + q / 3.0).collect()
+        }
+    };
     let has_volume = has(&test.volumetric_strain);
     let undrained = has_volume && test.volumetric_strain.iter().all(|strain| strain.abs() <= NO_VOLUME);
     let axial: Vec<f64> = test.axial_strain.iter().copied().map(logarithmic).collect();
@@ -36,7 +45,7 @@ pub fn of_laboratory(test: &LaboratoryTest) -> BTreeMap<String, f64> {
     };
     let lateral: Vec<f64> = axial.iter().zip(&volume).map(|(axial, volume)| 0.5 * (volume - axial)).collect();
     let stress = |share: f64| -> Vec<f64> {
-        test.mean_stress.iter().zip(&test.deviator_stress).map(|(p, q)| p + share * q).collect()
+        mean_stress.iter().zip(&test.deviator_stress).map(|(p, q)| p + share * q).collect()
     };
     let mut columns = vec![
         Column::new("stage", "", vec![1.0; rows]),
@@ -47,7 +56,7 @@ pub fn of_laboratory(test: &LaboratoryTest) -> BTreeMap<String, f64> {
         Column::new("stress_11", "Pa", stress(2.0 / 3.0)),
         Column::new("stress_22", "Pa", stress(-1.0 / 3.0)),
         Column::new("stress_33", "Pa", stress(-1.0 / 3.0)),
-        Column::new("mean_stress", "Pa", test.mean_stress.clone()),
+        Column::new("mean_stress", "Pa", mean_stress.clone()),
     ];
     if has(&test.void_ratio) {
         let solid = test.void_ratio.iter().map(|void_ratio| 1.0 / (1.0 + void_ratio)).collect();
@@ -59,8 +68,14 @@ pub fn of_laboratory(test: &LaboratoryTest) -> BTreeMap<String, f64> {
         measures.remove("largest_dilatancy_angle");
         measures.remove("at_critical_state");
     }
+    if !has_mean_stress {
+        measures.retain(|name, _| WITHOUT_MEAN_STRESS.iter().any(|prefix| name.starts_with(prefix)));
+    }
     measures
 }
+
+/// The beginnings of the names of measures that need no mean stress.
+const WITHOUT_MEAN_STRESS: [&str; 2] = ["largest_dilatancy_angle", "secant_modulus"];
 
 /// The stages of a triaxial test.
 fn stages(undrained: bool) -> Vec<Stage> {

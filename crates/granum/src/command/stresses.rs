@@ -200,7 +200,7 @@ mod tests {
             [
                 "stresses of stage 1 (consolidation): p 20.00 kPa (xx 20.00, yy 20.00, zz 20.00) at its start",
                 "stresses of stage 2 (shear): p 50.25 Pa (xx 50.25, yy 50.25, zz 50.25) at its start, p 82.00 Pa (xx 88.00, yy 79.00, zz \
-                 79.00, q 9.000) at its end, p 81.00 Pa (xx 81.00, yy 81.00, zz 81.00) as the mean over its last interval",
+                 79.00, q 9.00) at its end, p 81.00 Pa (xx 81.00, yy 81.00, zz 81.00) as the mean over its last interval",
             ]
         );
         assert_eq!(found.json()[1]["end"]["mean_stress"], 82.0);

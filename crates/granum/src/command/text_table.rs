@@ -2,8 +2,8 @@
 
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
-use serde_json::{Value, json};
 use granum_io::safe_text;
+use serde_json::{Value, json};
 
 /// Significant digits of numbers.
 const DIGITS: usize = 4;
