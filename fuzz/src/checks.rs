@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use granum_dem::config::{ContactModel, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_io::{Case, RunRecord, Table};
+use granum_io::{Case, RunRecord, Table, safe_text};
 use granum_learn::study::StudyPlan;
 use granum_nets::trainer::{Flow, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
@@ -168,7 +168,11 @@ pub fn csv(data: &[u8]) {
     }
     let back =
         granum_io::formats::csv::read_from(&text[..], "again.csv", None).expect("a written table reads back");
-    assert_same(&table, &back);
+    // Signs that a terminal or a spreadsheet obeys are written so that they are shown.
+    let as_shown: Vec<String> =
+        table.names().map(|name| safe_text::of_csv(&safe_text::csv(name)).to_owned()).collect();
+    assert_eq!(as_shown, back.names().collect::<Vec<_>>());
+    assert_same_values(&table, &back);
 }
 
 /// A table as Parquet.
@@ -179,8 +183,7 @@ pub fn parquet(data: &[u8]) {
     use_table(&table);
 }
 
-fn assert_same(table: &Table, back: &Table) {
-    assert_eq!(table.names().collect::<Vec<_>>(), back.names().collect::<Vec<_>>());
+fn assert_same_values(table: &Table, back: &Table) {
     for (one, two) in table.columns().iter().zip(back.columns()) {
         assert_eq!(one.values.len(), two.values.len());
         for (a, b) in one.values.iter().zip(&two.values) {

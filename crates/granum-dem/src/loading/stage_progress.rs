@@ -45,7 +45,6 @@ pub struct StageProgress {
     /// Number of measurements made for that.
     marked: u64,
     /// The tension that the stage asks for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) tension: Option<Tension>,
 }
 

@@ -79,7 +79,7 @@ fn grains_that_are_wrong_are_named_with_their_line() {
         message("1,1,1,1,0.5\n1,5,5,5,0.5\n"),
         "p.csv:4:1: grain 1 is already given in line 3; ids must be 1, 2, ... each once"
     );
-    assert_eq!(message("1,1,1,1\n"), "p.csv:3:1: the row has 4 cells, but the header names 5");
+    assert_eq!(message("1,1,1,1\n"), "p.csv:3:1: the row has 4 cells, but the header names 5 columns");
     assert!(message("1,1,1,1,6\n").contains("grain 1: radius = 6e0 m does not fit in the cell"));
     assert_eq!(message(""), "p.csv: is not a packing: it needs a cell and grains");
 }

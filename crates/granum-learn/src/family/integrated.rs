@@ -15,6 +15,8 @@ use crate::error::Result;
 const NODES: u32 = 64;
 /// Seed of the sequence.
 const SEED: u32 = 1;
+/// Deviations from the mean beyond which no share is looked for.
+const FARTHEST: f64 = 8.0;
 /// Halvings in which a quantile is found: to a millionth of the widest interval.
 const HALVINGS: usize = 22;
 /// Quantiles of typical values beyond this share are not drawn.
@@ -135,11 +137,16 @@ impl FamilyModel {
 /// The quantile of the standard normal distribution at a share, not far out.
 fn quantile(share: f64) -> f64 {
     let share = share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
-    let within = (2.0 * share - 1.0).abs();
-    if within < 1e-9 {
+    if share == 0.5 {
         return 0.0;
     }
-    granum_nets::two_sided_quantile(within, f64::INFINITY).copysign(share - 0.5)
+    let (mut low, mut high) = (-FARTHEST, FARTHEST);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let below = 0.5 * libm::erfc(-middle * std::f64::consts::FRAC_1_SQRT_2);
+        if below < share { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// What a point predicts.
@@ -187,7 +194,7 @@ impl Mixture {
         if !(low.is_finite() && high.is_finite()) {
             return f64::NAN;
         }
-        let quantile = granum_nets::two_sided_quantile(self.level, f64::INFINITY);
+        let quantile = quantile(0.5 * (1.0 + self.level));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             if self.below(middle, quantile) < share { low = middle } else { high = middle }

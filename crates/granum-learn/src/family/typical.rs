@@ -98,7 +98,7 @@ mod tests {
         // x_2 = 0.5 + 0.2 ln x_0 + x_1^2 and a deviation of 0.01 of either sign.
         let rows: Vec<Vec<f64>> = (0..80)
             .map(|k| {
-                let (a, b) = (1.0 + f64::from(k % 9) * 2.0, f64::from(k * 7 % 11) / 10.0);
+                let (a, b) = (1.42f64.powi(k % 9), f64::from(k * 7 % 11) / 10.0);
                 let sign = if k % 2 == 0 { 0.01 } else { -0.01 };
                 vec![a, b, 0.5 + 0.2 * a.ln() + b * b + sign]
             })
