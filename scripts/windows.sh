@@ -24,7 +24,8 @@ wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2> /dev/null || true)
 for need in "${wine:-wine64}" x86_64-w64-mingw32-gcc; do
     command -v "$need" > /dev/null || { echo "$need is missing: apt-get install gcc-mingw-w64-x86-64 wine64"; exit 77; }
 done
-rustup target add "$target" > /dev/null 2>&1 || true
+rustup target add "$target" > /dev/null 2>&1 || rustc --print target-libdir --target "$target" | xargs ls > /dev/null 2>&1 \
+    || { echo "the standard library for $target cannot be had here"; exit 77; }
 export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER=x86_64-w64-mingw32-gcc CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER=$wine
 
 what=(--package granum)

@@ -98,7 +98,7 @@ impl FamilyModel {
 
     /// The range of each input over the runs.
     pub(super) fn run_ranges(&self) -> Vec<[f64; 2]> {
-        (0..self.definition.inputs.len()).map(|input| range(self.values_of(input).into_iter())).collect()
+        (0..self.definition.inputs.len()).map(|input| range(self.values_of(input))).collect()
     }
 
     /// The values of an input in all runs.

@@ -25,7 +25,7 @@ fn ends(contact: &ContactModel, path: &[Step], held: &[f64], hair: f64) -> Vec<[
     let mut bench = Bench::new((contact.normal, contact.tangential), spheres(energy));
     bench.slots = Slots::new(contact, Isa::Portable);
     bench.constants = contact.constants(&bench.pair);
-    bench.contact = contact.clone();
+    bench.contact = *contact;
     let mut go = |overlap: f64, slip: [f64; 2], turn: [f64; 2]| {
         let spin = std::array::from_fn(|a| turn[0] * FIRST[a] + turn[1] * SECOND[a]);
         let out = bench.interact(
@@ -70,12 +70,12 @@ fn models() -> Vec<ContactModel> {
         RollingKind::ELASTIC_PLASTIC_TWISTING,
         RollingKind::SPRING_DASHPOT_SLIDER,
     ] {
-        models.push(ContactModel { rolling, ..plain.clone() });
+        models.push(ContactModel { rolling, ..plain });
     }
     for adhesion in
         [AdhesionKind::CAPILLARY_BRIDGE, AdhesionKind::CAPILLARY_BRIDGE_FILMS, AdhesionKind::VAN_DER_WAALS]
     {
-        models.push(ContactModel { adhesion, ..plain.clone() });
+        models.push(ContactModel { adhesion, ..plain });
     }
     models
 }
