@@ -83,7 +83,8 @@ fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
         .spawn()
         .unwrap();
     let started = Instant::now();
-    while !here.join("broken/checkpoint").exists() {
+    // The record follows the first checkpoint.
+    while !here.join("broken/checkpoint").exists() || !here.join("broken/run.json").exists() {
         assert!(started.elapsed() < Duration::from_secs(30), "the test did not begin");
         sleep(Duration::from_millis(2));
     }
