@@ -147,7 +147,7 @@ pub fn csv(text: &str) -> Cow<'_, str> {
     safe
 }
 
-/// The text that [`csv`] has made safe.
+/// The text that [`csv()`] has made safe.
 pub fn of_csv(cell: &str) -> &str {
     match cell.strip_prefix('\'') {
         Some(text) if csv(text).len() == cell.len() && csv(text) == cell => text,
