@@ -64,8 +64,8 @@ fn numbers(sheet: &Sheet, names: Option<&[&str]>) -> Result<Table> {
             values.push(rows.number(*column, &header[*column])?);
         }
     }
-    let columns =
-        wanted.iter().zip(values).map(|(at, values)| Column::new(&header[*at], "", values)).collect();
+    let name = |at: usize| safe_text::of_csv(&header[at]);
+    let columns = wanted.iter().zip(values).map(|(at, values)| Column::new(name(*at), "", values)).collect();
     Ok(Table::new(columns)?)
 }
 
