@@ -153,25 +153,19 @@ fn word(value: &ParameterValue) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::{CASE_FOR_TESTS as BASE, parsed_for_tests};
+    use crate::file::{CASE_FOR_TESTS as BASE, STRESS_AND_FRICTION, file_for_tests};
 
-    const FILE: &str = "case = \"sand.toml\"
-[set]
+    const FURTHER: &str = "[set]
 contact.tangential = \"no-slip\"
-[calibration]
-[[calibration.quantity]]
-name = \"deviator_stress\"
-[[variable]]
-name = \"friction\"
-key = \"grains.material.friction\"
-prior = \"uniform\"
-from = 0.2
-to = 0.8
 [[variable]]
 name = \"lateral_stress\"
 keys = [\"preparation.mean_stress\", \"stage.1.lateral_stress\"]
 test = \"lateral_stress\"
 ";
+
+    fn file() -> CalibrationFile {
+        file_for_tests(&format!("{STRESS_AND_FRICTION}{FURTHER}"))
+    }
 
     fn case(settings: &[(&str, &str)]) -> Case {
         let mut case = Case::parse(BASE, "sand.toml").unwrap();
@@ -180,10 +174,9 @@ test = \"lateral_stress\"
     }
 
     fn found(runs: &[Case]) -> Result<Differences> {
-        let file = parsed_for_tests(FILE, BASE).unwrap_or_else(|error| panic!("{error}"));
         let own = case(&[("contact.tangential", "no-slip")]);
         let named: Vec<(&str, &Case)> = ["a", "b", "c"].into_iter().zip(runs).collect();
-        Differences::new(&file, &own, &named)
+        Differences::new(&file(), &own, &named)
     }
 
     #[test]
@@ -249,9 +242,8 @@ test = \"lateral_stress\"
         let longer = "[[stage]]\npath = \"isotropic\"\nmean_stress = \"50 kPa\"\n";
         let told = found(&[like(longer), like(longer)]).unwrap().remarks.join("\n");
         assert!(told.contains("the earlier runs have stage.2.mean_stress = 50000, which"), "{told}");
-        let file = parsed_for_tests(FILE, BASE).unwrap_or_else(|error| panic!("{error}"));
         let run = like("");
-        let told = Differences::new(&file, &like(longer), &[("a", &run)]).unwrap().remarks.join("\n");
+        let told = Differences::new(&file(), &like(longer), &[("a", &run)]).unwrap().remarks.join("\n");
         assert!(
             told.contains("the earlier runs have no stage.2.mean_stress, which is 50000 in the file"),
             "{told}"

@@ -163,7 +163,7 @@ mod tests {
     use granum_io::LaboratoryTest;
 
     use super::*;
-    use crate::file::{CASE_FOR_TESTS as BASE, parsed_for_tests};
+    use crate::file::file_for_tests;
     use crate::known::KnownRun;
     use crate::prior::Prior;
     use crate::simulation::CaseNumbers;
@@ -199,7 +199,7 @@ to = 1
     /// is asked.
     #[test]
     fn the_next_run_is_where_the_posterior_is_and_the_runs_are_not() {
-        let file = parsed_for_tests(FILE, BASE).unwrap_or_else(|error| panic!("{error}"));
+        let file = file_for_tests(FILE);
         let targets = crate::target::targets(&file, &[test_of(0.6)]).unwrap();
         let frictions = [0.1, 0.15, 0.2, 0.22, 0.26, 0.3, 0.34, 0.37, 0.4, 0.43, 0.46, 0.74, 0.78];
         let known: Vec<KnownRun> = frictions

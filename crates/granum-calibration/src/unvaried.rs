@@ -159,21 +159,11 @@ fn correlation(runs: &[KnownRun], a: usize, b: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::{CASE_FOR_TESTS, parsed_for_tests};
+    use crate::file::{STRESS_AND_FRICTION, file_for_tests};
     use crate::target::target;
     use granum_io::LaboratoryTest;
 
-    const FILE: &str = "case = \"sand.toml\"
-[calibration]
-[[calibration.quantity]]
-name = \"deviator_stress\"
-[[variable]]
-name = \"friction\"
-key = \"grains.material.friction\"
-prior = \"uniform\"
-from = 0.2
-to = 0.8
-[[variable]]
+    const MODULUS: &str = "[[variable]]
 name = \"stiffness\"
 prior = \"uniform\"
 from = 1
@@ -186,7 +176,7 @@ expression = \"stiffness * 1e9\"
 
     /// The runs have the numbers of friction and of the modulus.
     fn told(runs: &[[f64; 2]]) -> Result<Vec<String>> {
-        let file = parsed_for_tests(FILE, CASE_FOR_TESTS).unwrap_or_else(|error| panic!("{error}"));
+        let file = file_for_tests(&format!("{STRESS_AND_FRICTION}{MODULUS}"));
         let test = LaboratoryTest {
             name: "T1".into(),
             axial_strain: vec![0.0, 0.2],

@@ -40,7 +40,7 @@ mod tests;
 mod words;
 
 #[cfg(test)]
-pub(crate) use tests::{PLAIN_CASE as CASE_FOR_TESTS, parsed as parsed_for_tests};
+pub(crate) use tests::{PLAIN_CASE as CASE_FOR_TESTS, STRESS_AND_FRICTION, file as file_for_tests};
 
 pub use definition::{
     CalibrationFile, CalibrationTable, ComparedQuantity, CriticalStateOfTests, FreeVariable, Method,

@@ -65,8 +65,26 @@ key = \"preparation.relative_density\"
 expression = \"min(max(density + shift, 0), 1)\"
 ";
 
+/// A file that compares the deviator stress, with the friction as its first variable; other variables may follow.
+pub(crate) const STRESS_AND_FRICTION: &str = "case = \"sand.toml\"
+[calibration]
+[[calibration.quantity]]
+name = \"deviator_stress\"
+[[variable]]
+name = \"friction\"
+key = \"grains.material.friction\"
+prior = \"uniform\"
+from = 0.2
+to = 0.8
+";
+
+/// A file of the plain case, which must have no mistake.
+pub(crate) fn file(text: &str) -> CalibrationFile {
+    parsed(text, PLAIN_CASE).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// A file with the text of its base case.
-pub(crate) fn parsed(text: &str, case: &str) -> granum_io::Result<CalibrationFile> {
+fn parsed(text: &str, case: &str) -> granum_io::Result<CalibrationFile> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("sand.toml"), case).unwrap();
     let source =

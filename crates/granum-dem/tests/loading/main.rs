@@ -22,23 +22,25 @@ use granum_dem::simulation::{Hardware, Simulation};
 /// A sample of 300 equal grains at rest at 20 kPa: Hertz without micro-slip, friction 0.3.
 fn sample() -> Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
-    let make = || {
-        let material = Material::default().with(|material| material.interface_energy = 0.0);
-        let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-        let grains = Grains::default().with(|grains| {
-            grains.count = 300;
-            grains.material = material;
-        });
-        let preparation = Preparation::default().with(|preparation| {
-            preparation.friction = Some(0.1);
-            preparation.solid_fraction = None;
-            preparation.inertial_number = 3e-3;
-            preparation.unbalanced_force = 2e-3;
-        });
-        let specification = SampleSpecification::new(&grains, &contact, &preparation);
-        prepare(&specification, &mut NoObserver).unwrap().simulation
-    };
-    SAMPLE.get_or_init(make).clone()
+    SAMPLE.get_or_init(|| prepared(NormalKind::HERTZ, 0.0)).clone()
+}
+
+/// 300 equal grains with a normal law and an interface energy, J/m2, at rest at 20 kPa.
+fn prepared(normal: NormalKind, interface_energy: f64) -> Simulation {
+    let material = Material::default().with(|material| material.interface_energy = interface_energy);
+    let contact = ContactModel::new(normal, TangentialKind::NO_SLIP, 0.1);
+    let grains = Grains::default().with(|grains| {
+        grains.count = 300;
+        grains.material = material;
+    });
+    let preparation = Preparation::default().with(|preparation| {
+        preparation.friction = Some(0.1);
+        preparation.solid_fraction = None;
+        preparation.inertial_number = 3e-3;
+        preparation.unbalanced_force = 2e-3;
+    });
+    let specification = SampleSpecification::new(&grains, &contact, &preparation);
+    prepare(&specification, &mut NoObserver).unwrap().simulation
 }
 
 /// Records stress and strain at intervals of 2e-4 of the record's measure; stops at a given step.

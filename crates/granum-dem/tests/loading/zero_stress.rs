@@ -8,23 +8,7 @@ const INTERFACE_ENERGY: f64 = 0.2;
 /// The same 300 grains with adhesion, at rest at 20 kPa: their contacts hold each other with about a kilopascal.
 fn adhesive() -> Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
-    let make = || {
-        let contact = ContactModel::new(NormalKind::JKR, TangentialKind::NO_SLIP, 0.1);
-        let grains = Grains::default().with(|grains| {
-            grains.count = 300;
-            grains.material =
-                Material::default().with(|material| material.interface_energy = INTERFACE_ENERGY);
-        });
-        let preparation = Preparation::default().with(|preparation| {
-            preparation.friction = Some(0.1);
-            preparation.solid_fraction = None;
-            preparation.inertial_number = 3e-3;
-            preparation.unbalanced_force = 2e-3;
-        });
-        let specification = SampleSpecification::new(&grains, &contact, &preparation);
-        prepare(&specification, &mut NoObserver).unwrap().simulation
-    };
-    SAMPLE.get_or_init(make).clone()
+    SAMPLE.get_or_init(|| prepared(NormalKind::JKR, INTERFACE_ENERGY)).clone()
 }
 
 fn isotropic(target: Target, until: Vec<Until>, settling: bool) -> Stage {

@@ -7,6 +7,7 @@ use granum_io::Run;
 use granum_run::record::read_record;
 use granum_run::strength::as_laboratory;
 
+use crate::chapter::change;
 use crate::common::{run, stderr};
 use crate::{done, done_json, refused};
 
@@ -332,16 +333,6 @@ fn mistakes_are_told_before_anything_is_simulated() {
 const CHAPTER: &str = include_str!("../../../../docs/src/calibration.md");
 const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 const LABORATORY: &str = include_str!("../../../../data/lab/karlsruhe-fine-sand-drained.csv");
-
-/// Changes a written file; every pattern must be in it.
-fn change(file: &Path, changes: &[(&str, &str)]) {
-    let mut text = std::fs::read_to_string(file).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}\n{text}");
-        text = text.replace(from, to);
-    }
-    std::fs::write(file, text).unwrap();
-}
 
 /// The commands of the chapter work as they are printed, with fewer grains, strains and runs.
 #[test]

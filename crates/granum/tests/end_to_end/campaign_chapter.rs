@@ -1,7 +1,6 @@
 //! The commands of the chapter of campaigns work exactly as they are printed, with a smaller sample and fewer points.
 
-use std::path::Path;
-
+use crate::chapter::change;
 use crate::done;
 
 const CHAPTER: &str = include_str!("../../../../docs/src/campaigns.md");
@@ -13,16 +12,6 @@ fn commands() -> Vec<Vec<&'static str>> {
     let words =
         |line: &'static str| line.split_whitespace().take_while(|word| *word != "#").collect::<Vec<_>>();
     blocks.flat_map(str::lines).map(words).filter(|words| words.first() == Some(&"granum")).collect()
-}
-
-/// Makes a written file smaller; every pattern must be in it.
-fn change(file: &Path, changes: &[(&str, &str)]) {
-    let mut text = std::fs::read_to_string(file).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}\n{text}");
-        text = text.replace(from, to);
-    }
-    std::fs::write(file, text).unwrap();
 }
 
 #[test]

@@ -3,27 +3,12 @@
 
 use std::path::Path;
 
+use crate::chapter::{change, words};
 use crate::common::{run, stderr};
+use crate::example_grains::{POWDER, SAND};
 use crate::{done, done_json, refused};
 
 const CHAPTER: &str = include_str!("../../../../docs/src/families.md");
-
-/// The words of a line; those in quotes are one.
-fn words(line: &str) -> Vec<String> {
-    let (mut words, mut word, mut in_quotes) = (Vec::new(), String::new(), false);
-    for c in line.chars() {
-        match c {
-            '"' => in_quotes = !in_quotes,
-            '#' if !in_quotes && word.is_empty() => break,
-            ' ' if !in_quotes => {
-                words.extend(Some(std::mem::take(&mut word)).filter(|word| !word.is_empty()))
-            }
-            c => word.push(c),
-        }
-    }
-    words.extend(Some(word).filter(|word| !word.is_empty()));
-    words
-}
 
 /// The commands of a section of the chapter, in order; a line that ends with a backslash goes on.
 fn commands(section: &str) -> Vec<Vec<String>> {
@@ -38,16 +23,6 @@ fn commands(section: &str) -> Vec<Vec<String>> {
         .map(|line| words(line))
         .filter(|words| words.first().is_some_and(|word| word == "granum"))
         .collect()
-}
-
-/// Makes a written file smaller; every pattern must be in it.
-fn change(file: &Path, changes: &[(&str, &str)]) {
-    let mut text = std::fs::read_to_string(file).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}\n{text}");
-        text = text.replace(from, to);
-    }
-    std::fs::write(file, text).unwrap();
 }
 
 /// Fewer and smaller samples, and a short test.
@@ -223,35 +198,13 @@ fn every_family_and_path_answers() {
     let here = base.path();
     let listed = done(here, &["predict", "--family"]);
     assert!(!listed.contains("no fitted surrogate"), "{listed}");
-    let sand = [
-        "--friction",
-        "0.5",
-        "--rolling-friction",
-        "0.1",
-        "--pressure",
-        "100 kPa",
-        "--youngs-modulus",
-        "2 GPa",
-    ];
-    let powder = [
-        "--friction",
-        "0.3",
-        "--interface-energy",
-        "5 mJ/m2",
-        "--diameter",
-        "10 um",
-        "--pressure",
-        "5 kPa",
-        "--youngs-modulus",
-        "200 MPa",
-    ];
     for (family, inputs, path, coordinate, last) in [
-        ("sand", &sand[..], "drained-triaxial", "axial_strain", 0.25),
-        ("sand", &sand, "constant-p", "deviator_strain", 0.35),
-        ("sand", &sand, "undrained-triaxial", "axial_strain", 0.08),
-        ("sand", &sand, "unload-reload", "test_progress", 7.0),
-        ("powder", &powder, "constant-p", "deviator_strain", 0.3),
-        ("powder", &powder, "oedometer", "test_progress", 1.0),
+        ("sand", &SAND[..], "drained-triaxial", "axial_strain", 0.25),
+        ("sand", &SAND, "constant-p", "deviator_strain", 0.35),
+        ("sand", &SAND, "undrained-triaxial", "axial_strain", 0.08),
+        ("sand", &SAND, "unload-reload", "test_progress", 7.0),
+        ("powder", &POWDER, "constant-p", "deviator_strain", 0.3),
+        ("powder", &POWDER, "oedometer", "test_progress", 1.0),
     ] {
         let which = ["predict", "--family", family, "--path", path];
         let found = done_json(here, &[&which[..], inputs, &["-o", "curves.csv", "--force"]].concat());
@@ -280,26 +233,9 @@ fn a_check_is_made_with_the_void_ratio_that_was_given() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     let checked = |ratio: &str| {
-        let mut arguments =
-            vec!["predict", "--family", "sand", "--friction", "0.5", "--rolling-friction", "0.1"];
-        arguments.extend([
-            "--pressure",
-            "100 kPa",
-            "--youngs-modulus",
-            "2 GPa",
-            "--path",
-            "undrained-triaxial",
-        ]);
-        arguments.extend([
-            "--void-ratio",
-            ratio,
-            "--check",
-            "--grains",
-            "200",
-            "-o",
-            "curves.json",
-            "--force",
-        ]);
+        let check = ["--path", "undrained-triaxial", "--void-ratio", ratio, "--check", "--grains", "200"];
+        let arguments =
+            [&["predict", "--family", "sand"], &SAND[..], &check, &["-o", "curves.json", "--force"]].concat();
         let check = done_json(here, &arguments)["check"].clone();
         (check["sample"]["sample.void_ratio"].as_f64().unwrap(), check["void_ratio_missed"].as_f64())
     };

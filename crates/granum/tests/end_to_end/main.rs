@@ -8,12 +8,14 @@ mod calibrations;
 mod campaign_chapter;
 mod campaigns;
 mod changed;
+mod chapter;
 mod columns;
 #[path = "../common/mod.rs"]
 mod common;
 mod comparisons;
 mod data_sets;
 mod escape;
+mod example_grains;
 mod families_chapter;
 mod family_questions;
 mod further_sensors;

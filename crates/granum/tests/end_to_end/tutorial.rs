@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::chapter::words;
 use crate::{done, done_json, refused};
 
 const TUTORIAL: &str = include_str!("../../../../docs/src/tutorial.md");
@@ -11,23 +12,6 @@ fn blocks(language: &str) -> Vec<String> {
     let fence = format!("```{language}\n");
     let after = |text: &str| text.split("```").next().unwrap_or_default().to_string();
     TUTORIAL.split(&fence).skip(1).map(after).collect()
-}
-
-/// The words of a line; those in quotes are one, and a comment ends it.
-fn words(line: &str) -> Vec<String> {
-    let (mut words, mut word, mut in_quotes) = (Vec::new(), String::new(), false);
-    for c in line.chars() {
-        match c {
-            '"' => in_quotes = !in_quotes,
-            '#' if !in_quotes && word.is_empty() => break,
-            ' ' if !in_quotes => {
-                words.extend(Some(std::mem::take(&mut word)).filter(|word| !word.is_empty()));
-            }
-            c => word.push(c),
-        }
-    }
-    words.extend(Some(word).filter(|word| !word.is_empty()));
-    words
 }
 
 /// Writes the file of a block, which the tutorial must name.
