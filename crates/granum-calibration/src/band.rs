@@ -1,8 +1,9 @@
 //! The band of a curve: what the surrogate predicts over draws from a posterior, with the interval of 90 %.
 
+use granum_nets::normal::NINETY_PERCENT;
+
 use crate::emulator::Emulator;
 use crate::error::Result;
-use crate::normal::NINETY_PERCENT;
 
 /// Draws of which a band is made.
 pub const BAND_DRAWS: usize = 100;

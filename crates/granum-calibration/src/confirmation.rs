@@ -1,11 +1,11 @@
 //! Confirmation: real simulations at draws from the posterior, beside what the surrogate said of them and over the laboratory.
 
+use granum_nets::normal::NINETY_PERCENT;
 use serde::{Deserialize, Serialize};
 
 use crate::emulator::{Emulator, at_strains};
 use crate::error::Result;
 use crate::file::CalibrationFile;
-use crate::normal::NINETY_PERCENT;
 use crate::simulation::{DesignPoint, Simulated, of_test};
 use crate::target::TargetTest;
 

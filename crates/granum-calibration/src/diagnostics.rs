@@ -3,9 +3,8 @@
 //! Source: Vehtari, Gelman, Simpson, Carpenter, Bürkner, Rank-normalization, folding, and localization: an improved R-hat for assessing
 //! convergence of MCMC, Bayesian Analysis 16 (2021), 667 to 718. The numbers are those of ArviZ, to rounding.
 
+use granum_nets::normal::quantile;
 use serde::{Deserialize, Serialize};
-
-use crate::normal::quantile;
 
 /// How well the chains of one quantity agree.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -316,7 +316,7 @@ fn large_inadequacy(quantity: &str, inadequacy: Discrepancy, sorted: &[f64]) -> 
     let prior = Prior::Normal { mean: 0.0, deviation: inadequacy.scale, from: 0.0, to: f64::INFINITY };
     let median = crate::diagnostics::quantile_of_sorted(sorted, 0.5);
     // The share above, not one less that below it, which has no digits far out.
-    let prior_above = 2.0 * crate::normal::share_below(-median / inadequacy.scale);
+    let prior_above = 2.0 * granum_nets::normal::share_below(-median / inadequacy.scale);
     (prior_above < NO_ROOM && prior.check(quantity).is_ok()).then(|| LargeInadequacy {
         quantity: quantity.into(),
         median,

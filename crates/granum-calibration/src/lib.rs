@@ -23,7 +23,6 @@ pub mod known;
 pub mod likelihood;
 pub mod next_run;
 pub mod next_test;
-pub mod normal;
 pub mod outcome;
 pub mod prediction;
 pub mod prior;

@@ -3,11 +3,11 @@
 //! Inference works on shares: a share of 0.3 stands for the value below which 30 % of the prior lie. In shares every prior is uniform on
 //! [0, 1], has bounds where it has them, and scales do not matter.
 
+use granum_nets::normal::{quantile, share_below};
 use libm::{exp, log};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CalibrationError;
-use crate::normal::{quantile, share_below};
 
 /// A prior of one property.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,8 @@
 //! Random numbers from a seed, with the same bits on every machine.
 
+use granum_nets::normal::quantile;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-
-use crate::normal::quantile;
 
 /// The generator of a stream of a seed: streams are independent of each other.
 pub(crate) fn stream(seed: u64, stream: u64) -> ChaCha8Rng {

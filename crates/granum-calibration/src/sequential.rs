@@ -13,10 +13,10 @@
 //! (2019), 268 to 294) samples in rounds in the same spirit, with an error of the measurement that is chosen such that enough points count.
 
 use granum_learn::regression::cholesky::Cholesky;
+use granum_nets::normal::{quantile, share_below};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{CalibrationError, Result};
-use crate::normal::{quantile, share_below};
 use crate::random::{standard_normal, stream, unit};
 
 /// Shares this near to 0 and 1 are not proposed: their normal quantiles would be infinite.

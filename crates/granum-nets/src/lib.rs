@@ -56,6 +56,7 @@ mod model_error;
 mod model_file;
 mod network;
 mod network_batch;
+pub mod normal;
 mod objective;
 mod prediction;
 mod provenance;

@@ -20,7 +20,8 @@ pub(super) fn normal_share(z: f64) -> f64 {
     0.5 * erfc(-z / sqrt(2.0))
 }
 
-/// The z below which a share of the standard normal distribution lies, by bisection.
+/// The z below which a share of the standard normal distribution lies, by bisection. It decides the diameters of samples, so that another way, whose last
+/// digits would differ, would change the bits of runs; `granum_nets::normal` serves statistics.
 pub(super) fn normal_quantile(share: f64) -> f64 {
     let (mut low, mut high) = (-40.0, 40.0);
     for _ in 0..64 {

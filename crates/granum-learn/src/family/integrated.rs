@@ -5,6 +5,8 @@
 //! sands have of what is given beside: a dense sample is rarely one of high friction. With the normal distributions of the points, of weights `w_k`
 //! and distribution functions `F_k`, the mean is `sum w_k m_k`, and the ends of an interval are the quantiles of `sum w_k F_k`.
 
+use granum_nets::normal::{quantile, share_below};
+
 use super::model::FamilyModel;
 use super::prediction::{FamilyCurve, FamilyPrediction, InputSource, Plain, UsedInput};
 use super::typical::{TypicalValue, typical_value};
@@ -15,11 +17,9 @@ use crate::error::Result;
 const NODES: u32 = 64;
 /// Seed of the sequence.
 const SEED: u32 = 1;
-/// Deviations from the mean beyond which no share is looked for.
-const FARTHEST: f64 = 8.0;
 /// Halvings in which a quantile is found: to a millionth of the widest interval.
 const HALVINGS: usize = 22;
-/// Quantiles of typical values beyond this share are not drawn.
+/// Values are drawn between the quantiles of this share and of one less this share.
 const LEAST_SHARE: f64 = 0.01;
 /// Share of the weight beyond which what is said of points is said of the answer.
 const MOST: f64 = 0.5;
@@ -119,7 +119,8 @@ impl FamilyModel {
             for input in (0..given.len()).filter(|k| !inputs[*k].is_required && given[*k].is_none()) {
                 let [low, high] = ranges[input];
                 let found = typical_value(&self.rows, input, &known);
-                let drawn = found.mean + found.deviation * quantile(share(input));
+                let share = share(input).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
+                let drawn = found.mean + found.deviation * quantile(share);
                 values[input] = drawn.clamp(low, high);
                 known.push((input, values[input]));
             }
@@ -132,21 +133,6 @@ impl FamilyModel {
         nodes.iter_mut().for_each(|node| node.weight = if sum > 0.0 { node.weight / sum } else { even });
         nodes
     }
-}
-
-/// The quantile of the standard normal distribution at a share, not far out.
-fn quantile(share: f64) -> f64 {
-    let share = share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
-    if share == 0.5 {
-        return 0.0;
-    }
-    let (mut low, mut high) = (-FARTHEST, FARTHEST);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        let below = 0.5 * libm::erfc(-middle * std::f64::consts::FRAC_1_SQRT_2);
-        if below < share { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// What a point predicts.
@@ -181,7 +167,7 @@ impl Mixture {
             if half <= 0.0 {
                 return part.weight * f64::from(u8::from(apart >= 0.0));
             }
-            part.weight * 0.5 * libm::erfc(-quantile * apart / half * std::f64::consts::FRAC_1_SQRT_2)
+            part.weight * share_below(quantile * apart / half)
         };
         self.parts.iter().map(of_part).sum()
     }
@@ -220,10 +206,20 @@ mod tests {
         assert!((two.quantile(0.95) - 100.0 - 1.281_552 / 1.644_854).abs() < 1e-4);
     }
 
+    /// The interval of one distribution alone is its own at every level, also far out.
     #[test]
-    fn shares_have_their_quantiles() {
-        assert_eq!(quantile(0.5), 0.0);
-        assert!((quantile(0.95) - 1.644_854).abs() < 1e-5 && (quantile(0.05) + 1.644_854).abs() < 1e-5);
-        assert!(quantile(0.0).is_finite() && quantile(1.0).is_finite());
+    fn one_distribution_keeps_its_interval_at_every_level() {
+        for level in [0.5, 0.9, 0.99, 0.9999] {
+            // A second one of next to no weight is wider, so that the ends are looked for.
+            let parts = [(1.0, 1.0), (1e-12, 10.0)].map(|(weight, half)| Part {
+                weight,
+                mean: 3.0,
+                lower: 3.0 - half,
+                upper: 3.0 + half,
+            });
+            let mixture = Mixture { parts: parts.into(), level };
+            let ends = [0.5 * (1.0 - level), 0.5 * (1.0 + level)].map(|share| mixture.quantile(share));
+            assert!((ends[0] - 2.0).abs() < 1e-4 && (ends[1] - 4.0).abs() < 1e-4, "{level}: {ends:?}");
+        }
     }
 }

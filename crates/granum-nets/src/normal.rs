@@ -8,7 +8,7 @@ pub const NINETY_PERCENT: f64 = 1.644_853_626_951_472_7;
 /// Share of the standard normal distribution below z.
 ///
 /// ```
-/// use granum_calibration::normal::share_below;
+/// use granum_nets::normal::share_below;
 ///
 /// assert!((share_below(1.644_853_626_951_472_7) - 0.95).abs() < 1e-14);
 /// ```
