@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::chi_square::share_above;
 use crate::confirmation::Confirmed;
 use crate::curve::{ForwardModel, MeasuredCurve, PredictedCurve};
-use crate::error::Result;
+use crate::error::{CalibrationError, Result};
 use crate::likelihood::{Discrepancy, FreeParameter, Posterior};
 use crate::outcome::Outcome;
 use crate::prior::Prior;
@@ -98,7 +98,7 @@ impl Fit {
     /// priors, say something.
     ///
     /// # Errors
-    /// As [`Posterior::new`].
+    /// As [`Posterior::new`], and if the model predicts no draw.
     pub fn new(
         parameters: &[FreeParameter],
         curves: &[MeasuredCurve],
@@ -120,12 +120,13 @@ impl Fit {
             let misfit_of_simulations = (!simulated.is_empty()).then_some(mean);
             let deviation = checked.as_ref().map_or(0.0, |checked| checked.deviations[k]);
             let most = LARGEST_MISFIT.max(OF_SURROGATE * deviation);
-            let is_poor = |misfit: Option<f64>| misfit.is_some_and(|misfit| misfit > most);
-            let is_improbable = probability.is_some_and(|probability| probability < LEAST_PROBABILITY);
+            // What is not a number explains nothing.
+            let is_near = |misfit: Option<f64>| misfit.is_none_or(|misfit| misfit <= most);
+            let is_probable = probability.is_none_or(|probability| probability >= LEAST_PROBABILITY);
             CurveFit {
                 test: curve.test.clone(),
                 quantity: curve.quantity.clone(),
-                is_explained: !(is_improbable || is_poor(misfit) || is_poor(misfit_of_simulations)),
+                is_explained: is_probable && is_near(misfit) && is_near(misfit_of_simulations),
                 misfit,
                 misfit_of_simulations,
                 probability,
@@ -255,6 +256,11 @@ impl Checked {
         let draws = outcome.spread(DRAWS);
         let predicted: Vec<Vec<PredictedCurve>> =
             draws.iter().filter_map(|draw| model.predict(draw.get(..parameters.len())?)).collect();
+        if predicted.is_empty() {
+            let message =
+                "the model predicts no draw from the posterior, so that nothing says whether it fits";
+            return Err(CalibrationError::Input(message.into()));
+        }
         let count = predicted.len() as f64;
         let misfit = |(k, curve): (usize, &MeasuredCurve)| {
             let mean = |i: usize| predicted.iter().map(|one| one[k].mean[i]).sum::<f64>() / count;

@@ -284,3 +284,39 @@ pub fn understood(file: &CalibrationFile, targets: &[TargetTest]) -> Vec<String>
     };
     targets.iter().map(line).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::{STRESS_AND_FRICTION, file_for_tests};
+
+    /// So many tests, each with a name of its own.
+    fn laboratory(count: usize) -> Vec<LaboratoryTest> {
+        let test = |k: usize| LaboratoryTest {
+            name: format!("T{k}"),
+            axial_strain: vec![0.0, 0.01, 0.02],
+            deviator_stress: vec![0.0, 8e4, 1e5],
+            mean_stress: vec![1e5, 1.2e5, 1.3e5],
+            ..LaboratoryTest::default()
+        };
+        (0..count).map(test).collect()
+    }
+
+    #[test]
+    fn more_tests_than_a_calibration_ends_with_are_refused_with_their_number() {
+        let mut file = file_for_tests(STRESS_AND_FRICTION);
+        let few = targets(&file, &laboratory(MOST_TESTS)).unwrap();
+        assert_eq!(few.len(), MOST_TESTS);
+        let many = laboratory(MOST_TESTS + 1);
+        let told = targets(&file, &many).unwrap_err().to_string();
+        assert!(told.contains("201 tests would be calibrated on, and at most 200 are possible"), "{told}");
+        // Of many tests a file may name a few, and predict as many again.
+        file.calibration.tests = vec!["T7".into()];
+        let one = targets(&file, &many).unwrap();
+        assert_eq!(one[0].name, "T7");
+        file.calibration.predict = PredictedTests::Others;
+        assert_eq!(predicted(&file, &many, &one).unwrap().len(), MOST_TESTS);
+        let told = predicted(&file, &laboratory(MOST_TESTS + 2), &one).unwrap_err().to_string();
+        assert!(told.contains("201 tests would be predicted, and at most 200"), "{told}");
+    }
+}

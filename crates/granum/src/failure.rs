@@ -48,6 +48,11 @@ impl Failure {
         Sentence(message.into()).into()
     }
 
+    /// True if the user stopped the command.
+    pub fn is_interruption(&self) -> bool {
+        self.0.is::<Interrupted>()
+    }
+
     /// Prints the failure to standard error, as text or as JSON with the warnings before it, and returns the exit status.
     pub fn print(&self, json: bool, warnings: &[String]) -> ExitCode {
         if self.0.is::<Unread>() {
@@ -58,7 +63,7 @@ impl Failure {
         } else {
             messages::write(&self.text(std::io::stderr().is_terminal()));
         }
-        let status = if self.0.is::<Interrupted>() { INTERRUPTED } else { 1 };
+        let status = if self.is_interruption() { INTERRUPTED } else { 1 };
         ExitCode::from(status)
     }
 

@@ -63,8 +63,28 @@ fn where_nothing_fits_there_is_no_posterior_or_it_is_said_first() {
     for file in ["posterior.csv", "each-alone.csv", "draws.toml", "calibration.json"] {
         assert!(!here.join("no").join(file).exists(), "{file}");
     }
+    results_of_an_earlier_call_are_set_aside(here);
     numbers_beyond_reason(here);
     counted_once(here);
+}
+
+/// Where nothing fits, the folder has no result that looks like that of this call; those of an earlier one are kept elsewhere.
+fn results_of_an_earlier_call_are_set_aside(here: &Path) {
+    let again = |name: &str| here.join("again").join(name);
+    let results = ["posterior.csv", "draws.toml", "calibration.json", "report.html", "surrogate.json"];
+    done(here, &calibrated("quick.toml", "lab.csv", &["--out", "again"]));
+    let posterior = std::fs::read(again("posterior.csv")).unwrap();
+    let figure = std::fs::read(again("curves.svg")).unwrap();
+    let told = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--out", "again"]));
+    assert!(told.contains("results of an earlier call in again") && told.contains("again/earlier"), "{told}");
+    for name in results {
+        assert!(!again(name).exists() && again("earlier").join(name).is_file(), "{name}");
+    }
+    assert_eq!(std::fs::read(again("earlier/posterior.csv")).unwrap(), posterior);
+    assert_eq!(std::fs::read(again("earlier/curves.svg")).unwrap(), figure);
+    assert_ne!(std::fs::read(again("curves.svg")).unwrap(), figure);
+    done(here, &calibrated("quick.toml", "lab.csv", &["--out", "again"]));
+    assert_eq!(std::fs::read(again("posterior.csv")).unwrap(), posterior);
 }
 
 /// What a posterior does not explain stands above its table, in the results and in the report.

@@ -14,6 +14,7 @@ use granum_io::shell::ShowPath;
 use granum_report::calibration::{CalibratedCurve, curves_figure};
 
 use super::calibration::Calibration;
+use super::earlier_results::OF_POSTERIOR;
 use super::results::put;
 use crate::failure::Failure;
 
@@ -29,7 +30,13 @@ type Lines<'a> = &'a dyn Fn(usize, usize) -> Vec<Vec<[f64; 2]>>;
 
 impl Calibration<'_> {
     /// Ends the calibration if no values within the priors come near to the readings of a test by the surrogate. The simulations are drawn.
-    pub fn check_reach(&self, emulator: &Emulator, known: &[KnownRun]) -> Result<(), Failure> {
+    /// Of `results` those of an earlier call are set aside.
+    pub fn check_reach(
+        &self,
+        emulator: &Emulator,
+        known: &[KnownRun],
+        results: &[&str],
+    ) -> Result<(), Failure> {
         let values = values_of_priors(&self.parameters, self.file.calibration.seed);
         let predicted: Vec<Vec<PredictedCurve>> =
             values.iter().filter_map(|values| emulator.predict(values)).collect();
@@ -41,7 +48,7 @@ impl Calibration<'_> {
             let of_run = |run: &KnownRun| pairs(&run.curves.axial_strain, &readings(&run.curves, quantity));
             known.iter().filter(is_like).map(of_run).collect()
         };
-        self.refuse_beyond(self.beyond(&predicted), &lines)
+        self.refuse_beyond(&self.beyond(&predicted), &lines, results)
     }
 
     /// As [`Calibration::check_reach`], by simulations alone: the predictions of the points that fill the priors.
@@ -55,7 +62,7 @@ impl Calibration<'_> {
             let Some(k) = places.iter().position(|known| *known == (test, place)) else { return Vec::new() };
             predicted.iter().map(|one| pairs(&curves[k].strain, &one[k].mean)).collect()
         };
-        self.refuse_beyond(self.beyond(predicted), &lines)
+        self.refuse_beyond(&self.beyond(predicted), &lines, &OF_POSTERIOR)
     }
 
     fn beyond(&self, predicted: &[Vec<PredictedCurve>]) -> Vec<BeyondReach> {
@@ -63,16 +70,18 @@ impl Calibration<'_> {
         beyond_reach(&curves, predicted.iter().map(Vec::as_slice), self.file.calibration.inadequacy)
     }
 
-    fn refuse_beyond(&self, beyond: Vec<BeyondReach>, lines: Lines) -> Result<(), Failure> {
+    fn refuse_beyond(&self, beyond: &[BeyondReach], lines: Lines, results: &[&str]) -> Result<(), Failure> {
         if beyond.is_empty() {
             return Ok(());
         }
+        let mut told: Vec<String> = beyond.iter().map(BeyondReach::line).collect();
+        told.push(ADVICE.into());
+        // The figure of the readings and the simulations takes the place of that of an earlier posterior.
+        let failure = self.without_results(CalibrationError::NothingFits(told).into(), results);
         let path = self.out.join(FIGURE);
         put(curves_figure(&self.without_posterior(lines)).to_svg(), &path)?;
         self.context.note(&format!("the readings and the simulations are drawn in {}", path.shown()));
-        let mut told: Vec<String> = beyond.iter().map(BeyondReach::line).collect();
-        told.push(ADVICE.into());
-        Err(CalibrationError::NothingFits(told).into())
+        Err(failure)
     }
 
     /// The measured curves with simulations that fill the priors.

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod coverage;
+mod earlier_results;
 mod explains;
 mod infer;
 mod next;
@@ -31,6 +32,7 @@ use super::laboratory_flags::{LaboratoryFlags, doubts};
 use crate::context::Context;
 use crate::failure::Failure;
 use calibration::Calibration;
+use earlier_results::OF_POSTERIOR;
 use infer::Found;
 use results::Told;
 use simulate::Runs;
@@ -224,10 +226,11 @@ impl Calibration<'_> {
         let mut round = 1;
         loop {
             let emulator = self.emulator(numbers.clone(), &known)?;
-            self.check_reach(&emulator, &known)?;
+            self.check_reach(&emulator, &known, &OF_POSTERIOR)?;
             let telling = self.telling(&emulator)?;
             let next_test = self.next_test(&emulator)?;
-            let found = self.infer(&emulator)?;
+            let found =
+                self.infer(&emulator).map_err(|failure| self.without_results(failure, &OF_POSTERIOR))?;
             self.save_posterior(&found)?;
             let next_run = self.next_run(&found, &emulator)?;
             let (confirmed, runs) = self.confirm(round, &found, Some(&emulator))?;

@@ -25,7 +25,7 @@ impl Calibration<'_> {
             return Err(Failure::new("--leave-one-out needs two tests at least"));
         }
         let (emulator, known) = self.learned()?;
-        self.check_reach(&emulator, &known)?;
+        self.check_reach(&emulator, &known, &FILES[..3])?;
         let (mut predictions, mut found): (Vec<Prediction>, Vec<(String, Outcome)>) =
             (Vec::new(), Vec::new());
         let mut not_explained = Vec::new();
@@ -56,7 +56,7 @@ impl Calibration<'_> {
     /// Calibrates on each test alone.
     pub fn each_alone(&self) -> Result<(), Failure> {
         let (emulator, known) = self.learned()?;
-        self.check_reach(&emulator, &known)?;
+        self.check_reach(&emulator, &known, &FILES[3..])?;
         let (mut found, mut not_explained) = (Vec::new(), Vec::new());
         for (k, target) in self.targets.iter().enumerate() {
             let phase = format!("{} alone ({} of {})", target.name, k + 1, self.targets.len());

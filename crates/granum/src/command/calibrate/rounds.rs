@@ -11,6 +11,7 @@ use granum_calibration::simulation::{DesignPoint, Simulated, of_test};
 use granum_calibration::target::all_curves;
 
 use super::calibration::Calibration;
+use super::earlier_results::OF_POSTERIOR;
 use super::infer::Found;
 use super::simulate::Runs;
 use crate::failure::Failure;
@@ -32,13 +33,14 @@ impl Calibration<'_> {
         while !rounds.is_settled() {
             let round = rounds.rounds() + 1;
             if round > table.rounds {
-                return Err(Failure::new(format!(
+                let failure = Failure::new(format!(
                     "the posterior still moves after {} rounds (a mean by {:.2} of its deviation, {:.0} effective points); allow more rounds or \
                      runs in a round, or free less; what was simulated is kept",
                     table.rounds,
                     rounds.change(),
                     rounds.effective()
-                )));
+                ));
+                return Err(self.without_results(failure, &OF_POSTERIOR));
             }
             let points = rounds.propose()?;
             let value = |(prior, share): (&Prior, &f64)| prior.value(*share);
