@@ -3,7 +3,7 @@
 use crate::evaluation::{Evaluation, ScoreParts};
 use crate::size_study::SizeStudy;
 use crate::summary::SpeedSummary;
-use granum_core::words::{listed, percentage};
+use granum_core::words::{self, listed, percentage};
 use granum_learn::input_use::Verdict;
 use granum_learn::student_t::PairedTest;
 use granum_report::figure::ticks::power_of_ten;
@@ -11,7 +11,7 @@ use granum_report::figure::ticks::power_of_ten;
 /// A mean difference with its standard error, in percentage points.
 fn points(test: &PairedTest) -> String {
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
-    format!("{:.2}{error} percentage points", 100.0 * test.mean)
+    format!("{}{error} percentage points", words::fixed(100.0 * test.mean, 2))
 }
 
 /// A few sentences on a mapping.

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use granum_core::words::listed;
+use granum_core::words::{self, listed};
 use granum_learn::Result;
 use granum_learn::learning_curve::{LearningCurve, LearningPoint, MeanError, doubled};
 use granum_learn::student_t::PairedTest;
@@ -162,16 +162,16 @@ impl PaperLearningCurve {
 
 /// A sentence on a mapping whose sensors reduce the error.
 fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let percent = |share: f64| words::percent(share, 1);
     let runs = |n: usize| if n == 1 { "1 training run".to_owned() } else { format!("{n} training runs") };
     let gain = point.help.mean / point.strain_only.mean;
     let mut text = format!(
-        "{}: from {} on its sensors help. With {} they reduce the error of strain-only networks by {:.0} % ({} \
+        "{}: from {} on its sensors help. With {} they reduce the error of strain-only networks by {} ({} \
          instead of {}, on {unseen} unseen runs; ridge regression {})",
         point.formula,
         runs(from),
         runs(point.training_runs),
-        100.0 * gain,
+        words::percent(gain, 0),
         percent(point.network.mean),
         percent(point.strain_only.mean),
         percent(point.ridge.mean),

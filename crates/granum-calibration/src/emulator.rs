@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use granum_core::observer::Observer;
+use granum_core::words;
 use granum_core::{Column, Table};
 use granum_io::LaboratoryTest;
 use granum_learn::surrogate::{
@@ -281,10 +282,10 @@ pub fn check(file: &CalibrationFile, name: &str, curves: &LaboratoryTest) -> Res
         // The last state may be short of the end of its stage by a step.
         if reached < last * (1.0 - 1e-3) {
             return Err(CalibrationError::Input(format!(
-                "the run {name} ends at an axial strain of {:.3} %, and {word} is compared up to {:.3} %; let its test go further, or compare \
+                "the run {name} ends at an axial strain of {}, and {word} is compared up to {}; let its test go further, or compare \
                  less",
-                100.0 * reached,
-                100.0 * last
+                words::percent(reached, 3),
+                words::percent(last, 3)
             )));
         }
     }

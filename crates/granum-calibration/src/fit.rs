@@ -10,6 +10,7 @@
 //! - A parameter whose draws crowd at an end of its prior: what would fit may lie beyond.
 //! - An inadequacy that is larger than its prior has room for.
 
+use granum_core::words;
 use granum_learn::regression::cholesky::Cholesky;
 use serde::{Deserialize, Serialize};
 
@@ -164,7 +165,7 @@ impl Fit {
 
 impl CurveFit {
     fn line(&self) -> String {
-        let percent = |misfit: f64| format!("{:.0} %", 100.0 * misfit);
+        let percent = |misfit: f64| words::percent(misfit, 0);
         let mut parts = Vec::new();
         match (self.misfit, self.misfit_of_simulations) {
             (Some(misfit), Some(simulated)) => parts.push(format!(
@@ -201,7 +202,7 @@ impl CurveFit {
 impl AtEnd {
     fn line(&self) -> String {
         let name = self.parameter.replace('_', " ");
-        let share = format!("{:.0} %", 100.0 * self.share);
+        let share = words::percent(self.share, 0);
         let [end, other] = if self.is_upper { ["upper", "above"] } else { ["lower", "below"] };
         match self.bound {
             Some(bound) => format!(

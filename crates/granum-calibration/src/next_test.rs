@@ -7,6 +7,7 @@
 //! Source: optimal design of experiments by the linearised posterior covariance, Chaloner and Verdinelli, Bayesian experimental design: a review,
 //! Statistical Science 10 (1995), 273 to 304 (its criterion A).
 
+use granum_core::words;
 use granum_core::{Column, Table};
 use granum_learn::regression::cholesky::Cholesky;
 use serde::{Deserialize, Serialize};
@@ -131,7 +132,7 @@ impl NextTest {
             };
             let gain = |k: &usize| self.left_now[*k] - best.left[*k];
             let most = (0..self.parameters.len()).max_by(|a, b| gain(a).total_cmp(&gain(b)))?;
-            let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+            let percent = |share: f64| words::percent(share, 0);
             Some(format!(
                 "{start}: with it {} of the priors' widths would be left on average in place of {}; of {} {} in place of {}",
                 percent(mean(&best.left)),

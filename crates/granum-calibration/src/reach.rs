@@ -7,6 +7,7 @@
 //! side of the reading, each [`FAR`] deviations or more and [`GAP`] of the largest reading away.
 
 use granum_core::quantity::format_number;
+use granum_core::words;
 use serde::{Deserialize, Serialize};
 
 use crate::curve::{MeasuredCurve, PredictedCurve};
@@ -54,10 +55,10 @@ impl BeyondReach {
         };
         let [reading, nearest] = [reading, nearest].map(|value| shown(*value, quantity));
         format!(
-            "{} of {test}: at {strains} of {of} strains the readings lie far {side} everything that the priors reach; at an axial strain of {:.3} % \
+            "{} of {test}: at {strains} of {of} strains the readings lie far {side} everything that the priors reach; at an axial strain of {} \
              {reading} was measured, and {nearest} is the {end} that any value of the parameters gives",
             quantity.replace('_', " "),
-            100.0 * strain
+            words::percent(*strain, 3)
         )
     }
 }
@@ -73,9 +74,11 @@ pub(crate) fn shown(value: f64, quantity: &str) -> String {
     digits(value)
 }
 
-/// A number with three digits.
+/// A number with three digits; zero has no sign.
 pub(crate) fn digits(value: f64) -> String {
-    format!("{value:.2e}").parse::<f64>().map_or_else(|_| value.to_string(), format_number)
+    format!("{value:.2e}")
+        .parse::<f64>()
+        .map_or_else(|_| value.to_string(), |value| format_number(value + 0.0))
 }
 
 /// Values of the parameters that fill their priors, and the corners of these.

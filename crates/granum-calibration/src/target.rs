@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use granum_core::words;
 use granum_io::{Error, LaboratoryTest};
 use granum_learn::curve::interpolated;
 
@@ -249,7 +250,7 @@ pub fn all_curves(targets: &[TargetTest]) -> Vec<MeasuredCurve> {
 pub fn understood(file: &CalibrationFile, targets: &[TargetTest]) -> Vec<String> {
     let line = |target: &TargetTest| {
         let kilopascal = |stress: f64| format!("{:.1} kPa", stress / 1e3);
-        let percent = |strain: f64| format!("{:.3} %", 100.0 * strain);
+        let percent = |strain: f64| words::percent(strain, 3);
         let mut parts = vec![format!("mean stress {}", kilopascal(target.mean_stress))];
         for ((name, condition), value) in file.conditions.iter().zip(&target.conditions) {
             parts.push(match condition {

@@ -6,6 +6,7 @@ use granum_calibration::next_test::NextTest;
 use granum_calibration::outcome::Outcome;
 use granum_calibration::telling::WhatTestsTell;
 use granum_core::Table as Numbers;
+use granum_core::words;
 use maud::html;
 
 use super::figure::marks::Shape;
@@ -205,7 +206,7 @@ pub fn report(about: &CalibrationReport) -> Document {
     );
     table.words = 3;
     for one in about.confirmed {
-        let percent = |value: f64| format!("{:.1} %", 100.0 * value);
+        let percent = |value: f64| words::percent(value, 1);
         table.row(vec![
             literal(&one.test),
             literal(&one.quantity.replace('_', " ")),

@@ -2,10 +2,10 @@
 
 use granum_core::quantity::format_number;
 
-/// A number with at most so many significant digits, without zeros at its end.
+/// A number with at most so many significant digits, without zeros at its end; zero has no sign.
 pub fn rounded(value: f64, digits: usize) -> String {
     let text = format!("{value:.*e}", digits.saturating_sub(1));
-    text.parse().map_or(text, format_number)
+    text.parse::<f64>().map_or(text, |value| format_number(value + 0.0))
 }
 
 /// A value and its limit, each with so many digits that different numbers are printed as different numbers: a limit of 1.05e-3 is not
@@ -30,6 +30,7 @@ mod tests {
     fn numbers_have_few_digits_and_stay_apart() {
         assert_eq!(rounded(0.37080054892873954, 4), "0.3708");
         assert_eq!(rounded(0.3, 4), "0.3");
+        assert_eq!(rounded(-0.0, 4), "0");
         assert_eq!(rounded(1.05e-7, 4), "1.05e-7");
         assert_eq!(apart(2e-3, 1.05e-3), ["0.002", "0.00105"]);
         assert_eq!(apart(1.0500001e-3, 1.05e-3), ["0.0010500001", "0.00105"]);

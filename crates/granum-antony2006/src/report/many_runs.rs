@@ -1,6 +1,7 @@
 //! Results with more training runs than in the paper: error as a function of the number of training runs.
 
 use crate::learning_curve::{CurvePoint, PaperLearningCurve};
+use granum_core::words;
 use granum_learn::learning_curve::MeanError;
 use maud::{Markup, html};
 
@@ -106,8 +107,8 @@ fn table(label: &str, curve: &PaperLearningCurve) -> PageTable {
             of(point.ridge),
             point.other_sensors.map_or("\u{2013}".to_owned(), of),
             format!(
-                "{:.2} \u{b1} {:.2} %{mark}",
-                100.0 * point.help.mean,
+                "{} \u{b1} {:.2} %{mark}",
+                words::fixed(100.0 * point.help.mean, 2),
                 100.0 * point.help.standard_error.unwrap_or(0.0)
             ),
         ]);

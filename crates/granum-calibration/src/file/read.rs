@@ -5,6 +5,7 @@ use std::path::Path;
 use granum_campaign::plan::{
     DesignKind, DesignTable, Keep, Plan, PlanSource, PlanVariable, Reader, SampleSeeds, VariableKind,
 };
+use granum_core::words;
 use granum_io::{Reading, Result};
 use granum_run::engine::LammpsStart;
 use toml::de::DeTable;
@@ -141,11 +142,11 @@ fn check_strains(reader: &mut Reader, calibration: &CalibrationTable, end: Optio
         let Some(last) = compared.strains.last().filter(|last| **last > reached) else { continue };
         let needed = 100.0 * -libm::log(1.0 - last) + 0.05;
         let message = format!(
-            "{} is compared up to an axial strain of {:.4} %, and the tests of the case end at {:.4} % ({AXIAL_STRAIN} = {end} is \
+            "{} is compared up to an axial strain of {}, and the tests of the case end at {} ({AXIAL_STRAIN} = {end} is \
              logarithmic)",
             compared.quantity.word(),
-            100.0 * last,
-            100.0 * reached
+            words::percent(*last, 4),
+            words::percent(reached, 4)
         );
         let help = format!("write {AXIAL_STRAIN} = \"{needed:.1} %\" below [set], or compare less");
         reader.error(compared.span.clone(), message, &help);

@@ -68,10 +68,10 @@ impl Readings<'_> {
         self.rows.iter().map(|row| row[at]).collect()
     }
 
-    /// The column with compression positive.
+    /// The column with compression positive. Zero keeps no sign, which would be printed as "-0 %".
     pub(super) fn signed(&self, wanted: &str) -> Vec<f64> {
         let sign = place(wanted).map_or(1.0, |at| self.signs[at]);
-        self.column(wanted).into_iter().map(|x| sign * x).collect()
+        self.column(wanted).into_iter().map(|x| sign * x + 0.0).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! `granum compare`: runs over the curves of laboratory tests, or over each other.
 
+use granum_core::words;
 use granum_io::RunKind;
 
 use std::path::{Path, PathBuf};
@@ -301,8 +302,7 @@ fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, summary: &Table, 
 }
 
 fn text(pairs: &[Pair]) -> String {
-    let percent =
-        |value: Option<f64>| value.map_or("-".to_string(), |value| format!("{:.1} %", 100.0 * value));
+    let percent = |value: Option<f64>| value.map_or("-".to_string(), |value| words::percent(value, 1));
     let width = |of: fn(&Pair) -> &str, least: usize| {
         pairs.iter().map(|pair| of(pair).chars().count()).fold(least, usize::max)
     };
@@ -315,7 +315,7 @@ fn text(pairs: &[Pair]) -> String {
         let void_ratio = errors.void_ratio.map_or("-".to_string(), |value| format!("{value:.4}"));
         let volume = errors
             .volumetric_strain
-            .map_or("-".to_string(), |value| format!("{:.2} % strain", 100.0 * value));
+            .map_or("-".to_string(), |value| format!("{} strain", words::percent(value, 2)));
         lines.push(format!(
             "{run:<runs$} {other:<others$} {:>12} {:>12} {:>12} {volume:>16} {void_ratio:>12}",
             percent(Some(errors.up_to)),

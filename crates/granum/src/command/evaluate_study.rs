@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use granum_core::words;
 use granum_learn::runs::RunRole;
 use granum_learn::study::{PartScore, Study};
 use granum_learn::{Dataset, Score};
@@ -71,7 +72,7 @@ fn table(run: &str, relation: &Relation, scores: &[(&str, PartScore)]) -> Vec<St
     );
     let line = |(name, part): &(&str, PartScore)| {
         let Score { relative_rmse, r2, states, .. } = part.score;
-        let held = part.coverage.map_or("-".into(), |share| format!("{:.0} %", 100.0 * share));
+        let held = part.coverage.map_or("-".into(), |share| words::percent(share, 0));
         let error = percent_or_dash(Some(relative_rmse));
         format!("{name:<width$} {error:>13} {r2:>9.4} {held:>11} {states:>7} {:>8}", part.outside)
     };

@@ -1,5 +1,6 @@
 //! The card of a fitted family: how it was made, how good it is, where not to use it.
 
+use granum_core::words;
 use granum_learn::family::{FamilyModel, FamilyOutputScore, FamilyScores};
 use serde_json::{Value, json};
 
@@ -55,7 +56,7 @@ pub fn score_lines(scores: &FamilyScores) -> Vec<String> {
         points => format!("{points} materials with several samples"),
     };
     let mut lines = vec![format!("\n## On unseen runs: {} ({} runs, {materials})\n", data.name, data.runs)];
-    let percent = |value: f64| if value.is_finite() { format!("{:.1} %", 100.0 * value) } else { "-".into() };
+    let percent = |value: f64| if value.is_finite() { words::percent(value, 1) } else { "-".into() };
     let ratio = |value: f64| if value.is_finite() { format!("{value:.2}") } else { "-".into() };
     let row = |output: &FamilyOutputScore| {
         let worst = output

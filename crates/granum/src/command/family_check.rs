@@ -2,6 +2,7 @@
 
 use granum::gallery::ReadyCase;
 use granum_core::quantity::format_number;
+use granum_core::words;
 use granum_io::Case;
 use granum_io::case::field;
 use granum_learn::RunStates;
@@ -240,7 +241,7 @@ impl Checked {
             lines.insert(2, text);
         }
         lines.extend(self.outputs.iter().map(|output| {
-            let error = format!("{:.1} %", 100.0 * output.error);
+            let error = words::percent(output.error, 1);
             format!("  {error:>8}, {:>3.0} % of the states: {}", 100.0 * output.held, output.meaning)
         }));
         lines

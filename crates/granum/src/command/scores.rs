@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use granum_antony2006::summary::MappingSummary;
-use granum_core::words::percentage;
+use granum_core::words::{self, percentage};
 use granum_learn::student_t::PairedTest;
 
 /// A fraction as a percentage, or a dash if there is none, to the right of a column.
@@ -15,9 +15,7 @@ pub fn percent_or_dash(share: Option<f64>) -> String {
 pub fn points(test: Option<PairedTest>) -> String {
     let Some(test) = test else { return "-".to_owned() };
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
-    // Adding zero removes the sign of a rounded zero, which would be printed as "-0.00".
-    let mean = (1e4 * test.mean).round() / 100.0 + 0.0;
-    format!("{mean:+.2}{error}")
+    format!("{}{error}", words::signed(100.0 * test.mean, 2))
 }
 
 /// The mappings with their errors, one line each below a heading, followed by their use of the sensors; `spread` is the name

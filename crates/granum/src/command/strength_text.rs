@@ -1,5 +1,6 @@
 //! The measures of a finished test as lines of text.
 
+use granum_core::words;
 use granum_io::RunRecord;
 use granum_run::strength::{COHESIVE, SECANT_REMARK, flow_class};
 
@@ -59,9 +60,9 @@ impl Measures<'_> {
         let strain = ["axial", "deviatoric"].into_iter().find_map(|kind| {
             let strain = self.value(&format!("{kind}_strain_at_liquefaction"))?;
             Some(format!(
-                " at {} {kind} strain of {:.3} %",
+                " at {} {kind} strain of {}",
                 if kind == "axial" { "an" } else { "a" },
-                100.0 * strain
+                words::percent(strain, 3)
             ))
         });
         let when = match cycles {
@@ -149,11 +150,11 @@ impl Measures<'_> {
             None => "",
         };
         Some(format!(
-            "late state: void ratio {void:.4} at p {:.2} kPa, drifting by {:+.4} and {:+.2} kPa in 10 % of deviatoric strain (0 at the \
+            "late state: void ratio {void:.4} at p {:.2} kPa, drifting by {} and {} kPa in 10 % of deviatoric strain (0 at the \
              critical state){is_critical}",
             p / 1e3,
-            drift("critical_void_ratio_drift"),
-            drift("critical_mean_stress_drift") / 1e3,
+            words::signed(drift("critical_void_ratio_drift"), 4),
+            words::signed(drift("critical_mean_stress_drift") / 1e3, 2),
         ))
     }
 }

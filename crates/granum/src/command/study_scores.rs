@@ -1,5 +1,6 @@
 //! The scores of a study of any columns as lines of text and as JSON.
 
+use granum_core::words;
 use granum_learn::PooledError;
 use granum_learn::input_use::InputUse;
 use granum_learn::learning_curve::LearningCurve;
@@ -30,7 +31,7 @@ pub fn lines(scores: &StudyScores) -> Vec<String> {
             some(&member.training),
             some(&member.held_out),
             some(unseen),
-            unseen.coverage.map_or("-".into(), |share| format!("{:.0} %", 100.0 * share)),
+            unseen.coverage.map_or("-".into(), |share| words::percent(share, 0)),
             unseen.outside
         ));
     }

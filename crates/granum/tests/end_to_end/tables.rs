@@ -66,6 +66,20 @@ fn laboratory_files_are_read_as_they_are() {
     }
 }
 
+/// Zero has no sign in what is printed, also where the sign of its column was turned.
+#[test]
+fn no_zero_is_negative() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("extension.toml"), SAND.replace("axial_strain = 0.01", "axial_strain = -0.01"))
+        .unwrap();
+    done(here, &["run", "extension.toml", "--out", "run"]);
+    std::fs::write(here.join("strain.csv"), STRAIN_NEGATIVE).unwrap();
+    let turned = ["compare", "run", "strain.csv", "--compression", "axial_strain=negative"];
+    let message = refused(here, 1, &turned);
+    assert!(message.contains("from 0 % to 6 %") && !message.contains("-0 %"), "{message}");
+}
+
 #[test]
 fn files_of_offices_give_the_same_numbers() {
     let base = tempfile::tempdir().unwrap();

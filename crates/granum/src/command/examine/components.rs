@@ -1,6 +1,7 @@
 //! `granum examine components`: how few numbers hold a distribution or a curve.
 
 use clap::Args;
+use granum_core::words;
 use granum_learn::examine::{ComponentsAnswer, ComponentsOfCurves, ComponentsOfInputs};
 
 use super::question::{RunFlags, WorkFlags, about, percent, table};
@@ -71,7 +72,7 @@ impl ComponentFlags {
         let head = ["components", "kind", "variance held"].map(String::from).into_iter();
         let head: Vec<String> = head.chain(outputs.iter().cloned()).collect();
         let row = |own: &[ComponentsAnswer]| {
-            let held = own[0].held.map_or("-".into(), |held| format!("{:.1} %", 100.0 * held));
+            let held = own[0].held.map_or("-".into(), |held| words::percent(held, 1));
             let first = [own[0].components.to_string(), own[0].kind.clone(), held];
             first.into_iter().chain(own.iter().map(|answer| percent(&answer.error))).collect()
         };

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::json;
+use granum_core::words;
 use granum_io::check_output_file;
 use granum_io::shell::ShowPath;
 use granum_learn::LearnError;
@@ -124,7 +125,7 @@ fn work(answers: &PathAnswers) -> Vec<String> {
     let head =
         ["work in closed cycles", "cycles", "negative", "least / mean, %", "error, %"].map(String::from);
     let row = |own: &granum_learn::examine::WorkInCycles| {
-        let share = |value: f64| format!("{:.1}", 100.0 * value);
+        let share = |value: f64| words::fixed(100.0 * value, 1);
         let counts = [own.cycles, own.negative].map(|count| count.to_string());
         [vec![own.method.clone()], counts.to_vec(), vec![share(own.least), share(own.error)]].concat()
     };
