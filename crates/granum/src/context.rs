@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_campaign::scheduler::Schedulers;
 use granum_io::case::Vocabulary;
-use granum_io::{Formats, Reading, Run};
+use granum_io::{Formats, Packing, Reading, Run};
 use granum_learn::SurrogateMethods;
 use granum_run::{Flow, RunRegistry};
 
@@ -137,6 +137,18 @@ impl Context {
     /// A remark that a user should know although nothing is wrong. With `--json` it stands among the warnings.
     pub fn note(&self, text: &str) {
         self.tell("note", text);
+    }
+
+    /// A remark on data that were read: a warning if numbers may be wrong because of it.
+    pub fn tell_remark(&self, text: &str, doubtful: bool) {
+        if doubtful { self.warn(text) } else { self.note(text) }
+    }
+
+    /// Reads a packing, and tells what of its file a packing has no place for.
+    pub fn read_packing(&self, path: &Path) -> granum_io::Result<Packing> {
+        let packing = self.formats().read_packing(path)?;
+        packing.remarks.iter().for_each(|remark| self.tell_remark(&remark.text, remark.doubtful));
+        Ok(packing)
     }
 
     /// A warning that the readable text of the result contains: only the JSON needs it in its list.

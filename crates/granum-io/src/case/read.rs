@@ -51,7 +51,8 @@ impl Case {
         let recorded = path.file_name() == Some(OsStr::new(CASE)) && folder.join(RECORD).is_file();
         let reading = match recorded {
             true => {
-                Reading { outside: reading.outside, vocabulary: reading.vocabulary, ..Reading::recorded() }
+                let Reading { outside, vocabulary, law_only, .. } = reading;
+                Reading { outside, vocabulary, law_only, ..Reading::recorded() }
             }
             false => reading,
         };
@@ -379,7 +380,8 @@ impl Reader<'_> {
             self.error(span, error.to_string());
             return;
         }
-        for rule in RULES {
+        let law_only = self.reading.law_only;
+        for rule in RULES.iter().filter(|rule| !law_only || rule.is_of_law()) {
             let Some(message) = (rule.broken)(case) else { continue };
             let given = rule.fields.iter().find_map(|path| self.keys.get(*path));
             let span = given.cloned().unwrap_or(0..0);

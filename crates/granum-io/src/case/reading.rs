@@ -14,6 +14,8 @@ pub struct Reading {
     /// True if numbers in `[recording]` that no known sensor declares are taken as parameters of the sensors of another program, whose
     /// runs can thus be read.
     pub undeclared_parameters: bool,
+    /// True if only the contact law and the grains of the case are used, so that rules on its preparation and test do not matter.
+    pub law_only: bool,
     /// The laws, paths and sensors that the case can name.
     pub vocabulary: Vocabulary,
 }
@@ -27,6 +29,11 @@ impl Reading {
     /// The same; the case may name files outside its own folder if `outside` is true.
     pub fn with_outside(self, outside: bool) -> Reading {
         Reading { outside, ..self }
+    }
+
+    /// The same; only the contact law and the grains of the case are used.
+    pub fn for_law(self) -> Reading {
+        Reading { law_only: true, ..self }
     }
 
     /// The same with other laws and paths that the case can name.

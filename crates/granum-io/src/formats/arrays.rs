@@ -3,7 +3,9 @@
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
 use granum_core::{Part, Parts};
 
+use super::contact_table::{ContactOptions, ContactTable};
 use super::join::{connect, wrap};
+use super::rounding;
 use super::result::{FileContact, FrameCell, ObservedAssembly};
 use crate::packing::plausible::{self, Found};
 use crate::packing::{Implausible, ImplausiblePlace};
@@ -13,7 +15,8 @@ pub type PairOfGrains = ([usize; 2], Option<Vector>);
 
 impl ObservedAssembly {
     /// The assembly of these grains, each with its place and radius, m, in a periodic cell with these edges (column k is edge k) and a
-    /// corner at the origin; without contacts nothing is known of these. The grains have ids from 1 in their order. Branch, normal and overlap of a
+    /// corner at the origin; without contacts these follow from the overlaps. Rows of contacts are held against the grains as those of a file, but
+    /// nothing is refused as undecided: what is doubtful is in [`ObservedAssembly::remarks`]. The grains have ids from 1 in their order. Branch, normal and overlap of a
     /// contact follow from the places of its grains, and so do the parts of its force.
     ///
     /// # Errors
@@ -44,6 +47,7 @@ impl ObservedAssembly {
             parts = parts.with(Part::Cell);
         }
         let mut assembly = Assembly { cell: cell.unwrap_or_default(), grains: placed, ..Assembly::default() };
+        let mut remarks = Vec::new();
         if let Some(contacts) = contacts {
             let count = grains.len();
             let lost = |places: &[usize; 2]| places.iter().copied().find(|place| *place >= count);
@@ -56,9 +60,16 @@ impl ObservedAssembly {
             let pair = |(_, force): &PairOfGrains| FileContact { force: *force, ..FileContact::default() };
             let pairs: Vec<FileContact> = contacts.iter().map(pair).collect();
             let places: Vec<[usize; 2]> = contacts.iter().map(|(places, _)| *places).collect();
-            parts = connect(&mut assembly, parts, &pairs, &places)?;
+            let rounding = rounding::of_places(assembly.grains.iter().map(|grain| grain.position));
+            let options = ContactOptions::as_given();
+            let table = ContactTable { assembly: &assembly, parts, rounding, body_of: &|_| None, options };
+            let held = table.hold(pairs, places)?;
+            remarks = held.remarks;
+            (assembly.contacts, parts) = connect(&assembly, parts, &held.pairs, &held.places)?;
         }
-        Ok(ObservedAssembly::new(assembly, parts, [0.0; 3]))
+        let observed =
+            ObservedAssembly { remarks, ..ObservedAssembly::new(assembly, parts, [0.0; 3]) };
+        Ok(observed.with_contacts_by_geometry())
     }
 }
 

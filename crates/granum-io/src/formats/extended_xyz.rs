@@ -12,6 +12,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
+use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::atomic::write_atomically;
@@ -100,6 +101,7 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
         [layout.radius.map(|found| found.0), layout.mass, layout.velocity, layout.spin, layout.force];
     known.extend(places.into_iter().zip(parts).filter_map(|(place, part)| place.map(|_| part)));
     frame.knows(&known);
+    let mut meanings = Vec::with_capacity(count.min(1 << 20));
     for number in 0..count {
         words.need("a grain")?;
         if words.len() != layout.columns {
@@ -109,7 +111,10 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
         }
         frame.grains.push(layout.grain(words, number as u64 + 1)?);
         frame.lines.push(words.line_number());
+        let kind = layout.species.map(|at| words.word(at).to_string());
+        meanings.push(Meanings { body: layout.body.and_then(|at| words.word(at).parse().ok()), kind });
     }
+    meanings::note(&mut frame, &meanings, ("of the molecule", 0.0), "species");
     Ok(frame)
 }
 
@@ -123,6 +128,8 @@ struct Layout {
     velocity: Option<usize>,
     spin: Option<usize>,
     force: Option<usize>,
+    species: Option<usize>,
+    body: Option<usize>,
 }
 
 impl Layout {
@@ -157,6 +164,8 @@ impl Layout {
             velocity: place(&["velo", "vel", "velocities", "velocity"], 3),
             spin: place(&["angular_velocity", "omega"], 3),
             force: place(&["force", "forces"], 3),
+            species: place(&["species", "type"], 1),
+            body: place(&["molecule", "molecule_identifier", "mol", "body"], 1),
         })
     }
 

@@ -3,14 +3,17 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Contact, Grain, Matrix, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
-use super::places;
+use super::contact_table::{ContactOptions, ContactTable};
+use super::remark::Remark;
 use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
 use super::strain::add_strains;
+use super::{ids, places, rounding};
 use crate::error::{Error, Result, in_file};
+use crate::packing::lattice;
 use crate::packing::plausible::{self, Found, Implausible, ImplausiblePlace};
 use crate::shell::ShowPath;
 
@@ -24,12 +27,19 @@ pub struct JoinOptions {
     pub density: Option<f64>,
     /// Time step, s, of files that have steps but no times.
     pub time_step: Option<f64>,
+    /// What cannot be decided of tables of contacts.
+    pub contacts: ContactOptions,
 }
 
 impl JoinOptions {
     /// Options with this cell, density (kg/m3) and time step (s).
     pub fn new(cell: Option<FrameCell>, density: Option<f64>, time_step: Option<f64>) -> JoinOptions {
-        JoinOptions { cell, density, time_step }
+        JoinOptions { cell, density, time_step, contacts: ContactOptions::default() }
+    }
+
+    /// The same with these answers to what cannot be decided of tables of contacts.
+    pub fn with_contacts(self, contacts: ContactOptions) -> JoinOptions {
+        JoinOptions { contacts, ..self }
     }
 }
 
@@ -72,6 +82,7 @@ pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<
         found.push(observation(&path, frame, options)?);
     }
     add_strains(&mut found);
+    found.iter_mut().for_each(take_usual_cell);
     Ok(found)
 }
 
@@ -130,6 +141,7 @@ fn attach(grains: &mut [(PathBuf, Frame)], path: &Path, frames: Vec<Frame>) -> R
                 return Err(Error::content(path, message));
             }
             known.contacts = frame.contacts;
+            known.contacts_file = Some(path.to_path_buf());
             known.centres = frame.centres;
         }
     }
@@ -150,10 +162,12 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
 
 /// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
 fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<ObservedAssembly> {
-    let Frame { step, time, cell, grains, lines, contacts, centres, mut parts, materials } = frame;
+    let Frame { step, time, grains, lines, contacts, centres, mut parts, materials, .. } = frame;
     let (mut grains, lines) = in_order(path, grains, lines)?;
-    let cell = cell.or(options.cell);
+    let cell = frame.cell.or(options.cell).map(right_handed);
     check_plausible(path, &grains, &lines, cell.as_ref(), parts)?;
+    let rounding =
+        frame.rounding.unwrap_or_else(|| rounding::of_places(grains.iter().map(|grain| grain.position)));
     if let Some(cell) = &cell {
         wrap(&mut grains, cell);
         parts = parts.with(Part::Cell);
@@ -176,15 +190,45 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         materials,
         ..Assembly::default()
     };
+    let mut remarks = frame.remarks;
+    if frame.cell.is_some() && options.cell.is_some() {
+        remarks.push(Remark::set_right("the file has its own cell, and the one that is given beside it is not used"));
+    }
+    let bodies = frame.bodies;
     if let Some(mut pairs) = contacts {
+        let path = frame.contacts_file.as_deref().unwrap_or(path);
+        if frame.counts_from_one {
+            ids::count_from_one(&assembly, parts, &mut pairs, &mut remarks);
+        }
         if !centres.is_empty() {
             let corner = cell.map_or([0.0; 3], |cell| cell.origin);
             pairs = places::identify(path, &assembly, corner, &centres, pairs)?;
         }
-        parts = add_contacts(path, &mut assembly, parts, &pairs)?;
+        let body_of = |grain: usize| bodies.get(&assembly.grains[grain].id).copied();
+        let options = options.contacts;
+        let table =
+            ContactTable { assembly: &assembly, parts, rounding, body_of: &body_of, options };
+        let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
+        (assembly.contacts, parts) = (connected, known);
     }
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
-    Ok(ObservedAssembly { lines, ..ObservedAssembly::new(assembly, parts, origin) })
+    Ok(ObservedAssembly { lines, remarks, bodies, ..ObservedAssembly::new(assembly, parts, origin) })
+}
+
+/// The same lattice with edges that span a positive volume.
+fn right_handed(cell: FrameCell) -> FrameCell {
+    FrameCell { edges: lattice::right_handed(&cell.edges), ..cell }
+}
+
+/// Gives an assembly whose cell is so skewed that searches suffer the least skewed cell of the same lattice.
+fn take_usual_cell(observed: &mut ObservedAssembly) {
+    let assembly = &mut observed.assembly;
+    let known = observed.parts.has(Part::Cell);
+    let largest = assembly.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    if let Some(edges) = lattice::less_skewed(&assembly.cell, largest).filter(|_| known) {
+        assembly.cell = edges;
+        wrap(&mut assembly.grains, &FrameCell { origin: [0.0; 3], edges });
+    }
 }
 
 /// The check that all readers of grains share.
@@ -236,12 +280,21 @@ pub(super) fn wrap(grains: &mut [Grain], cell: &FrameCell) {
 }
 
 /// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.
-fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector {
-    let inverse = invert(edges);
-    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+pub(super) fn nearest_image(edges: &Matrix, apart: Vector) -> Vector {
+    if invert(edges).iter().flatten().any(|x| !x.is_finite()) {
         return apart;
     }
-    let middle = apply(&inverse, apart).map(f64::round);
+    let nearest = nearest_in(edges, apart);
+    // In a skewed cell the shortest may be farther than the neighbouring images.
+    match lattice::less_skewed(edges, 0.0) {
+        Some(reduced) => nearest_in(&reduced, nearest),
+        None => nearest,
+    }
+}
+
+/// The shortest vector among the images next to the one that is nearest by fractions of the edges.
+fn nearest_in(edges: &Matrix, apart: Vector) -> Vector {
+    let middle = apply(&invert(edges), apart).map(f64::round);
     let mut best = (f64::INFINITY, apart);
     for n in 0..27 {
         let shift =
@@ -256,9 +309,14 @@ fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector
     best.1
 }
 
-/// Adds the contacts of a file, which names their grains by ids.
-fn add_contacts(path: &Path, assembly: &mut Assembly, parts: Parts, pairs: &[FileContact]) -> Result<Parts> {
-    let grains = &assembly.grains;
+/// The contacts of a file, which names their grains by ids, held against the grains; and what is then known.
+fn add_contacts(
+    path: &Path,
+    table: &ContactTable,
+    pairs: Vec<FileContact>,
+    remarks: &mut Vec<Remark>,
+) -> Result<(Vec<Contact>, Parts)> {
+    let grains = &table.assembly.grains;
     let index = |id: u64| {
         grains.binary_search_by_key(&id, |grain| grain.id).map_err(|_| {
             Error::content(path, format!("a contact names the grain {id}, which is not among the grains"))
@@ -266,20 +324,25 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, parts: Parts, pairs: &[Fil
     };
     let places = |pair: &FileContact| Ok([index(pair.first)?, index(pair.second)?]);
     let places: Vec<[usize; 2]> = pairs.iter().map(places).collect::<Result<_>>()?;
-    let connected = connect(assembly, parts, pairs, &places);
-    connected.map_err(|found| found.of_contacts(&path.shown(), |k| [pairs[k].first, pairs[k].second]))
+    let file = path.shown();
+    let ids: Vec<[u64; 2]> = pairs.iter().map(|pair| [pair.first, pair.second]).collect();
+    let held = table.hold(pairs, places).map_err(|found| found.of_contacts(&file, |k| ids[k]))?;
+    remarks.extend(held.remarks);
+    let ids = |k: usize| [held.pairs[k].first, held.pairs[k].second];
+    connect(table.assembly, table.parts, &held.pairs, &held.places)
+        .map_err(|found| found.of_contacts(&file, ids))
 }
 
-/// Adds contacts between grains at these places in the list of grains, and returns what is then known.
+/// Contacts between grains at these places in the list of grains, and what is then known.
 ///
 /// # Errors
 /// For a contact whose grains are at one place, or whose branch is no distance of two grains that touch.
 pub(super) fn connect(
-    assembly: &mut Assembly,
+    assembly: &Assembly,
     mut parts: Parts,
     pairs: &[FileContact],
     places: &[[usize; 2]],
-) -> std::result::Result<Parts, Implausible> {
+) -> std::result::Result<(Vec<Contact>, Parts), Implausible> {
     let grains = &assembly.grains;
     let radii = parts.has(Part::Radii);
     let mut contacts = Vec::with_capacity(pairs.len());
@@ -293,7 +356,7 @@ pub(super) fn connect(
             return Err(Implausible::new(ImplausiblePlace::Contact(k), message, ""));
         }
         let normal = pair.normal.unwrap_or_else(|| branch.map(|x| x / length));
-        let (normal_force, tangential_force) = forces(pair, &normal);
+        let (normal_force, tangential_force) = pair.forces(&normal);
         let [normal_energy, tangential_energy] = pair.energies.unwrap_or_default();
         let geometric = if radii { one.radius + two.radius - length } else { 0.0 };
         contacts.push(Contact {
@@ -326,16 +389,7 @@ pub(super) fn connect(
             parts = parts.with(part);
         }
     }
-    assembly.contacts = contacts;
-    Ok(parts)
-}
-
-/// Normal force, compression positive, and tangential force on the first grain, where they are known.
-fn forces(pair: &FileContact, normal: &Vector) -> (Option<f64>, Option<Vector>) {
-    let Some(force) = pair.force else { return (pair.normal_force, pair.tangential_force) };
-    let compression = -dot(&force, normal);
-    let tangential = std::array::from_fn(|a| force[a] + compression * normal[a]);
-    (Some(compression), Some(tangential))
+    Ok((contacts, parts))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Data files of LAMMPS and LIGGGHTS (`read_data`, `write_data`) with `atom_style sphere` (`granular` in LIGGGHTS): grains with
-//! diameter and density in a box that may be tilted, and their velocities if the file has this section.
+//! diameter and density in a box that may be tilted or, in files since 2024, of any orientation (`avec`, `bvec`, `cvec`, `abc origin`), and
+//! their velocities if the file has this section.
 //!
 //! The same data are written. Velocities are written as LAMMPS defines them, including the homogeneous part. LAMMPS requires the first
 //! edge along x and the second in the plane of x and y, with small tilts: a cell of another shape is rotated together with its
@@ -10,8 +11,9 @@ use std::path::Path;
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
-use granum_core::geometry::{apply, cross, length, multiply};
+use granum_core::geometry::{apply, cross, determinant, length, multiply};
 
+use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::atomic::write_atomically;
@@ -36,7 +38,7 @@ impl ResultFormat for LammpsData {
                 words.len() > end.len() && words.ends_with(end) && words[0].parse::<f64>().is_ok()
             })
         };
-        ends(&["atoms"]) && ends(&["xlo", "xhi"])
+        ends(&["atoms"]) && (ends(&["xlo", "xhi"]) || ends(&["avec"]))
     }
     fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
         Ok(vec![read(&mut Words::open(path)?)?])
@@ -67,6 +69,24 @@ struct Header {
     high: Vector,
     tilt: Vector,
     bounds: usize,
+    /// Edges and corner of a box in any orientation, as far as they are read.
+    general: [Option<Vector>; 4],
+}
+
+/// Ends of the lines of a box in any orientation: its edges and its corner (LAMMPS, Howto triclinic).
+const GENERAL: [&str; 4] = ["avec", "bvec", "cvec", "origin"];
+
+impl Header {
+    /// The cell, if all of it is there.
+    fn cell(&self) -> Option<FrameCell> {
+        if let [Some(a), Some(b), Some(c), Some(origin)] = self.general {
+            let edges = std::array::from_fn(|k| [a[k], b[k], c[k]]);
+            return (determinant(&edges) != 0.0).then_some(FrameCell { origin, edges });
+        }
+        let mut cell = FrameCell::between(self.low, self.high);
+        (cell.edges[0][1], cell.edges[0][2], cell.edges[1][2]) = (self.tilt[0], self.tilt[1], self.tilt[2]);
+        (self.bounds == 3).then_some(cell)
+    }
 }
 
 fn read(words: &mut Words) -> Result<Frame> {
@@ -94,13 +114,12 @@ fn read(words: &mut Words) -> Result<Frame> {
             _ => read_header(words, &mut header)?,
         }
     }
-    if frame.grains.is_empty() || header.bounds < 3 {
-        let message = "is no LAMMPS data file: it needs xlo xhi, ylo yhi, zlo zhi and the section Atoms";
+    frame.cell = header.cell();
+    if frame.grains.is_empty() || frame.cell.is_none() {
+        let message = "is no LAMMPS data file: it needs xlo xhi, ylo yhi, zlo zhi, or avec, bvec, cvec and abc origin of a box with a volume, \
+                       and the section Atoms";
         return Err(Error::content(Path::new(words.file()), message));
     }
-    let mut cell = FrameCell::between(header.low, header.high);
-    (cell.edges[0][1], cell.edges[0][2], cell.edges[1][2]) = (header.tilt[0], header.tilt[1], header.tilt[2]);
-    frame.cell = Some(cell);
     frame.knows(&[Part::Positions, Part::Radii, Part::Masses]);
     if velocities {
         frame.knows(&[Part::Velocities, Part::Spins]);
@@ -115,6 +134,8 @@ fn read_header(words: &Words, header: &mut Header) -> Result<()> {
         header.atoms = words.count(0, "the number of atoms")?;
     } else if ends(&["xy", "xz", "yz"]) {
         header.tilt = words.vector(0, "a tilt")?;
+    } else if let Some(k) = GENERAL.iter().position(|end| ends(&[end])) {
+        header.general[k] = Some(words.vector(0, "a component of the box")?);
     } else if let Some(a) = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]].iter().position(|end| ends(end))
     {
         (header.low[a], header.high[a]) = (words.number(0, "a bound")?, words.number(1, "a bound")?);
@@ -139,6 +160,7 @@ fn check_style(words: &Words, style: Option<&str>) -> Result<()> {
 fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
     let end = into.grains.len() + count;
     into.grains.reserve(count.min(1 << 20));
+    let mut meanings = Vec::with_capacity(count.min(1 << 20));
     while into.grains.len() < end {
         words.need("an atom")?;
         let length = words.words().take_while(|word| !word.starts_with('#')).count();
@@ -154,6 +176,7 @@ fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
         let radius = 0.5 * words.positive(2, "diameter")?;
         let density = words.positive(3, "density")?;
         into.lines.push(words.line_number());
+        meanings.push(Meanings { kind: Some(words.word(1).to_string()), body: None });
         into.grains.push(Grain {
             id: words.whole(0, "id")?,
             position: words.vector(4, "a coordinate")?,
@@ -162,6 +185,7 @@ fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
             ..Grain::default()
         });
     }
+    meanings::note(into, &meanings, ("", 0.0), "type");
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Grains: `id` and a position (`x y z`, unwrapped `xu yu zu`, or scaled `xs ys zs`, `xsu ysu zsu`) are required; `radius` or
 //! `diameter`, `mass` or `density`, `vx vy vz`, `omegax omegay omegaz`, `fx fy fz` and `tqx tqy tqz` are read if they are present, and
-//! other columns are ignored. The box may be tilted. If a boundary is not periodic, the grains have no periodic cell.
+//! other columns are ignored, except that molecules of several grains (`mol`, `body`, `clump`, `id_multisphere`) and several types are said. The box may be tilted. If a boundary is not periodic, the grains have no periodic cell.
 //!
 //! Contacts: the header of a `dump local` names computes, not quantities. The columns are therefore named by options of the reader,
 //! with the keywords of the computes: `patom1 patom2` (or `natom1 natom2`, `id1 id2`), `dx dy dz`, `fx fy fz`, `p1 p2
@@ -18,6 +18,7 @@ use granum_core::assembly::{Grain, Vector};
 use granum_core::geometry::apply;
 
 use super::column_names;
+use super::meanings::{self, Meanings};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
@@ -182,10 +183,10 @@ fn read_general_box(words: &mut Words, head: &mut Head) -> Result<()> {
 
 fn check_volume(words: &Words, cell: &FrameCell) -> Result<()> {
     let volume = granum_core::geometry::determinant(&cell.edges);
-    if volume > 0.0 {
+    if volume.abs() > 0.0 && volume.is_finite() {
         return Ok(());
     }
-    Err(words.error(format!("the box has the volume {volume:e}; it must be positive")))
+    Err(words.error(format!("the box has the volume {volume:e}; it must not be zero")))
 }
 
 fn read_rows(
@@ -209,12 +210,18 @@ fn read_rows(
         let columns = Columns(names);
         let layout = GrainLayout::from_words(words, &columns)?;
         frame.knows(&layout.parts());
+        frame.rounding = head.cell.filter(|_| layout.scaled).map(|cell| rounding_of_shares(&cell));
+        let mut meanings = Vec::with_capacity(rows.min(1 << 20));
         for _ in 0..rows {
             words.need("an atom")?;
             columns.check_length(words)?;
             frame.grains.push(layout.grain(words, head.cell.as_ref())?);
             frame.lines.push(words.line_number());
+            let kind = layout.kind.map(|at| words.word(at).to_string());
+            meanings.push(Meanings { body: layout.body.and_then(|at| words.word(at).parse().ok()), kind });
         }
+        let name = |at: Option<usize>| at.map_or("", |at| &columns.0[at]);
+        meanings::note(&mut frame, &meanings, (name(layout.body), 0.0), name(layout.kind));
     } else {
         let columns = Columns(options.columns.clone().unwrap_or(names));
         let layout = PairLayout::from_words(words, &columns)?;
@@ -267,6 +274,15 @@ struct GrainLayout {
     density: Option<usize>,
     vectors: [(Option<[usize; 3]>, &'static str, Part); 3],
     torque: Option<[usize; 3]>,
+    /// The molecule or body that a grain is a part of.
+    body: Option<usize>,
+    /// Its type.
+    kind: Option<usize>,
+}
+
+/// Largest error of a distance by places that are shares of a box with six digits, m.
+fn rounding_of_shares(cell: &FrameCell) -> f64 {
+    2e-6 * (0..3).map(|k| cell.edges.iter().map(|row| row[k].abs()).sum::<f64>()).fold(0.0, f64::max)
 }
 
 impl GrainLayout {
@@ -291,6 +307,8 @@ impl GrainLayout {
                 (columns.three(["fx", "fy", "fz"]), "force", Part::ResultantForces),
             ],
             torque: columns.three(["tqx", "tqy", "tqz"]),
+            body: columns.place(&["mol", "id_multisphere", "f_id_multisphere", "body", "clump"]),
+            kind: columns.place(&["type"]),
         })
     }
 

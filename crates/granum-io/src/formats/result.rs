@@ -1,11 +1,14 @@
 //! Results of other programs: grains, contacts and cells at one or several instants, as they are in a file, before several files are
 //! [joined](super::join::join) to [assemblies](granum_core::Assembly).
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::geometry::dot;
 use granum_core::{Part, Parts, Table};
 
+use super::remark::Remark;
 use crate::error::{Error, Result};
 use crate::shell::ShowPath;
 use crate::snapshot::{contacts_table, grains_table};
@@ -133,6 +136,8 @@ pub struct Frame {
     pub lines: Vec<usize>,
     /// The contacts, by the ids of their grains; none where the file has no list of them.
     pub contacts: Option<Vec<FileContact>>,
+    /// The file of the contacts, where it is not that of the grains.
+    pub contacts_file: Option<PathBuf>,
     /// Centres by whose place in this list, from 0, the contacts name their grains instead of ids, in files that have no ids; else
     /// empty.
     pub centres: Vec<Vector>,
@@ -140,6 +145,14 @@ pub struct Frame {
     pub parts: Parts,
     /// Names of the materials, to which [`Grain::material`] refers; empty where there is only one.
     pub materials: Vec<String>,
+    /// True if the file has no ids and grains are numbered from 1 in their order, so that contacts may count from 0.
+    pub counts_from_one: bool,
+    /// Largest error of the distance of two places by rounding, m; none where the numbers of the places show their digits.
+    pub rounding: Option<f64>,
+    /// The body (clump, molecule) of each grain that belongs to one of several grains, by the id of the grain.
+    pub bodies: HashMap<u64, u64>,
+    /// What was set right in the file, or is doubtful.
+    pub remarks: Vec<Remark>,
 }
 
 impl Frame {
@@ -187,6 +200,16 @@ pub struct FileContact {
     pub sliding: Option<bool>,
 }
 
+impl FileContact {
+    /// Normal force, compression positive, and tangential force on the first grain, where they are known, for this unit normal.
+    pub(super) fn forces(&self, normal: &Vector) -> (Option<f64>, Option<Vector>) {
+        let Some(force) = self.force else { return (self.normal_force, self.tangential_force) };
+        let compression = -dot(&force, normal);
+        let tangential = std::array::from_fn(|a| force[a] + compression * normal[a]);
+        (Some(compression), Some(tangential))
+    }
+}
+
 /// An assembly of another program at one instant, and which of its parts are known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedAssembly {
@@ -198,12 +221,26 @@ pub struct ObservedAssembly {
     pub origin: Vector,
     /// The line of each grain in its file, from 1, for messages; empty where there are no lines.
     pub lines: Vec<usize>,
+    /// What was set right in the data, or is doubtful in them.
+    pub remarks: Vec<Remark>,
+    /// The body (clump, molecule) of each grain that belongs to one of several grains, by the id of the grain.
+    pub bodies: HashMap<u64, u64>,
+    /// True if the contacts were computed from the overlaps of the grains, since the data have none.
+    pub contacts_are_computed: bool,
 }
 
 impl ObservedAssembly {
     /// An assembly of which these parts are known, in a cell with this corner, m.
     pub fn new(assembly: Assembly, parts: Parts, origin: Vector) -> ObservedAssembly {
-        ObservedAssembly { assembly, parts, origin, lines: Vec::new() }
+        ObservedAssembly {
+            assembly,
+            parts,
+            origin,
+            lines: Vec::new(),
+            remarks: Vec::new(),
+            bodies: HashMap::new(),
+            contacts_are_computed: false,
+        }
     }
 
     /// An assembly of granum, of which everything is known.
@@ -268,6 +305,7 @@ impl ObservedAssembly {
         let grains = self.assembly.grains.iter().enumerate().map(grain).collect();
         let file = path.shown();
         let packing = crate::Packing::numbered_from_one(&file, self.origin, self.assembly.cell, grains)?;
+        let packing = crate::Packing { remarks: self.remarks.clone(), ..packing };
         if self.assembly.materials.is_empty() {
             return Ok(packing);
         }

@@ -11,6 +11,7 @@ use granum_core::Part;
 use granum_core::assembly::Grain;
 
 use super::column_names;
+use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::error::{Error, Result};
@@ -20,8 +21,10 @@ pub struct YadeText;
 
 /// Columns of `SpherePack.save`.
 const BARE: &str = "x_y_z_r";
-/// Names of columns; the last three are passed over.
-const COLUMNS: [&str; 8] = ["x", "y", "z", "r", "id", "matId", "mask", "clump"];
+/// Names of columns; the mask is passed over.
+const COLUMNS: [&str; 8] = ["x", "y", "z", "r", "id", MATERIAL, "mask", CLUMP];
+const MATERIAL: &str = "matId";
+const CLUMP: &str = "clump";
 
 impl ResultFormat for YadeText {
     fn name(&self) -> &'static str {
@@ -44,6 +47,7 @@ impl ResultFormat for YadeText {
         let mut words = Words::open(path)?;
         let mut columns: Vec<String> = options.columns.clone().unwrap_or_else(|| split(BARE));
         let mut frame = Frame::default();
+        let mut meanings = Vec::new();
         while words.advance_to_text()? {
             if words.word(0) == "##PERIODIC::" {
                 frame.cell = Some(periodic(&words)?);
@@ -55,11 +59,13 @@ impl ResultFormat for YadeText {
                 let grain = grain(&words, &columns, frame.grains.len() as u64)?;
                 frame.grains.push(grain);
                 frame.lines.push(words.line_number());
+                meanings.push(meaning(&words, &columns));
             }
         }
         if frame.grains.is_empty() {
             return Err(Error::content(path, "has no spheres"));
         }
+        meanings::note(&mut frame, &meanings, ("clump", -1.0), MATERIAL);
         frame.knows(&[Part::Positions, Part::Radii]);
         Ok(vec![frame])
     }
@@ -73,6 +79,17 @@ fn periodic(words: &Words) -> Result<FrameCell> {
     let lengths = [1, 2, 3].map(|at| words.positive(at, "an edge of the cell"));
     let [x, y, z] = lengths;
     Ok(FrameCell::between([0.0; 3], [x?, y?, z?]))
+}
+
+/// The clump of a sphere (the fifth word of `SpherePack.save`, -1 for a sphere alone) and its material.
+fn meaning(words: &Words, columns: &[String]) -> Meanings {
+    let place = |name: &str| columns.iter().position(|column| column == name);
+    let is_saved = columns.len() == 4 && words.len() == 5;
+    let body = place(CLUMP).or(is_saved.then_some(4));
+    Meanings {
+        body: body.and_then(|at| words.word(at).parse().ok()),
+        kind: place(MATERIAL).map(|at| words.word(at).to_string()),
+    }
 }
 
 fn grain(words: &Words, columns: &[String], number: u64) -> Result<Grain> {

@@ -1,5 +1,7 @@
 //! Packings: grains in a periodic cell, and the checks that all formats of them share.
 
+pub(crate) mod lattice;
+pub(crate) mod near;
 mod overlap;
 mod packed_grain;
 pub(crate) mod plausible;
@@ -12,6 +14,7 @@ use granum_core::geometry::{apply, determinant, invert};
 use granum_dem::mixture::MOST_MATERIALS;
 
 use crate::error::{Error, Result, in_file};
+use crate::formats::Remark;
 use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
@@ -71,13 +74,15 @@ pub struct Packing {
     pub grains: Vec<PackedGrain>,
     /// Their materials, if the file contains them.
     pub materials: PackedMaterials,
+    /// What of the file a packing has no place for, or what was set right in it.
+    pub remarks: Vec<Remark>,
 }
 
 impl Packing {
     /// Grains, in order of their ids, in a cell with a corner and an edge matrix (column k is edge k), m. Nothing is checked: see
     /// [`Packing::checked`].
     pub fn new(origin: Vector, cell: Matrix, grains: Vec<PackedGrain>) -> Packing {
-        Packing { origin, cell, grains, materials: PackedMaterials::default() }
+        Packing { origin, cell, grains, materials: PackedMaterials::default(), remarks: Vec::new() }
     }
 
     /// The grains and cell of an assembly, whose cell has a corner at the origin.
@@ -95,7 +100,7 @@ impl Packing {
             },
         };
         let grains = assembly.grains.iter().map(grain).collect();
-        Packing { origin: [0.0; 3], cell: assembly.cell, grains, materials }
+        Packing { materials, ..Packing::new([0.0; 3], assembly.cell, grains) }
     }
 
     /// Position of a grain relative to the corner of the cell, m.
@@ -123,7 +128,7 @@ impl Packing {
         grains: Vec<(PackedGrain, usize)>,
     ) -> Result<Packing> {
         check_cell(file, &origin, &cell, &grains)?;
-        let grains = check_ids(file, grains)?;
+        let (cell, grains) = in_usual_cell(&origin, cell, check_ids(file, grains)?);
         overlap::check(file, &cell, &grains)?;
         Ok(Packing::new(origin, cell, grains.into_iter().map(|(grain, _)| grain).collect()))
     }
@@ -140,6 +145,7 @@ impl Packing {
         grains: Vec<(PackedGrain, usize)>,
     ) -> Result<Packing> {
         check_cell(file, &origin, &cell, &grains)?;
+        let (cell, grains) = in_usual_cell(&origin, cell, grains);
         overlap::check(file, &cell, &grains)?;
         let numbered =
             |(k, (grain, _)): (usize, (PackedGrain, usize))| PackedGrain { id: k as u64 + 1, ..grain };
@@ -162,6 +168,24 @@ fn check_cell(file: &str, origin: &Vector, cell: &Matrix, grains: &[(PackedGrain
     plausible::check(file, Some((*origin, *cell)), &grains.iter().map(found).collect::<Vec<_>>())?;
     let inverse = invert(cell);
     grains.iter().try_for_each(|(grain, line)| check_inside(file, *line, grain, origin, &inverse))
+}
+
+/// The cell as it is, or the least skewed one of its lattice with the grains moved into it, if its edges are so nearly parallel that images
+/// of a grain are found through many others, or a grain fits only into the latter.
+fn in_usual_cell(
+    origin: &Vector,
+    cell: Matrix,
+    mut grains: Vec<(PackedGrain, usize)>,
+) -> (Matrix, Vec<(PackedGrain, usize)>) {
+    let largest = grains.iter().map(|(grain, _)| grain.radius).fold(0.0, f64::max);
+    let Some(cell) = lattice::less_skewed(&cell, largest) else { return (cell, grains) };
+    let inverse = invert(&cell);
+    for (grain, _) in &mut grains {
+        let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
+        let shift = apply(&cell, place.map(f64::floor));
+        grain.position = std::array::from_fn(|a| grain.position[a] - shift[a]);
+    }
+    (cell, grains)
 }
 
 /// Checks that a grain is inside the cell.

@@ -8,16 +8,13 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 use granum_core::quantity::format_number;
 
+use super::lattice::reduced;
 use crate::error::{Error, Result, in_file};
 
 /// Largest ratio of the radii of two grains of one packing.
 pub const WIDEST_RADII: f64 = 1e6;
 /// Largest distance of a grain from the cell, in edges of the cell; without a cell from the median place, in spreads of the places.
 pub const FARTHEST: f64 = 1e6;
-
-/// Largest ratio of the product of the lengths of a cell's edges to its volume: 1 for a box, about 6 after a simple shear of 6. The
-/// images of a grain within a given distance are counted through many others where it is large.
-pub const MOST_SKEWED: f64 = 1e4;
 
 /// Largest length of the branch of a contact along an edge of the cell, in edges: grains that touch are at most one apart, and programs
 /// that give places in different images a few.
@@ -57,6 +54,8 @@ pub enum ImplausiblePlace {
     Radius(usize),
     /// A contact.
     Contact(usize),
+    /// All contacts together.
+    Contacts,
 }
 
 impl Implausible {
@@ -114,7 +113,8 @@ pub(crate) fn check_branches(
 ///
 /// # Errors
 /// For a number that is not finite, a radius that is not positive or larger than half the cell, a place more than [`FARTHEST`] cells
-/// away, radii that differ by more than [`WIDEST_RADII`], and a cell without a volume or with edges that are nearly parallel.
+/// away, radii that differ by more than [`WIDEST_RADII`], and a cell without a volume. A skewed cell is judged by the least skewed one of
+/// its lattice.
 pub(crate) fn find(cell: Option<(Vector, Matrix)>, grains: &[Found]) -> std::result::Result<(), Implausible> {
     grains.iter().enumerate().try_for_each(check_numbers)?;
     match &cell {
@@ -132,7 +132,7 @@ pub(crate) fn find_long(
     edges: &Matrix,
     branches: impl Iterator<Item = Vector>,
 ) -> std::result::Result<(), Implausible> {
-    let inverse = invert(edges);
+    let inverse = invert(&reduced(edges));
     let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
     for (k, branch) in branches.enumerate() {
         let square: f64 = branch.iter().map(|x| x * x).sum();
@@ -166,20 +166,15 @@ fn check_numbers((k, grain): (usize, &Found)) -> std::result::Result<(), Implaus
 
 fn check_in_cell(origin: &Vector, edges: &Matrix, grains: &[Found]) -> std::result::Result<(), Implausible> {
     let wrong_cell = |message: String| Err(Implausible::new(ImplausiblePlace::Cell, message, ""));
-    let inverse = invert(edges);
-    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+    if invert(edges).iter().flatten().any(|x| !x.is_finite()) {
         return wrong_cell(format!(
             "the cell has the volume {:e} m3; it must be positive",
             determinant(edges)
         ));
     }
-    let skewness = edges_product(edges) / determinant(edges).abs();
-    if skewness > MOST_SKEWED {
-        return wrong_cell(format!(
-            "the edges of the cell are nearly parallel: the product of their lengths is {} times its volume, and at most 1e4 can be right",
-            short(skewness)
-        ));
-    }
+    // A skewed cell repeats the same grains as a less skewed one, in which they are judged.
+    let edges = &reduced(edges);
+    let inverse = invert(edges);
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     for (k, grain) in grains.iter().enumerate() {
         let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
@@ -200,12 +195,6 @@ fn check_in_cell(origin: &Vector, edges: &Matrix, grains: &[Found]) -> std::resu
         }
     }
     Ok(())
-}
-
-/// The product of the lengths of the edges, which are the columns of the matrix.
-fn edges_product(edges: &Matrix) -> f64 {
-    let length = |column: usize| edges.iter().map(|row| row[column] * row[column]).sum::<f64>().sqrt();
-    (0..3).map(length).product()
 }
 
 /// Without a cell: no grain is a million times farther from the median place than half of the grains are.
@@ -316,12 +305,9 @@ mod tests {
         assert!(message(true, |grain| grain.radius = Some(5.1e-4)).contains("does not fit in the cell"));
         // A grain outside the cell is at one of its images.
         assert_eq!(message(true, |grain| grain.position[0] = 900.0), "");
-        // Edges of 671 m, of which one number is damaged, span a lattice that is narrow in no direction; a sheared cell is right.
-        let skewed = [[2e-3, 0.0, 0.0], [-671.0, -671.0, -671.0], [0.0, 0.0, 2e-3]];
-        let skewed = check("p", Some(([0.0; 3], skewed)), &[]).unwrap_err().to_string();
-        assert!(skewed.contains("the edges of the cell are nearly parallel"), "{skewed}");
-        let sheared = [[1e-3, 6e-3, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]];
-        assert!(check("p", Some(([0.0; 3], sheared)), &[]).is_ok());
+        // Sheared by sixty edges the lattice is that of the cube, into which the grains fit.
+        let sheared = [[1e-3, 60e-3, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]];
+        assert!(check("p", Some(([0.0; 3], sheared)), &grains()).is_ok());
         let flat = check("p", Some(([0.0; 3], [[0.0; 3]; 3])), &grains()).unwrap_err().to_string();
         assert!(flat.contains("it must be positive"), "{flat}");
         assert!(check("p", None, &[]).is_ok());

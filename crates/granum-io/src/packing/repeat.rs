@@ -38,7 +38,7 @@ impl Packing {
         let copies = total.unwrap_or(0) / self.grains.len().max(1);
         let of = if self.materials.of.is_empty() { Vec::new() } else { self.materials.of.repeat(copies) };
         let materials = PackedMaterials { names: self.materials.names.clone(), of };
-        Ok(Packing { origin: self.origin, cell, grains, materials })
+        Ok(Packing { materials, remarks: self.remarks.clone(), ..Packing::new(self.origin, cell, grains) })
     }
 }
 
@@ -55,6 +55,7 @@ mod tests {
             cell,
             grains: vec![grain(1, [0.2, 0.1, 0.0]), grain(2, [1.2, 0.1, 0.0])],
             materials: PackedMaterials { names: vec!["a".into(), "b".into()], of: vec![0, 1] },
+            remarks: Vec::new(),
         };
         let many = one.repeated([2, 1, 3]).unwrap();
         assert_eq!(many.grains.len(), 12);
@@ -75,12 +76,7 @@ mod tests {
 
     #[test]
     fn no_copies_are_refused() {
-        let one = Packing {
-            origin: [0.0; 3],
-            cell: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            grains: vec![],
-            materials: PackedMaterials::default(),
-        };
+        let one = Packing::new([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], vec![]);
         assert!(one.repeated([1, 1, 1]).is_err());
         assert!(one.repeated([0, 1, 1]).unwrap_err().to_string().contains("0 x 1 x 1"));
     }

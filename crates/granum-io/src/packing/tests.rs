@@ -37,7 +37,7 @@ fn what_is_written_reads_back_bit_for_bit() {
         [[1.0, 0.2, 0.1], [0.1, 1.0, -0.3], [0.0, 0.05, 1.0 / 3.0]],
     ] {
         let packing =
-            Packing { origin: [-0.1, 0.0, 0.1], cell, grains: grains.clone(), materials: Default::default() };
+            Packing::new([-0.1, 0.0, 0.1], cell, grains.clone());
         crate::write_packing(&path, &packing).unwrap();
         assert_eq!(crate::read_packing(&path).unwrap(), packing);
     }
@@ -149,7 +149,7 @@ proptest! {
             position: apply(&cell, *place),
             radius: 0.2 * smallest.powf(*size),
         }).collect();
-        let packing = Packing { origin: [0.0; 3], cell, grains, materials: Default::default() };
+        let packing = Packing::new([0.0; 3], cell, grains);
         let lined: Vec<_> = packing.grains.iter().map(|grain| (*grain, 0)).collect();
         prop_assert_eq!(overlap::check("p.csv", &cell, &lined).is_err(), brute_force(&packing));
     }

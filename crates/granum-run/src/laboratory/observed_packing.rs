@@ -37,7 +37,9 @@ pub fn observed_packing(packing: &Packing, case: Option<&Case>) -> Result<Observ
         }
     };
     let assembly = simulation(packing, properties)?.assembly();
-    Ok(ObservedAssembly::new(assembly, parts, packing.origin))
+    let mut found = ObservedAssembly::new(assembly, parts, packing.origin);
+    (found.remarks, found.contacts_are_computed) = (packing.remarks.clone(), true);
+    Ok(found)
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ impl SetFlags {
                 return Err(Failure::new(format!("{} and {flag} both set {}", setting.flag, setting.key)));
             }
         }
-        apply(case, &settings)
+        apply(case, &settings, Case::check_law)
     }
 }
 
@@ -221,7 +221,7 @@ fn one(before: &Case, loading: Loading, settings: &[Setting], values: &[String])
         .zip(of_flags)
         .map(|(setting, value)| Setting { value: value.as_str(), ..setting.clone() })
         .collect();
-    apply(&mut case, &settings)?;
+    apply(&mut case, &settings, Case::check)?;
     let with = with.iter().map(|(flag, path, text)| SetKey { flag, path, text });
     let set =
         settings.iter().map(|setting| SetKey { flag: &setting.flag, path: setting.key, text: setting.value });
@@ -254,7 +254,12 @@ const EXCLUSIVE: [[&str; 2]; 5] = [
     ["preparation.void_ratio", "preparation.relative_density"],
 ];
 
-fn apply(case: &mut Case, settings: &[Setting]) -> Result<(), Failure> {
+/// Sets keys, and checks what the command uses of the case.
+fn apply(
+    case: &mut Case,
+    settings: &[Setting],
+    check: impl Fn(&Case) -> granum_io::Result<()>,
+) -> Result<(), Failure> {
     let mut seen = BTreeSet::new();
     for setting in settings {
         if !seen.insert(setting.key) {
@@ -271,7 +276,7 @@ fn apply(case: &mut Case, settings: &[Setting]) -> Result<(), Failure> {
     if let Some([one, other]) = EXCLUSIVE.iter().find(|pair| pair.iter().all(|key| seen.contains(key))) {
         return Err(Failure::new(format!("--set {one} and --set {other} exclude each other")));
     }
-    case.check().map_err(|error| match (error, settings) {
+    check(case).map_err(|error| match (error, settings) {
         (error, []) => Failure::from(error),
         (error, _) => {
             let flags: Vec<String> =

@@ -67,7 +67,7 @@ impl DeckFlags {
                      sample` and export the folder sample"
                 )));
             };
-            (source.clone(), context.formats().read_packing(packing)?, Confinement::Prepared)
+            (source.clone(), context.read_packing(packing)?, Confinement::Prepared)
         };
         let parameters = super::run::parameters(&self.with)?;
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));

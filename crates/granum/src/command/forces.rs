@@ -33,7 +33,7 @@ impl Forces {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("computing the forces"));
         let case = self.law.case(context)?;
-        let packing = context.formats().read_packing(&self.packing)?;
+        let packing = context.read_packing(&self.packing)?;
         let simulation = simulation(&packing, case.properties())?;
         let assembly = simulation.assembly();
         let mut columns =

@@ -97,7 +97,7 @@ impl LawFlags {
     /// The case that results from the file and the flags.
     pub fn case(&self, context: &Context) -> Result<Case, Failure> {
         let mut case = match &self.case {
-            Some(path) => Case::read_as(path, context.reading())?,
+            Some(path) => Case::read_as(path, context.reading().for_law())?,
             None => Case::default(),
         };
         let flags = [
@@ -120,7 +120,7 @@ impl LawFlags {
         let given: Vec<(&str, &str)> =
             flags.iter().filter(|flag| flag.2.is_some()).map(|flag| (flag.0, flag.1)).collect();
         self.set.apply_law(&mut case, &["grains", "grains.material", "contact"], &given)?;
-        case.check()?;
+        case.check_law()?;
         Ok(case)
     }
 }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_core::{Assembly, Column, Parts, Table};
+use granum_core::{Assembly, Column, Part, Parts, Table};
 use granum_dem::config::Recording;
 use granum_io::Case;
+use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
 use granum_run::laboratory::observed_packing;
 use granum_sensors::{MeasuredSeries, Measurement, ParameterDefault, SensorColumn, SensorParameter, Sensors};
@@ -21,11 +22,11 @@ use crate::output;
 
 /// Measure an assembly with every sensor that its data allow, and say which sensors cannot be applied and what they lack.
 ///
-/// The data are a snapshot of a run folder, a packing (grains that overlap touch; with --case their forces follow from the
-/// contact law), or results of another program, as they are: LAMMPS and LIGGGHTS dumps and data files, text and VTK of YADE,
+/// The data are a snapshot of a run folder, a packing (with --case the forces of its contacts follow from the contact law), or results of another program, as they are: LAMMPS and LIGGGHTS dumps and data files, text and VTK of YADE,
 /// .data, .fstat and restart of MercuryDPM, extended XYZ, GSD, or tables (CSV, Parquet) of grains, with the columns id,
 /// position_x ... and any others of a snapshot, and of contacts, with first, second and any others. Several files are joined,
-/// and several instants make a series.
+/// and several instants make a series. Without contacts among the data, grains that overlap touch; a table of contacts is held
+/// against the grains beside it, and what was set right or is doubtful is said.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum measure run-1\n  granum measure packing.csv --case my-sand.toml\n  granum measure grains.csv \
@@ -68,23 +69,26 @@ impl Measure {
         let observations = self.read(context)?;
         let parameters = self.parameters(context)?;
         let recording = Recording::default().with(|recording| recording.parameters = parameters);
-        if let [(assembly, parts)] = &observations[..] {
-            let measured = sensors.measure_with(assembly, *parts, &recording);
+        if let [one] = &observations[..] {
+            let measured = sensors.measure_with(&one.assembly, one.parts, &recording);
             let rows = measured.columns.iter().map(|(column, value)| (*column, vec![*value])).collect();
             self.write(context, rows)?;
-            return output::say(context, &as_json(assembly, &measured), || text(assembly, &measured));
+            return output::say(context, &as_json(one, &measured), || text(one, &measured));
         }
         let views: Vec<(&Assembly, Parts)> =
-            observations.iter().map(|(assembly, parts)| (assembly, *parts)).collect();
+            observations.iter().map(|one| (&one.assembly, one.parts)).collect();
         let series = sensors.measure_series_with(&views, &recording);
         self.write(context, series.columns.clone())?;
-        output::say(context, &series_json(&series), || series_text(&series, observations.len()))
+        let computed = observations.iter().filter(|one| one.contacts_are_computed).count();
+        output::say(context, &series_json(&series, computed), || {
+            series_text(&series, observations.len(), computed)
+        })
     }
 
     /// The parameters of sensors that the run or the case gives.
     fn parameters(&self, context: &Context) -> Result<BTreeMap<String, f64>, Failure> {
         Ok(match (&self.case, self.data.first()) {
-            (Some(case), _) => Case::read_as(case, context.reading())?.recording.parameters,
+            (Some(case), _) => Case::read_as(case, context.reading().for_law())?.recording.parameters,
             (None, Some(data)) if data.is_dir() => context.run_at(data)?.case()?.recording.parameters,
             _ => BTreeMap::new(),
         })
@@ -102,7 +106,7 @@ impl Measure {
     }
 
     /// The assemblies and which of their parts are known.
-    fn read(&self, context: &Context) -> Result<Vec<(Assembly, Parts)>, Failure> {
+    fn read(&self, context: &Context) -> Result<Vec<ObservedAssembly>, Failure> {
         if let Some(grains) = &self.grains {
             let tables: Vec<PathBuf> =
                 [Some(grains), self.contacts.as_ref()].into_iter().flatten().cloned().collect();
@@ -110,7 +114,7 @@ impl Measure {
         }
         let Some(data) = self.data.first() else { return Err(Failure::new("there is nothing to measure")) };
         if data.is_dir() && self.data.len() == 1 {
-            return Ok(vec![self.run_folder(context, data)?]);
+            return Ok(vec![ObservedAssembly::complete(self.run_folder(context, data)?)]);
         }
         if let Some(name) = &self.snapshot {
             return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.shown())));
@@ -128,12 +132,12 @@ impl Measure {
     }
 
     /// The instants of files that belong together.
-    fn joined(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<(Assembly, Parts)>, Failure> {
-        let found = self.sources.read(context, files)?;
-        Ok(found.into_iter().map(|observation| (observation.assembly, observation.parts)).collect())
+    fn joined(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<ObservedAssembly>, Failure> {
+        let observations = self.sources.read(context, files)?;
+        Ok(observations.into_iter().map(ObservedAssembly::with_contacts_by_geometry).collect())
     }
 
-    fn run_folder(&self, context: &Context, data: &Path) -> Result<(Assembly, Parts), Failure> {
+    fn run_folder(&self, context: &Context, data: &Path) -> Result<Assembly, Failure> {
         if self.case.is_some() {
             return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.shown())));
         }
@@ -150,25 +154,39 @@ impl Measure {
                 data.shown()
             )));
         }
-        Ok((run.snapshot(&name)?, Parts::all()))
+        Ok(run.snapshot(&name)?)
     }
 
     /// A packing: what follows from places and radii, and with a case from its contact law.
-    fn packing(&self, context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
-        let packing = context.formats().read_packing(path)?;
-        let case = self.case.as_ref().map(|case| Case::read_as(case, context.reading())).transpose()?;
-        let found = observed_packing(&packing, case.as_ref())?;
-        Ok((found.assembly, found.parts))
+    fn packing(&self, context: &Context, path: &Path) -> Result<ObservedAssembly, Failure> {
+        let packing = match self.sources.first_given() {
+            None => context.read_packing(path)?,
+            // What the file does not say is given beside it; its last instant counts.
+            Some(_) => match self.sources.read(context, &[path.to_path_buf()])?.last() {
+                Some(last) => last.packing(path)?,
+                None => return Err(Failure::new(format!("{}: it has no grains", path.shown()))),
+            },
+        };
+        let reading = || context.reading().for_law();
+        let case = self.case.as_ref().map(|case| Case::read_as(case, reading())).transpose()?;
+        Ok(observed_packing(&packing, case.as_ref())?)
     }
 }
 
 /// A packing without a contact law: grains that overlap touch.
 pub fn packing_alone(context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
-    let found = observed_packing(&context.formats().read_packing(path)?, None)?;
+    let found = observed_packing(&context.read_packing(path)?, None)?;
     Ok((found.assembly, found.parts))
 }
 
-fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {
+/// Whether the contacts stand in the data, for the keys of JSON.
+fn origin_of_contacts(observed: &ObservedAssembly) -> Option<&'static str> {
+    let origin = if observed.contacts_are_computed { "computed" } else { "read" };
+    observed.parts.has(Part::Contacts).then_some(origin)
+}
+
+fn as_json(observed: &ObservedAssembly, measured: &Measurement) -> Value {
+    let assembly = &observed.assembly;
     let columns: Map<String, Value> =
         measured.columns.iter().map(|(column, value)| (column.name.to_string(), json!(value))).collect();
     let left_out = |left_out: &granum_sensors::LeftOut| {
@@ -183,14 +201,22 @@ fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {
     json!({
         "grains": assembly.grains.len(),
         "contacts": assembly.contacts.len(),
+        "contacts_are": origin_of_contacts(observed),
         "values": columns,
         "histograms": measured.histograms.iter().map(histogram).collect::<Map<String, Value>>(),
         "left_out": measured.left_out.iter().map(left_out).collect::<Vec<_>>(),
     })
 }
 
-fn text(assembly: &Assembly, measured: &Measurement) -> String {
-    let mut lines = vec![format!("{} grains, {} contacts", assembly.grains.len(), assembly.contacts.len())];
+fn text(observed: &ObservedAssembly, measured: &Measurement) -> String {
+    let assembly = &observed.assembly;
+    let origin = match origin_of_contacts(observed) {
+        Some("computed") => " (computed from the overlaps of the grains)",
+        Some(_) => " (read)",
+        None => " (the data have neither contacts nor radii)",
+    };
+    let mut lines =
+        vec![format!("{} grains, {} contacts{origin}", assembly.grains.len(), assembly.contacts.len())];
     for (column, value) in &measured.columns {
         let unit = if column.unit == "1" { "" } else { column.unit };
         lines.push(format!("{:32} {value:13.6e} {unit}", column.name).trim_end().to_string());
@@ -202,18 +228,21 @@ fn text(assembly: &Assembly, measured: &Measurement) -> String {
     lines.join("\n")
 }
 
-fn series_json(series: &MeasuredSeries) -> Value {
+fn series_json(series: &MeasuredSeries, computed: usize) -> Value {
     let columns: Map<String, Value> =
         series.columns.iter().map(|(column, values)| (column.name.to_string(), json!(values))).collect();
     let left_out: Vec<Value> = (series.left_out.iter())
         .map(|left_out| json!({ "sensor": left_out.sensor, "columns": left_out.columns, "reason": left_out.to_string() }))
         .collect();
-    json!({ "values": columns, "left_out": left_out })
+    json!({ "values": columns, "left_out": left_out, "instants_with_computed_contacts": computed })
 }
 
 /// The first and the last value of every column.
-fn series_text(series: &MeasuredSeries, count: usize) -> String {
+fn series_text(series: &MeasuredSeries, count: usize, computed: usize) -> String {
     let mut lines = vec![format!("{count} instants; the first and the last value of each column")];
+    if computed > 0 {
+        lines.push(format!("contacts of {computed} instants are computed from the overlaps of the grains"));
+    }
     for (column, values) in &series.columns {
         let unit = if column.unit == "1" { "" } else { column.unit };
         let [first, last] = [values.first(), values.last()].map(|value| value.copied().unwrap_or(0.0));

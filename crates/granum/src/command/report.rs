@@ -172,7 +172,8 @@ impl Report {
         let named = |(k, found): (usize, ObservedAssembly)| {
             instant(format!("instant {} of {count}", k + 1), found.assembly, found.parts)
         };
-        let instants: Vec<Instant> = found.into_iter().enumerate().map(named).collect();
+        let found = found.into_iter().map(ObservedAssembly::with_contacts_by_geometry);
+        let instants: Vec<Instant> = found.enumerate().map(named).collect();
         Ok(data_report(&title, &instants, sensors))
     }
 }

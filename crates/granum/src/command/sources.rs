@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::{Dimension, parse_quantity};
-use granum_io::formats::{FrameCell, JoinOptions, ObservedAssembly, ReadOptions};
+use granum_io::formats::{ContactOptions, FrameCell, JoinOptions, ObservedAssembly, ReadOptions, Remark};
 
 use crate::context::Context;
 use crate::failure::Failure;
+
+/// So many remarks on the instants of a series are told.
+const MOST_REMARKS: usize = 8;
 
 /// What files of results do not say.
 #[derive(Args)]
@@ -25,6 +28,19 @@ pub struct SourceFlags {
     /// Time step, for files that have steps but no times.
     #[arg(long, value_name = "TIME")]
     time_step: Option<String>,
+    /// In a table without forces: what pairs are whose grains do not touch, contacts or no-contacts.
+    #[arg(long, value_name = "ANSWER")]
+    pairs_apart: Option<String>,
+    /// What pairs of grains are that overlap and that the table of contacts lacks, no-contacts or contacts without-force.
+    #[arg(long, value_name = "ANSWER")]
+    missing_pairs: Option<String>,
+    /// What forces are by which all grains that overlap pull each other: as-given, or reversed for those on the second grain of each
+    /// contact.
+    #[arg(long, value_name = "ANSWER")]
+    contact_forces: Option<String>,
+    /// What rows of the same pair of grains are that differ in their forces: the first counts, or their sum.
+    #[arg(long, value_name = "ANSWER")]
+    repeated_pairs: Option<String>,
 }
 
 impl SourceFlags {
@@ -35,6 +51,10 @@ impl SourceFlags {
             ("--columns", !self.columns.is_empty()),
             ("--density", self.density.is_some()),
             ("--time-step", self.time_step.is_some()),
+            ("--pairs-apart", self.pairs_apart.is_some()),
+            ("--missing-pairs", self.missing_pairs.is_some()),
+            ("--contact-forces", self.contact_forces.is_some()),
+            ("--repeated-pairs", self.repeated_pairs.is_some()),
         ];
         given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
     }
@@ -63,7 +83,39 @@ impl SourceFlags {
             positive("--density", self.density.as_deref(), Dimension::DENSITY)?,
             positive("--time-step", self.time_step.as_deref(), Dimension::TIME)?,
         );
-        Ok(context.formats().read_results(&files, &join)?)
+        let join = join.with_contacts(self.contact_options()?);
+        let observations = context.formats().read_results(&files, &join)?;
+        tell_remarks(context, &observations);
+        Ok(observations)
+    }
+
+    fn contact_options(&self) -> Result<ContactOptions, Failure> {
+        let named = ContactOptions::default().with_names(
+            self.pairs_apart.as_deref(),
+            self.missing_pairs.as_deref(),
+            self.contact_forces.as_deref(),
+            self.repeated_pairs.as_deref(),
+        );
+        named.map_err(|(option, why)| Failure::new(format!("--{option}: {why}")))
+    }
+}
+
+/// Tells what was set right in data and what is doubtful, each sentence once for all instants.
+fn tell_remarks(context: &Context, observations: &[ObservedAssembly]) {
+    let mut said: Vec<(&Remark, usize)> = Vec::new();
+    for remark in observations.iter().flat_map(|observation| &observation.remarks) {
+        match said.iter_mut().find(|(known, _)| *known == remark) {
+            Some((_, count)) => *count += 1,
+            None => said.push((remark, 1)),
+        }
+    }
+    let more = said.len().saturating_sub(MOST_REMARKS);
+    for (remark, count) in said.into_iter().take(MOST_REMARKS) {
+        let times = if count > 1 { format!(" ({count} instants)") } else { String::new() };
+        context.tell_remark(&format!("{}{times}", remark.text), remark.doubtful);
+    }
+    if more > 0 {
+        context.note(&format!("{more} more remarks of this kind, on other instants"));
     }
 }
 

@@ -3,11 +3,12 @@
 //!
 //! | quantity | columns |
 //! |---|---|
-//! | grains | `id`; `position_x`, `pos_x` or `x`; `radius` or `r`, `diameter` or `d`; `mass`; `velocity_x`, `vx` or `v_x`; `spin_x`, `omegax`, `omega_x` or `wx`; `force_x`, `fx` or `f_x`; `torque_x` |
+//! | grains | `id`; `position_x`, `pos_x`, `x` or `Points:0`; `radius`, `r` or `rad`, `diameter` or `d`; `mass`; `velocity_x`, `vx` or `v_x`; `spin_x`, `omegax`, `omega_x` or `wx`; `force_x`, `fx` or `f_x`; `torque_x` |
 //! | contacts | `first` and `second`, `id1` and `id2`, or `i` and `j`; `branch_x`; `normal_x` or `nx`; `normal_force` or `fn`; `tangential_force_x`, `ftx` or `ft_x`; `force_x`, `fx` or `f_x`, the whole force on the first grain; `approach` or `overlap`; `normal_energy` with `tangential_energy`; `sliding`; pairs whose `touching` is 0 are passed over |
 //! | instants | `step` or `timestep`, `time`: rows that follow each other with the same values are one instant |
 //!
-//! Only the positions are required, and for contacts the two ids. Without ids grains are numbered from 1. A CSV may give the cell as a
+//! Only the positions are required, and for contacts the two ids. Without ids grains are numbered from 1, and contacts may count them from 0.
+//! Spheres of one body (`clump`, `mol`, `body`) and several types (`type`, `material`) are taken as grains of one material, which is said. A CSV may give the cell as a
 //! [packing](super::packing_csv) does, and a [Parquet](super::parquet) of granum has it in its metadata.
 
 mod names;
@@ -18,14 +19,15 @@ use std::ops::Range;
 use std::path::Path;
 
 use granum_core::assembly::{Grain, Vector};
-use granum_core::{Part, Table};
+use granum_core::{Column, Part, Table};
 
 use self::names::*;
 use super::beginning::{extension, head};
 use super::column_names;
+use super::meanings::{self, Meanings};
 use super::packing_csv::{self, PackingCsv};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
-use super::{PackingFormat, csv, parquet, stored_cell};
+use super::{PackingFormat, csv, csv_words, parquet, stored_cell};
 use crate::error::{Error, Result};
 
 /// The format.
@@ -96,6 +98,8 @@ struct Source<'a> {
     /// Each column by its place among the names; none for a column that is not needed.
     columns: Vec<Option<usize>>,
     table: Table,
+    /// The type or material of each row, if there is such a column.
+    kinds: Option<Column>,
     cell: Option<FrameCell>,
 }
 
@@ -105,10 +109,13 @@ impl<'a> Source<'a> {
             let table = parquet::read(path, None)?;
             let names = table.names().map(str::to_string).collect();
             let cell = stored_cell::read_cell(path)?;
-            return Source::from_columns(path, options, names, cell, |_| Ok(table));
+            return Source::from_columns(path, options, names, cell, |_| Ok(table), |name| {
+                parquet::read_with_words(path, Some(&[name]))
+            });
         }
         let (cell, names) = packing_csv::cell_and_names(path)?;
-        Source::from_columns(path, options, names, cell, |wanted| csv::read(path, Some(wanted)))
+        let numbers = |wanted: &[&str]| csv::read(path, Some(wanted));
+        Source::from_columns(path, options, names, cell, numbers, |name| csv_words::read(path, Some(&[name])))
     }
 
     /// Names the columns as the options say, and reads those that are needed.
@@ -118,6 +125,7 @@ impl<'a> Source<'a> {
         own: Vec<String>,
         cell: Option<FrameCell>,
         read: impl FnOnce(&[&str]) -> Result<Table>,
+        read_words: impl FnOnce(&str) -> Result<Table>,
     ) -> Result<Source<'a>> {
         let given = options.columns.as_ref().unwrap_or(&own);
         if given.len() != own.len() {
@@ -130,7 +138,9 @@ impl<'a> Source<'a> {
         let table = read(&wanted)?;
         let place = |at: usize| table.names().position(|name| name == own[at]);
         let columns = (0..own.len()).map(|at| needed.contains(&at).then(|| place(at)).flatten()).collect();
-        Ok(Source { path, names, columns, table, cell })
+        let kinds = names.scalar(KIND).filter(|_| !names.are_of_contacts()).map(|at| read_words(&own[at]));
+        let kinds = kinds.transpose()?.and_then(|table| table.into_columns().pop());
+        Ok(Source { path, names, columns, table, kinds, cell })
     }
 
     fn rows(&self) -> usize {
@@ -179,7 +189,12 @@ impl<'a> Source<'a> {
         let radii = radii.or_else(|| self.scalar(DIAMETER).map(|values| (values, 0.5)));
         let masses = self.scalar(MASS);
         let vectors = [POSITION, VELOCITY, SPIN, FORCE, TORQUE].map(|names| self.triple(names));
+        frame.counts_from_one = ids.is_none();
+        let [clumps, molecules] = [CLUMP, MOLECULE].map(|names| self.scalar(names));
+        let mut meanings = Vec::with_capacity(rows.len());
         for row in rows.clone() {
+            let body = clumps.or(molecules).map(|values| values[row]);
+            meanings.push(Meanings { body, kind: self.kinds.as_ref().map(|kinds| kinds.text(row)) });
             let at = |k: usize| vectors[k].map_or([0.0; 3], |columns| vector(columns, row));
             let number = (row - rows.start) as u64 + 1;
             let radius = radii.map_or(0.0, |(values, factor)| factor * values[row]);
@@ -198,6 +213,10 @@ impl<'a> Source<'a> {
                 ..Grain::default()
             });
         }
+        let no_body = if clumps.is_some() { -1.0 } else { 0.0 };
+        let name = |names: Scalar| self.names.scalar(names).map_or("", |at| &self.names.0[at]);
+        let of_bodies = if clumps.is_some() { CLUMP } else { MOLECULE };
+        meanings::note(frame, &meanings, (name(of_bodies), no_body), name(KIND));
         let known = [
             (Part::Positions, true),
             (Part::Radii, radii.is_some()),

@@ -2,16 +2,22 @@
 
 /// The names of a number, the usual one first.
 pub(super) type Scalar = &'static [&'static str];
-/// The names of a vector, in which the axis replaces `?`.
+/// The names of a vector, in which the axis replaces `?`, or its number, from 0, replaces `#`.
 pub(super) type Triple = &'static [&'static str];
 
 pub(super) const STEP: Scalar = &["step", "timestep"];
 pub(super) const TIME: Scalar = &["time"];
 pub(super) const ID: Scalar = &["id"];
-pub(super) const POSITION: Triple = &["position_?", "pos_?", "?"];
-pub(super) const RADIUS: Scalar = &["radius", "r"];
+/// The last two are those of ParaView, with numbers for the axes.
+pub(super) const POSITION: Triple = &["position_?", "pos_?", "?", "points:#", "points_#"];
+pub(super) const RADIUS: Scalar = &["radius", "r", "rad"];
 pub(super) const DIAMETER: Scalar = &["diameter", "d"];
 pub(super) const MASS: Scalar = &["mass"];
+/// The body that a sphere is a part of; the number of a clump counts from 0, and that of a molecule from 1.
+pub(super) const CLUMP: Scalar = &["clump", "clump_id", "clumpid"];
+pub(super) const MOLECULE: Scalar = &["mol", "molecule", "body", "body_id", "id_multisphere"];
+/// Types and materials, which may be words.
+pub(super) const KIND: Scalar = &["type", "matid", "material"];
 pub(super) const VELOCITY: Triple = &["velocity_?", "v?", "v_?"];
 pub(super) const SPIN: Triple = &["spin_?", "omega?", "omega_?", "w?"];
 pub(super) const FORCE: Triple = &["force_?", "f?", "f_?"];
@@ -29,13 +35,15 @@ pub(super) const SLIDING: Scalar = &["sliding"];
 pub(super) const TOUCHING: Scalar = &["touching"];
 
 /// All of the scalars and vectors above.
-pub(super) const SCALARS: [Scalar; 12] = [
+pub(super) const SCALARS: [Scalar; 14] = [
     STEP,
     TIME,
     ID,
     RADIUS,
     DIAMETER,
     MASS,
+    CLUMP,
+    MOLECULE,
     NORMAL_FORCE,
     APPROACH,
     NORMAL_ENERGY,
@@ -48,13 +56,22 @@ pub(super) const TRIPLES: [Triple; 8] =
 
 /// All names, and those of vectors.
 pub(super) fn known_names() -> (Vec<String>, Vec<[String; 3]>) {
-    let vector = |name: &&str| ["x", "y", "z"].map(|axis| name.replace('?', axis));
+    let vector = |name: &&str| components(name);
     let vectors: Vec<[String; 3]> = TRIPLES.iter().flat_map(|names| names.iter().map(vector)).collect();
     let mut known: Vec<String> =
         SCALARS.iter().flat_map(|names| names.iter().map(|name| name.to_string())).collect();
+    known.extend(KIND.iter().map(|name| name.to_string()));
     known.extend(PAIRS.iter().flatten().map(|name| name.to_string()));
     known.extend(vectors.iter().flatten().cloned());
     (known, vectors)
+}
+
+/// The names of the components of a vector.
+fn components(name: &str) -> [String; 3] {
+    ["x", "y", "z"].map(|axis| {
+        let number = ["x", "y", "z"].iter().position(|known| *known == axis).unwrap_or_default();
+        name.replace('?', axis).replace('#', &number.to_string())
+    })
 }
 
 /// The names of the columns of a table, without capitals.
@@ -76,7 +93,7 @@ impl Names {
     /// The three columns of a vector, if all are there.
     pub(super) fn triple(&self, names: Triple) -> Option<[usize; 3]> {
         names.iter().find_map(|name| {
-            let [x, y, z] = ["x", "y", "z"].map(|axis| self.place(&name.replace('?', axis)));
+            let [x, y, z] = components(name).map(|component| self.place(&component));
             Some([x?, y?, z?])
         })
     }

@@ -20,6 +20,7 @@ use granum_core::geometry::apply;
 
 use self::layout::{ChunkType, File, Writer};
 use super::lammps_data::restricted;
+use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -109,6 +110,12 @@ fn frame(path: &Path, file: &File, k: u64) -> Result<Frame> {
             ..Grain::default()
         })
         .collect();
+    let (bodies, kinds) = (rows("particles/body", 1)?, rows("particles/typeid", 1)?);
+    let value = |values: &Option<Vec<f64>>, at: usize| values.as_ref().map(|values| values[at]);
+    let meanings: Vec<Meanings> = (0..count)
+        .map(|at| Meanings { body: value(&bodies, at), kind: value(&kinds, at).map(|kind| kind.to_string()) })
+        .collect();
+    meanings::note(&mut frame, &meanings, ("particles/body", -1.0), "particles/typeid");
     frame.knows(&[Part::Positions]);
     let known = [
         (radii.is_some(), Part::Radii),

@@ -11,7 +11,7 @@ use granum_dem::preparation::{
 use granum_dem::simulation::Simulation;
 use granum_io::case::{Vocabulary, decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
-use granum_io::shell::quoted_path;
+use granum_io::shell::{ShowPath, quoted_path};
 use granum_io::{Case, Packing, run};
 
 use super::follow::Follow;
@@ -48,7 +48,8 @@ impl TaskExecution {
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
-                for remark in from_packing::remarks(case, path, why_not.as_deref()) {
+                let of_file = packing.remarks.iter().map(|remark| format!("{}: {}", path.shown(), remark.text));
+                for remark in of_file.chain(from_packing::remarks(case, path, why_not.as_deref())) {
                     observer.warn(&remark);
                     note(record, remark);
                 }

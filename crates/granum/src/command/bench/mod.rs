@@ -91,7 +91,7 @@ impl Bench {
         if wanted("dem") {
             let _alone = context.nothing_written(None);
             let packing = match &self.packing {
-                Some(path) => context.formats().read_packing(path)?,
+                Some(path) => context.read_packing(path)?,
                 None => {
                     granum_io::formats::packing_csv::read_from(PACKING.as_bytes(), "the shipped packing")?
                 }

@@ -1,0 +1,88 @@
+//! Tables of contacts held against the grains that stand beside them.
+//!
+//! Programs list what their neighbour lists contain, each pair in both directions, forces on the second grain, or only some of the
+//! pairs. What is certain is set right and said: pairs that do not touch and have no force, repeated pairs, normals and branches from the
+//! second grain to the first. A force across a gap, as of a bridge of liquid or of adhesion, counts and is named. What cannot be decided is refused,
+//! with the [option](ContactOptions) that decides it. Differences below the rounding of the file's numbers say nothing.
+
+mod apart;
+mod branches;
+mod missing;
+mod options;
+mod repeated;
+mod row;
+mod signs;
+#[cfg(test)]
+mod tests;
+
+use granum_core::assembly::Assembly;
+use granum_core::{Part, Parts};
+
+use self::row::{Row, radii_of};
+use super::join::nearest_image;
+use super::remark::Remark;
+use super::result::FileContact;
+use crate::packing::Implausible;
+
+pub use options::{ContactForces, ContactOptions, MissingPairs, PairsApart, RepeatedPairs};
+
+/// A table of contacts, and what it is held against.
+pub(super) struct ContactTable<'a> {
+    /// The grains, in their cell.
+    pub(super) assembly: &'a Assembly,
+    /// What of them is known.
+    pub(super) parts: Parts,
+    /// Largest error of a distance by the rounding of the numbers, m.
+    pub(super) rounding: f64,
+    /// The body of each grain that is part of one with others, by the place of the grain.
+    pub(super) body_of: &'a dyn Fn(usize) -> Option<u64>,
+    /// Answers to what cannot be decided.
+    pub(super) options: ContactOptions,
+}
+
+/// The rows that count, each with the places of its grains in their list, and what was set right or is doubtful.
+pub(super) struct Held {
+    pub(super) pairs: Vec<FileContact>,
+    pub(super) places: Vec<[usize; 2]>,
+    pub(super) remarks: Vec<Remark>,
+}
+
+type Outcome = Result<Vec<Row>, Implausible>;
+
+impl ContactTable<'_> {
+    /// Holds rows, each with the places of its grains in their list, against the grains.
+    ///
+    /// # Errors
+    /// For what cannot be decided, with the option that decides it.
+    pub(super) fn hold(
+        &self,
+        pairs: Vec<FileContact>,
+        places: Vec<[usize; 2]>,
+    ) -> Result<Held, Implausible> {
+        let mut remarks = Vec::new();
+        let rows: Vec<Row> = pairs.into_iter().zip(places).enumerate().map(|row| self.row(row)).collect();
+        let rows = branches::check(self, rows, &mut remarks)?;
+        let rows = repeated::check(self, rows, &mut remarks)?;
+        let rows = apart::check(self, rows, &mut remarks)?;
+        let rows = signs::check(self, rows, &mut remarks)?;
+        let rows = missing::check(self, rows, &mut remarks)?;
+        let (pairs, places) = rows.into_iter().map(|row| (row.pair, row.grains)).unzip();
+        Ok(Held { pairs, places, remarks })
+    }
+
+    fn row(&self, (number, (pair, grains)): (usize, (FileContact, [usize; 2]))) -> Row {
+        let [one, two] = grains.map(|grain| self.assembly.grains[grain].position);
+        let branch = nearest_image(&self.assembly.cell, std::array::from_fn(|a| two[a] - one[a]));
+        let radii = self.parts.has(Part::Radii).then(|| radii_of(self.assembly, grains));
+        Row { number, pair, grains, branch, radii }
+    }
+
+    fn has_cell(&self) -> bool {
+        self.parts.has(Part::Cell)
+    }
+}
+
+/// "1 pair" or "3 pairs".
+fn count_of(count: usize, one: &str, several: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {several}") }
+}

@@ -1,0 +1,128 @@
+//! Lattices of periodic cells: many cells of different shape repeat the same grains, and the least skewed of them is the one to judge and to
+//! search in.
+
+use granum_core::Cell;
+use granum_core::geometry::{Matrix, Vector, determinant, dot};
+
+/// Largest number of edges that are replaced. Each replacement at least halves what is left of a skewness, which a number of 64 bits can
+/// hold some thousand times.
+const MOST_REPLACEMENTS: usize = 10_000;
+/// An edge is replaced by one whose square is smaller by more than this fraction: less is rounding.
+const GAIN: f64 = 1e-9;
+
+/// Edges of the least skewed cell with the lattice of these edges (column k is edge k): none of them can be made shorter by adding or
+/// subtracting the others (Minkowski reduction). Edges that are reduced are returned as they are.
+///
+/// The orientation, which is the sign of the determinant, stays as it is.
+pub(crate) fn reduced(edges: &Matrix) -> Matrix {
+    let mut vectors: [Vector; 3] = std::array::from_fn(|k| std::array::from_fn(|a| edges[a][k]));
+    for _ in 0..MOST_REPLACEMENTS {
+        if !shorten_by_one(&mut vectors) && !shorten_by_two(&mut vectors) {
+            break;
+        }
+    }
+    std::array::from_fn(|a| std::array::from_fn(|k| vectors[k][a]))
+}
+
+/// Largest ratio of the product of the lengths of a cell's edges to its volume with which a sample keeps its cell: 1 for a box, about 6
+/// after a simple shear of 6. Images of a grain within a given distance are searched among many others where it is larger.
+const MOST_SKEWED: f64 = 10.0;
+
+/// The least skewed cell of the lattice, if the edges are so nearly parallel that searches for neighbours suffer, or if a grain of this
+/// radius, m, fits only into that cell; otherwise none.
+pub(crate) fn less_skewed(edges: &Matrix, largest_radius: f64) -> Option<Matrix> {
+    let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
+    let length = |column: usize| edges.iter().map(|row| row[column] * row[column]).sum::<f64>().sqrt();
+    let skewness = (0..3).map(length).product::<f64>() / determinant(edges).abs();
+    (skewness > MOST_SKEWED || narrow < 2.0 * largest_radius).then(|| reduced(edges))
+}
+
+/// Edges of the same lattice whose determinant is positive: of left-handed ones each is turned round.
+pub(crate) fn right_handed(edges: &Matrix) -> Matrix {
+    if determinant(edges) < 0.0 { edges.map(|row| row.map(|x| -x)) } else { *edges }
+}
+
+/// Subtracts multiples of one edge from another; false if nothing becomes shorter by it.
+fn shorten_by_one(vectors: &mut [Vector; 3]) -> bool {
+    let mut shorter = false;
+    for k in 0..3 {
+        for by in (0..3).filter(|by| *by != k) {
+            let times = libm::round(dot(&vectors[k], &vectors[by]) / dot(&vectors[by], &vectors[by]));
+            if times.is_finite() && times != 0.0 {
+                let candidate = std::array::from_fn(|a| vectors[k][a] - times * vectors[by][a]);
+                shorter |= replace(&mut vectors[k], candidate);
+            }
+        }
+    }
+    shorter
+}
+
+/// Adds both other edges, with either sign, to one; false if nothing becomes shorter by it.
+fn shorten_by_two(vectors: &mut [Vector; 3]) -> bool {
+    for k in 0..3 {
+        let [one, two] = [vectors[(k + 1) % 3], vectors[(k + 2) % 3]];
+        for (s, t) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            let candidate = std::array::from_fn(|a| vectors[k][a] + s * one[a] + t * two[a]);
+            if replace(&mut vectors[k], candidate) {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+fn replace(vector: &mut Vector, candidate: Vector) -> bool {
+    let shorter = dot(&candidate, &candidate) < (1.0 - GAIN) * dot(vector, vector);
+    if shorter {
+        *vector = candidate;
+    }
+    shorter
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_core::geometry::{invert, multiply};
+
+    /// Product of the lengths of the edges over the volume of the cell.
+    fn skewness(edges: &Matrix) -> f64 {
+        let length = |k: usize| edges.iter().map(|row| row[k] * row[k]).sum::<f64>().sqrt();
+        length(0) * length(1) * length(2) / determinant(edges).abs()
+    }
+
+    #[test]
+    fn a_skewed_cell_becomes_the_box_of_its_lattice() {
+        let cube = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
+        let change = [[1.0, 7.0, -3.0], [0.0, 1.0, 12.0], [0.0, 0.0, 1.0]];
+        let found = reduced(&multiply(&cube, &change));
+        assert!((skewness(&found) - 1.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(determinant(&found), 8.0);
+        assert_eq!(reduced(&cube), cube);
+    }
+
+    /// Whole numbers lead from one basis to the other, so that both span one lattice.
+    #[test]
+    fn the_lattice_and_its_orientation_stay() {
+        let edges = [[1.0, 5.3, -2.1], [0.0, 1.2, 8.4], [0.0, 0.1, -0.9]];
+        let found = reduced(&edges);
+        let change = multiply(&invert(&edges), &found);
+        let whole = |x: &f64| (x - x.round()).abs() < 1e-9;
+        assert!(change.iter().flatten().all(whole), "{change:?}");
+        assert!((determinant(&change) - 1.0).abs() < 1e-9);
+        assert!(skewness(&found) < 2.0 && skewness(&edges) > 10.0);
+    }
+
+    #[test]
+    fn a_left_handed_cell_is_turned_round() {
+        let left = [[0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 3.0]];
+        assert_eq!(determinant(&right_handed(&left)), 6.0);
+        assert_eq!(right_handed(&right_handed(&left)), right_handed(&left));
+    }
+
+    #[test]
+    fn edges_that_span_no_volume_end() {
+        for edges in [[[0.0; 3]; 3], [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0; 3]], [[f64::NAN; 3]; 3]] {
+            let _ = reduced(&edges);
+        }
+    }
+}
