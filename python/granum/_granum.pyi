@@ -217,6 +217,9 @@ class Assembly:
     def parts(self) -> list[str]:
         """The names of what is known: everything of a run of granum, and of files of another program what these have."""
     @property
+    def remarks(self) -> list[str]:
+        """What was set right in the data that were read, and what is doubtful in them, as sentences."""
+    @property
     def origin(self) -> _Reals:
         """The corner of the cell in the file that was read, m; positions count from it."""
     @property
@@ -747,7 +750,7 @@ def measure(
     """The values of every sensor for which arrays of anyone suffice, by column.
 
     `positions` are rows of three, `radii` one a grain, `contacts` rows of the indices, from 0, of two grains, `forces` the force on the
-    first grain of each contact, and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
+    first grain of each contact (without `contacts` grains that overlap touch), and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
     in a consistent system of units.
     """
 
@@ -771,6 +774,10 @@ def read(
     columns: Mapping[str, Sequence[str]] | None = None,
     case: Case | Mapping[str, Any] | _Path | None = None,
     allow_outside: bool = False,
+    pairs_apart: Literal["contacts", "no-contacts"] | None = None,
+    missing_pairs: Literal["no-contacts", "without-force"] | None = None,
+    contact_forces: Literal["as-given", "reversed"] | None = None,
+    repeated_pairs: Literal["first", "sum"] | None = None,
 ) -> list[Assembly]:
     """Reads results of other programs, as `granum measure` does: an assembly for each instant.
 
@@ -780,8 +787,14 @@ def read(
 
     What files do not say can be given: three lengths of a periodic `cell` or the matrix whose columns are its edges, the `density` of
     the grains, the `time_step` between numbered steps, and names of the `columns` of a file whose head has none of use, by the name of
-    the file (`-` for what is to be passed over). Grains of a packing that overlap touch; with a `case` its contact law gives their
-    forces. With `allow_outside` a file may name files outside its own folder.
+    the file (`-` for what is to be passed over). Grains whose file has no contacts touch where they overlap; with a `case` the contact law
+    gives the forces of a packing. With `allow_outside` a file may name files outside its own folder.
+
+    A table of contacts is held against the grains beside it. What was set right is in `remarks` of the assembly; what is doubtful is also a
+    `granum.RunWarning`. What cannot be decided is refused, until its owner says what pairs are that do not touch (`pairs_apart`: `"contacts"`
+    or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
+    that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
+    (`repeated_pairs`: `"first"` or `"sum"`).
     """
 
 def write(

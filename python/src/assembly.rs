@@ -16,6 +16,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{self, Array, Field, FieldKind, Records};
 use crate::detached::detached;
 use crate::errors;
+use crate::files::warned;
 use crate::observed::{Arrays, from_arrays};
 use crate::table;
 
@@ -34,6 +35,8 @@ pub struct Assembly {
     parts: Parts,
     /// The corner of its cell in the file that it was read from, m.
     origin: Vector,
+    /// What was set right in its data, and what is doubtful.
+    remarks: Vec<String>,
 }
 
 impl From<granum_core::Assembly> for Assembly {
@@ -44,15 +47,16 @@ impl From<granum_core::Assembly> for Assembly {
 
 impl From<ObservedAssembly> for Assembly {
     fn from(observed: ObservedAssembly) -> Assembly {
-        let ObservedAssembly { assembly, parts, origin, .. } = observed;
-        Assembly { inner: Arc::new(assembly), parts, origin }
+        let ObservedAssembly { assembly, parts, origin, remarks, .. } = observed;
+        let remarks = remarks.into_iter().map(|remark| remark.text).collect();
+        Assembly { inner: Arc::new(assembly), parts, origin, remarks }
     }
 }
 
 impl Assembly {
     /// An assembly of granum that others hold as well.
     pub fn shared(inner: Arc<granum_core::Assembly>) -> Assembly {
-        Assembly { inner, parts: Parts::all(), origin: [0.0; 3] }
+        Assembly { inner, parts: Parts::all(), origin: [0.0; 3], remarks: Vec::new() }
     }
 
     /// What it holds.
@@ -150,7 +154,13 @@ impl Assembly {
         forces: Option<&Bound<'_, PyAny>>,
         cell: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Assembly> {
-        from_arrays(&Arrays { positions, radii, contacts, forces, cell }).map(Assembly::from)
+        warned(positions.py(), from_arrays(&Arrays { positions, radii, contacts, forces, cell })?)
+    }
+
+    /// What was set right in the data that were read, and what is doubtful in them, as sentences.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
     }
 
     /// The names of what is known: everything of a run of granum, and of files of another program what these have.

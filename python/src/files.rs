@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use granum_campaign::data_set::{DataSet, grainlearning};
 use granum_core::assembly::Matrix;
 use granum_core::quantity::Dimension;
-use granum_io::formats::{Formats, FrameCell, JoinOptions, ObservedAssembly, ReadOptions, hdf5};
+use granum_io::formats::{
+    ContactOptions, Formats, FrameCell, JoinOptions, ObservedAssembly, ReadOptions, hdf5,
+};
 use granum_io::{Error, check_output_file};
 use granum_run::laboratory::observed_packing;
 use pyo3::exceptions::PyTypeError;
@@ -29,10 +31,35 @@ use crate::table::{SERIES, Table};
 ///
 /// What files do not say can be given: three lengths of a periodic `cell` or the matrix whose columns are its edges, the `density` of
 /// the grains, the `time_step` between numbered steps, and names of the `columns` of a file whose head has none of use, by the name of
-/// the file (`-` for what is to be passed over). Grains of a packing that overlap touch; with a `case` its contact law gives their
-/// forces. With `allow_outside` a file may name files outside its own folder.
+/// the file (`-` for what is to be passed over). Grains whose file has no contacts touch where they overlap; with a `case` the contact law
+/// gives the forces of a packing. With `allow_outside` a file may name files outside its own folder.
+///
+/// A table of contacts is held against the grains beside it. What was set right is in `remarks` of the assembly; what is doubtful is also a
+/// `granum.RunWarning`. What cannot be decided is refused, until its owner says what pairs are that do not touch (`pairs_apart`: `"contacts"`
+/// or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
+/// that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
+/// (`repeated_pairs`: `"first"` or `"sum"`).
 #[pyfunction]
-#[pyo3(signature = (*paths, cell=None, density=None, time_step=None, columns=None, case=None, allow_outside=false))]
+#[pyo3(signature = (
+    *paths, cell=None, density=None, time_step=None, columns=None, case=None, allow_outside=false, pairs_apart=None, missing_pairs=None,
+    contact_forces=None, repeated_pairs=None
+))]
+/// Reads results of other programs, as `granum measure` does: an assembly for each instant.
+///
+/// These are dumps and data files of LAMMPS and LIGGGHTS, texts and VTK of YADE, `.data`, `.fstat` and restart files of MercuryDPM, extended
+/// XYZ, GSD, packings, and tables (CSV, Parquet) of grains and of contacts. Files that belong together are joined. Everything is in SI units,
+/// or in a consistent system of units.
+///
+/// What files do not say can be given: three lengths of a periodic `cell` or the matrix whose columns are its edges, the `density` of
+/// the grains, the `time_step` between numbered steps, and names of the `columns` of a file whose head has none of use, by the name of
+/// the file (`-` for what is to be passed over). Grains whose file has no contacts touch where they overlap; with a `case` the contact law
+/// gives the forces of a packing. With `allow_outside` a file may name files outside its own folder.
+///
+/// A table of contacts is held against the grains beside it. What was set right is in `remarks` of the assembly; what is doubtful is also a
+/// `granum.RunWarning`. What cannot be decided is refused, until its owner says what pairs are that do not touch (`pairs_apart`: `"contacts"`
+/// or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
+/// that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
+/// (`repeated_pairs`: `"first"` or `"sum"`).
 pub fn read(
     py: Python<'_>,
     paths: Vec<PathBuf>,
@@ -42,6 +69,10 @@ pub fn read(
     columns: Option<&Bound<'_, PyMapping>>,
     case: Option<&Bound<'_, PyAny>>,
     allow_outside: bool,
+    pairs_apart: Option<&str>,
+    missing_pairs: Option<&str>,
+    contact_forces: Option<&str>,
+    repeated_pairs: Option<&str>,
 ) -> PyResult<Vec<Assembly>> {
     let [first, others @ ..] = &paths[..] else {
         return Err(PyTypeError::new_err("granum.read needs the name of a file"));
@@ -50,12 +81,15 @@ pub fn read(
         let message = format!("{} is a folder; granum.open opens the folder of a run", folder.display());
         return Err(errors::of_file(py, &Error::Rule(message), false));
     }
-    let given = [cell.is_some(), density.is_some(), time_step.is_some(), columns.is_some()].contains(&true);
+    let answers = [pairs_apart, missing_pairs, contact_forces, repeated_pairs];
+    let given = [cell.is_some(), density.is_some(), time_step.is_some(), columns.is_some()].contains(&true)
+        || answers.iter().any(Option::is_some);
     let options = JoinOptions::new(
         cell.map(cell_edges).transpose()?.map(|edges| FrameCell { origin: [0.0; 3], edges }),
         positive("density", density, Dimension::DENSITY)?,
         positive("time_step", time_step, Dimension::TIME)?,
-    );
+    )
+    .with_contacts(contact_options(py, answers)?);
     let named = columns.map(|columns| names_of_columns(columns, &paths)).transpose()?.unwrap_or_default();
     let case = case.map(|case| case_of(py, case)).transpose()?;
     if case.is_some() && !others.is_empty() {
@@ -72,19 +106,43 @@ pub fn read(
         let packing = detached(py, || formats.read_packing(first))?;
         let packing = packing.map_err(|error| errors::of_file(py, &error, false))?;
         let found = detached(py, || observed_packing(&packing, case.as_ref()))?;
-        return Ok(vec![found.map_err(|error| errors::of_laboratory(py, &error))?.into()]);
-    }
-    if case.is_some() {
-        let message = "it goes with a packing as it is, not with cell, density, time_step or columns";
-        return Err(errors::of_value(py, "case", "", message));
+        return Ok(vec![warned(py, found.map_err(|error| errors::of_laboratory(py, &error))?)?]);
     }
     let columns_of =
         |path: &PathBuf| named.iter().find(|(known, _)| known == path).map(|(_, names)| names.clone());
     let files: Vec<_> =
         paths.iter().map(|path| (path.clone(), ReadOptions::with_columns(columns_of(path)))).collect();
     let found = detached(py, || formats.read_results(&files, &options))?;
-    let found = found.map_err(|error| errors::of_file(py, &error, false))?;
-    Ok(found.into_iter().map(Assembly::from).collect())
+    let mut found = found.map_err(|error| errors::of_file(py, &error, false))?;
+    if let Some(case) = case {
+        let last =
+            found.pop().ok_or_else(|| errors::of_file(py, &Error::content(first, "has no grains"), false))?;
+        let packing = last.packing(first).map_err(|error| errors::of_file(py, &error, false))?;
+        let of_packing = detached(py, || observed_packing(&packing, Some(&case)))?;
+        return Ok(vec![warned(py, of_packing.map_err(|error| errors::of_laboratory(py, &error))?)?]);
+    }
+    found.into_iter().map(|one| warned(py, one.with_contacts_by_geometry())).collect()
+}
+
+/// What cannot be decided of tables of contacts, by the names of the answers.
+fn contact_options(py: Python<'_>, answers: [Option<&str>; 4]) -> PyResult<ContactOptions> {
+    let [pairs_apart, missing_pairs, contact_forces, repeated_pairs] = answers;
+    let options = ContactOptions::default();
+    options.with_names(pairs_apart, missing_pairs, contact_forces, repeated_pairs).map_err(|(option, why)| {
+        let key = option.replace('-', "_");
+        let value = answers.iter().flatten().next().copied().unwrap_or_default();
+        errors::of_value(py, &key, value, why)
+    })
+}
+
+/// The assembly, after warnings of what is doubtful in it.
+pub fn warned(py: Python<'_>, observed: ObservedAssembly) -> PyResult<Assembly> {
+    let class = py.import("granum.errors")?.getattr("RunWarning")?;
+    for remark in observed.remarks.iter().filter(|remark| remark.doubtful) {
+        let text = std::ffi::CString::new(remark.text.replace('\0', " "))?;
+        PyErr::warn(py, &class, &text, 1)?;
+    }
+    Ok(Assembly::from(observed))
 }
 
 /// The edges of a cell: three lengths, each of which may have a unit, or a matrix.

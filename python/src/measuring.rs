@@ -8,13 +8,14 @@ use pyo3::prelude::*;
 use crate::assembly::{self, answer};
 use crate::detached::detached;
 use crate::errors;
+use crate::files::warned;
 use crate::observed::{Arrays, from_arrays};
 use crate::table;
 
 /// The values of every sensor for which arrays of anyone suffice, by column.
 ///
 /// `positions` are rows of three, `radii` one a grain, `contacts` rows of the indices, from 0, of two grains, `forces` the force on the
-/// first grain of each contact, and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
+/// first grain of each contact (without `contacts` grains that overlap touch), and `cell` three lengths of a periodic cell or the matrix whose columns are its edges. All in SI units, or
 /// in a consistent system of units.
 #[pyfunction]
 #[pyo3(signature = (positions, radii=None, contacts=None, forces=None, cell=None))]
@@ -27,8 +28,9 @@ pub fn measure<'py>(
     cell: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     if let Some(radii) = radii {
-        let found = from_arrays(&Arrays { positions, radii, contacts, forces, cell })?;
-        let measured = detached(py, || Sensors::standard().measure(&found.assembly, found.parts))?;
+        let found = warned(py, from_arrays(&Arrays { positions, radii, contacts, forces, cell })?)?;
+        let assembly = found.inner();
+        let measured = detached(py, || Sensors::standard().measure(&assembly, found.known()))?;
         return answer(py, &measured).map(Bound::into_any);
     }
     if contacts.is_some() || forces.is_some() || cell.is_some() {

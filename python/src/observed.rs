@@ -64,6 +64,7 @@ pub fn from_arrays(arrays: &Arrays<'_, '_>) -> PyResult<ObservedAssembly> {
             ImplausiblePlace::Cell => ("cell", None, format!("{:?}", cell.unwrap_or_default())),
             ImplausiblePlace::Position(k) => ("positions", Some(k), format!("{:?}", grains[k].0)),
             ImplausiblePlace::Radius(k) => ("radii", Some(k), grains[k].1.to_string()),
+            ImplausiblePlace::Contacts => ("contacts", None, String::new()),
             ImplausiblePlace::Contact(k) => {
                 let places = contacts.as_ref().map(|all| format!("{:?}", all[k].0));
                 ("contacts", Some(k), places.unwrap_or_default())

@@ -51,7 +51,9 @@ def test_a_run_of_lammps_has_the_stress_that_lammps_wrote() -> None:
 def test_what_a_file_does_not_have_is_not_invented() -> None:
     (instant,) = granum.read(LAMMPS[0])[-1:]
     assert "cell" in instant.parts and "time" not in instant.parts and "normal forces" not in instant.parts
-    for name in ("velocities", "time", "contacts", "forces", "overlaps", "sliding"):
+    # Contacts follow from places and radii, forces do not.
+    assert len(instant.contacts) == len(instant.overlaps) > 0
+    for name in ("velocities", "time", "forces", "sliding"):
         with pytest.raises(AttributeError, match="these data have no .*; they have cell, positions, radii"):
             getattr(instant, name)
         assert not hasattr(instant, name)
@@ -61,7 +63,7 @@ def test_what_a_file_does_not_have_is_not_invented() -> None:
     # Its time follows from its step, if someone knows how long a step is.
     (timed,) = granum.read(LAMMPS[0], time_step="2 us")[-1:]
     assert timed.time == pytest.approx(2e-6 * timed.step)
-    assert granum.view(instant).html.count("0 contacts") == 1
+    assert granum.view(instant).html.count(f"{len(instant.contacts)} contacts without forces") == 1
 
 
 @pytest.mark.parametrize(
@@ -129,6 +131,26 @@ def test_instants_tables_and_runs_are_written(tested: granum.Run, tmp_path: path
     wrong: Any = 3
     with pytest.raises(TypeError, match="a run or a table is written, not int"):
         granum.write(tmp_path / "x.vtp", wrong)
+
+
+def test_a_table_of_contacts_is_held_against_its_grains(tmp_path: pathlib.Path) -> None:
+    grains, contacts = tmp_path / "grains.csv", tmp_path / "contacts.csv"
+    grains.write_text("x,y,z,radius,vx,vy,vz\n2,5,5,1,0,0,0\n3.95,5,5,1,0,0,0\n6.5,5,5,1,0,0,0\n")
+    contacts.write_text("first,second,force_x,force_y,force_z\n1,2,-3,0,0\n2,1,3,0,0\n2,3,0,0,0\n")
+    (pair,) = granum.read(grains, contacts)
+    assert pair.normal_forces.tolist() == [3.0]
+    assert ["1 row repeats" in pair.remarks[0], "1 pair of 2" in pair.remarks[1]] == [True, True]
+    contacts.write_text("first,second,force_x,force_y,force_z\n1,2,3,0,0\n")
+    with pytest.raises(granum.FileError, match="every pair that overlaps is in tension"):
+        granum.read(grains, contacts)
+    (turned,) = granum.read(grains, contacts, contact_forces="reversed")
+    assert turned.normal_forces.tolist() == [3.0]
+    with pytest.warns(granum.RunWarning, match="the forces count as they are"):
+        (pulled,) = granum.read(grains, contacts, contact_forces="as-given")
+    assert pulled.normal_forces.tolist() == [-3.0]
+    wrong: Any = "right"
+    with pytest.raises(granum.CaseError, match="possible are first and sum"):
+        granum.read(grains, contacts, repeated_pairs=wrong)
 
 
 def test_arrays_of_anyone_become_an_assembly(tmp_path: pathlib.Path) -> None:

@@ -46,7 +46,7 @@ def place(source: list[str], owner: str | None, name: str) -> int | None:
         if owner is not None and source[k].startswith("}"):
             return None
         own = re.match(rf"{indent}(pub )?fn (\w+)[<(]", source[k])
-        head = "".join(source[max(0, k - 4) : k])
+        head = "".join(source[max(0, k - 7) : k])
         renamed = re.search(rf'\(name = "{name}"', head) is not None
         if own and (own[2] == name or renamed) and (owner is not None or "#[pyfunction]" in head):
             return k

@@ -20,8 +20,7 @@ fn recorded(names: &[&str]) -> Vec<ObservedAssembly> {
     let files: Vec<_> = names.iter().map(|name| sample("yade/recorder").join(name)).collect();
     // Two grains have passed through each other, so that YADE has let go of them: they overlap and have no interaction.
     let files: Vec<_> = files.iter().map(|file| (file.clone(), ReadOptions::default())).collect();
-    let contacts =
-        ContactOptions::default().with_names(None, Some("no-contacts"), None, None).unwrap();
+    let contacts = ContactOptions::default().with_names(None, Some("no-contacts"), None, None).unwrap();
     Formats::standard().read_results(&files, &JoinOptions::default().with_contacts(contacts)).unwrap()
 }
 

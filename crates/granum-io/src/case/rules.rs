@@ -23,7 +23,9 @@ const OF_LAW: [&str; 4] = ["grains", "contact", "material", "pair"];
 impl Rule {
     /// True if it concerns the contact law and the grains alone, and neither their preparation nor a test.
     pub(super) fn is_of_law(&self) -> bool {
-        self.fields.iter().all(|field| field.split('.').next().is_some_and(|section| OF_LAW.contains(&section)))
+        self.fields
+            .iter()
+            .all(|field| field.split('.').next().is_some_and(|section| OF_LAW.contains(&section)))
     }
 }
 

@@ -5,8 +5,8 @@ use granum_core::{Part, Parts};
 
 use super::contact_table::{ContactOptions, ContactTable};
 use super::join::{connect, wrap};
-use super::rounding;
 use super::result::{FileContact, FrameCell, ObservedAssembly};
+use super::rounding;
 use crate::packing::plausible::{self, Found};
 use crate::packing::{Implausible, ImplausiblePlace};
 
@@ -67,8 +67,7 @@ impl ObservedAssembly {
             remarks = held.remarks;
             (assembly.contacts, parts) = connect(&assembly, parts, &held.pairs, &held.places)?;
         }
-        let observed =
-            ObservedAssembly { remarks, ..ObservedAssembly::new(assembly, parts, [0.0; 3]) };
+        let observed = ObservedAssembly { remarks, ..ObservedAssembly::new(assembly, parts, [0.0; 3]) };
         Ok(observed.with_contacts_by_geometry())
     }
 }

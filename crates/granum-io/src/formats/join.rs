@@ -192,7 +192,9 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     };
     let mut remarks = frame.remarks;
     if frame.cell.is_some() && options.cell.is_some() {
-        remarks.push(Remark::set_right("the file has its own cell, and the one that is given beside it is not used"));
+        remarks.push(Remark::set_right(
+            "the file has its own cell, and the one that is given beside it is not used",
+        ));
     }
     let bodies = frame.bodies;
     if let Some(mut pairs) = contacts {
@@ -206,8 +208,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         }
         let body_of = |grain: usize| bodies.get(&assembly.grains[grain].id).copied();
         let options = options.contacts;
-        let table =
-            ContactTable { assembly: &assembly, parts, rounding, body_of: &body_of, options };
+        let table = ContactTable { assembly: &assembly, parts, rounding, body_of: &body_of, options };
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
         (assembly.contacts, parts) = (connected, known);
     }

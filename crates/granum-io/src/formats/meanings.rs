@@ -75,7 +75,8 @@ mod tests {
     fn noted(bodies: &[f64], kinds: &[f64]) -> Frame {
         let mut frame = Frame::default();
         frame.grains = (1..=bodies.len() as u64).map(|id| Grain { id, ..Grain::default() }).collect();
-        let meaning = |(body, kind): (&f64, &f64)| Meanings { body: Some(*body), kind: Some(kind.to_string()) };
+        let meaning =
+            |(body, kind): (&f64, &f64)| Meanings { body: Some(*body), kind: Some(kind.to_string()) };
         let meanings: Vec<Meanings> = bodies.iter().zip(kinds).map(meaning).collect();
         note(&mut frame, &meanings, ("mol", 0.0), "type");
         frame

@@ -212,8 +212,7 @@ mod tests {
                     images.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z].map(f64::from)))
                 }) {
                     let shift = cell.map_or([0.0; 3], |edges| apply(edges, n));
-                    let apart: Vector =
-                        std::array::from_fn(|a| positions[j][a] - positions[i][a] + shift[a]);
+                    let apart: Vector = std::array::from_fn(|a| positions[j][a] - positions[i][a] + shift[a]);
                     if dot(&apart, &apart).sqrt() < radii[i] + radii[j] {
                         pairs.push((i, j));
                     }

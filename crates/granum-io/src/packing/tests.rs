@@ -36,8 +36,7 @@ fn what_is_written_reads_back_bit_for_bit() {
         [[1.0, 0.2, 0.1], [0.0, 1.0, -0.3], [0.0, 0.0, 1.0]],
         [[1.0, 0.2, 0.1], [0.1, 1.0, -0.3], [0.0, 0.05, 1.0 / 3.0]],
     ] {
-        let packing =
-            Packing::new([-0.1, 0.0, 0.1], cell, grains.clone());
+        let packing = Packing::new([-0.1, 0.0, 0.1], cell, grains.clone());
         crate::write_packing(&path, &packing).unwrap();
         assert_eq!(crate::read_packing(&path).unwrap(), packing);
     }

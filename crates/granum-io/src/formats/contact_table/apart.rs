@@ -92,10 +92,8 @@ fn across_the_world(table: &ContactTable, row: &Row) -> Implausible {
          count their ids from another number"
             .to_string()
     };
-    let message = format!(
-        "is one of centres that are {} sums of the radii apart: {remedy}",
-        three_digits(distance)
-    );
+    let message =
+        format!("is one of centres that are {} sums of the radii apart: {remedy}", three_digits(distance));
     Implausible::new(ImplausiblePlace::Contact(row.number), message, "")
 }
 

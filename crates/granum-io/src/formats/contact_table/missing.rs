@@ -23,7 +23,8 @@ pub(super) fn check(table: &ContactTable, mut rows: Vec<Row>, remarks: &mut Vec<
     }
     let missing = missing_pairs(table, &rows);
     let overlap = |pair: &(usize, Neighbour)| pair.1.overlap;
-    let Some((first, largest)) = missing.iter().copied().max_by(|a, b| overlap(a).total_cmp(&overlap(b))) else {
+    let Some((first, largest)) = missing.iter().copied().max_by(|a, b| overlap(a).total_cmp(&overlap(b)))
+    else {
         return Ok(rows);
     };
     if largest.overlap <= table.rounding.max(NOTABLE * median_overlap(&rows)) {

@@ -54,11 +54,7 @@ impl ContactTable<'_> {
     ///
     /// # Errors
     /// For what cannot be decided, with the option that decides it.
-    pub(super) fn hold(
-        &self,
-        pairs: Vec<FileContact>,
-        places: Vec<[usize; 2]>,
-    ) -> Result<Held, Implausible> {
+    pub(super) fn hold(&self, pairs: Vec<FileContact>, places: Vec<[usize; 2]>) -> Result<Held, Implausible> {
         let mut remarks = Vec::new();
         let rows: Vec<Row> = pairs.into_iter().zip(places).enumerate().map(|row| self.row(row)).collect();
         let rows = branches::check(self, rows, &mut remarks)?;

@@ -75,10 +75,12 @@ fn choose<T: Copy>(
 ) -> Result<(), (&'static str, String)> {
     let Some(name) = name else { return Ok(()) };
     let all: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
-    *into = Some(names.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
-        let near = nearest(name, all.iter().copied()).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
-        (option, format!("{name:?} is not possible{near}; possible are {}", all.join(" and ")))
-    })?);
+    *into =
+        Some(names.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
+            let near = nearest(name, all.iter().copied())
+                .map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+            (option, format!("{name:?} is not possible{near}; possible are {}", all.join(" and ")))
+        })?);
     Ok(())
 }
 

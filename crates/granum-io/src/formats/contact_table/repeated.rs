@@ -112,4 +112,3 @@ fn whole_force(row: &Row) -> Option<Vector> {
     let tangential = tangential.unwrap_or_default();
     normal.map(|normal| std::array::from_fn(|a| tangential[a] - normal * along[a]))
 }
-

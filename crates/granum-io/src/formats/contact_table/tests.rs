@@ -84,7 +84,9 @@ fn a_pair_counts_once_in_whatever_direction_it_is_repeated() {
     let rows = vec![pair(1, 2, -3.0), pair(2, 3, -4.0), pair(2, 1, 3.0), pair(2, 3, -4.0)];
     let (assembly, _, remarks) = read(rows, ContactOptions::default()).unwrap();
     assert_eq!(forces(&assembly), [3.0, 4.0]);
-    assert!(remarks[0].text.contains("2 rows repeat a pair that stands in the table before, in both directions"));
+    assert!(
+        remarks[0].text.contains("2 rows repeat a pair that stands in the table before, in both directions")
+    );
     // A second force of the same pair is a part of it, or wrong.
     let rows = || vec![pair(1, 2, -3.0), pair(2, 3, -4.0), pair(1, 2, -1.0)];
     let refused = read(rows(), ContactOptions::default()).unwrap_err();
@@ -169,8 +171,7 @@ fn ids_from_zero_are_seen_where_the_grains_have_none() {
 
 #[test]
 fn answers_that_are_not_possible_are_refused_by_name() {
-    let (option, why) =
-        ContactOptions::default().with_names(Some("contact"), None, None, None).unwrap_err();
+    let (option, why) = ContactOptions::default().with_names(Some("contact"), None, None, None).unwrap_err();
     assert_eq!(option, "pairs-apart");
     assert!(why.contains("did you mean contacts?"), "{why}");
 }

@@ -109,9 +109,14 @@ impl<'a> Source<'a> {
             let table = parquet::read(path, None)?;
             let names = table.names().map(str::to_string).collect();
             let cell = stored_cell::read_cell(path)?;
-            return Source::from_columns(path, options, names, cell, |_| Ok(table), |name| {
-                parquet::read_with_words(path, Some(&[name]))
-            });
+            return Source::from_columns(
+                path,
+                options,
+                names,
+                cell,
+                |_| Ok(table),
+                |name| parquet::read_with_words(path, Some(&[name])),
+            );
         }
         let (cell, names) = packing_csv::cell_and_names(path)?;
         let numbers = |wanted: &[&str]| csv::read(path, Some(wanted));

@@ -48,7 +48,8 @@ impl TaskExecution {
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
-                let of_file = packing.remarks.iter().map(|remark| format!("{}: {}", path.shown(), remark.text));
+                let of_file =
+                    packing.remarks.iter().map(|remark| format!("{}: {}", path.shown(), remark.text));
                 for remark in of_file.chain(from_packing::remarks(case, path, why_not.as_deref())) {
                     observer.warn(&remark);
                     note(record, remark);
