@@ -44,22 +44,6 @@ use crate::table::{SERIES, Table};
     *paths, cell=None, density=None, time_step=None, columns=None, case=None, allow_outside=false, pairs_apart=None, missing_pairs=None,
     contact_forces=None, repeated_pairs=None
 ))]
-/// Reads results of other programs, as `granum measure` does: an assembly for each instant.
-///
-/// These are dumps and data files of LAMMPS and LIGGGHTS, texts and VTK of YADE, `.data`, `.fstat` and restart files of MercuryDPM, extended
-/// XYZ, GSD, packings, and tables (CSV, Parquet) of grains and of contacts. Files that belong together are joined. Everything is in SI units,
-/// or in a consistent system of units.
-///
-/// What files do not say can be given: three lengths of a periodic `cell` or the matrix whose columns are its edges, the `density` of
-/// the grains, the `time_step` between numbered steps, and names of the `columns` of a file whose head has none of use, by the name of
-/// the file (`-` for what is to be passed over). Grains whose file has no contacts touch where they overlap; with a `case` the contact law
-/// gives the forces of a packing. With `allow_outside` a file may name files outside its own folder.
-///
-/// A table of contacts is held against the grains beside it. What was set right is in `remarks` of the assembly; what is doubtful is also a
-/// `granum.RunWarning`. What cannot be decided is refused, until its owner says what pairs are that do not touch (`pairs_apart`: `"contacts"`
-/// or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
-/// that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
-/// (`repeated_pairs`: `"first"` or `"sum"`).
 pub fn read(
     py: Python<'_>,
     paths: Vec<PathBuf>,

@@ -67,7 +67,14 @@ def test_what_a_file_does_not_have_is_not_invented() -> None:
 
 
 @pytest.mark.parametrize(
-    "files", [["yade/packing.txt"], ["liggghts/grains.dump"], ["mercury/box.data", "mercury/box.fstat"], ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp"], ["yade/spheres.vtk", "yade/contacts.vtk"]]
+    "files",
+    [
+        ["yade/packing.txt"],
+        ["liggghts/grains.dump"],
+        ["mercury/box.data", "mercury/box.fstat"],
+        ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp", "liggghts/grains-boundingBox_6000.vtr"],
+        ["yade/spheres.vtk", "yade/contacts.vtk", "yade/cell.vtk"],
+    ],
 )
 def test_files_of_each_program_are_measured_as_the_program_does(files: list[str]) -> None:
     paths = [FILES / file for file in files]
@@ -162,7 +169,7 @@ def test_arrays_of_anyone_become_an_assembly(tmp_path: pathlib.Path) -> None:
     assert granum.read(tmp_path / "pair.csv")[0].contacts.tolist() == [[0, 1]]
     with pytest.raises(granum.FileError, match="has no cell"):
         granum.write(tmp_path / "bare.csv", granum.Assembly(positions, radii))
-    assert granum.Assembly(positions, radii).parts == ["positions", "radii"]
+    assert granum.Assembly(positions, radii).parts == ["positions", "radii", "contacts", "overlaps"]
     granum.write(tmp_path / "pair.parquet", pair)
     assert granum.Table.read(tmp_path / "pair.parquet").columns == ["id", "position_x", "position_y", "position_z", "radius"]
     # The metadata of the file hold the cell.

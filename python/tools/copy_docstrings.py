@@ -57,7 +57,7 @@ def written(source: list[str], at: int, text: str) -> list[str]:
     """The lines of a file with another comment of documentation before the item of a line."""
     indent = re.match(r" *", source[at])[0]  # type: ignore[index]
     first = at
-    while source[first - 1].startswith((f"{indent}#[", f"{indent}///")) or source[first - 1].startswith(f"{indent}    ") or source[first - 1] == f"{indent})]":
+    while source[first - 1].startswith((f"{indent}#[", f"{indent}///")) or source[first - 1].startswith(f"{indent}    ") or source[first - 1] in (f"{indent})]", f"{indent}))]"):
         first -= 1
     kept = [line for line in source[first:at] if not line.startswith(f"{indent}///")]
     lines = [f"{indent}/// {line}".rstrip() for line in inspect.cleandoc(text).splitlines()]

@@ -57,7 +57,13 @@ impl ObservedAssembly {
                 let message = format!("names the grain {place}; there are {count}, from 0");
                 return Err(Implausible::new(ImplausiblePlace::Contact(k), message, ""));
             }
-            let pair = |(_, force): &PairOfGrains| FileContact { force: *force, ..FileContact::default() };
+            // Messages name grains by their places in the arrays.
+            let pair = |([i, j], force): &PairOfGrains| FileContact {
+                first: *i as u64,
+                second: *j as u64,
+                force: *force,
+                ..FileContact::default()
+            };
             let pairs: Vec<FileContact> = contacts.iter().map(pair).collect();
             let places: Vec<[usize; 2]> = contacts.iter().map(|(places, _)| *places).collect();
             let rounding = rounding::of_places(assembly.grains.iter().map(|grain| grain.position));

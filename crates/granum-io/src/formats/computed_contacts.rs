@@ -9,26 +9,26 @@ use super::result::ObservedAssembly;
 use crate::packing::near::{NearGrains, Neighbour};
 
 impl ObservedAssembly {
-    /// The same with contacts where the data have none but radii: grains that overlap touch, in any cell or none, except those of one
-    /// body. Overlaps are known then, forces are not.
+    /// The same with contacts where the data have none but radii: grains that overlap touch, in any cell or none. Overlaps are known then,
+    /// forces are not. How many contacts are inside bodies of several spheres is remarked.
     pub fn with_contacts_by_geometry(mut self) -> ObservedAssembly {
-        if self.parts.has(Part::Contacts) || self.parts.missing(&[Part::Positions, Part::Radii]) != [] {
+        if self.parts.has(Part::Contacts) || !self.parts.missing(&[Part::Positions, Part::Radii]).is_empty() {
             return self;
         }
         let grains = &self.assembly.grains;
         let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
         let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
         let cell = self.parts.has(Part::Cell).then_some(&self.assembly.cell);
-        let mut touching = NearGrains::new(cell, &positions, &radii).touching(0.0);
-        let all = touching.len();
+        let touching = NearGrains::new(cell, &positions, &radii).touching(0.0);
         let body = |grain: usize| self.bodies.get(&grains[grain].id);
-        touching.retain(|(at, near)| body(*at).is_none() || body(*at) != body(near.grain));
-        if touching.len() < all {
-            let what = match all - touching.len() {
-                1 => "1 overlap of grains of one body is no contact".to_string(),
-                inside => format!("{inside} overlaps of grains of one body are no contacts"),
-            };
-            self.remarks.push(Remark::set_right(what));
+        let inside =
+            touching.iter().filter(|(at, near)| body(*at).is_some() && body(*at) == body(near.grain)).count();
+        if inside > 0 {
+            self.remarks.push(Remark::doubtful(format!(
+                "{inside} of the {} contacts computed from the overlaps of spheres {} inside a body",
+                touching.len(),
+                if inside == 1 { "is" } else { "are" }
+            )));
         }
         self.assembly.contacts = touching.into_iter().map(contact).collect();
         self.parts = self.parts.with(Part::Contacts).with(Part::Overlaps);
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_contacts_or_no_radii_stays_and_bodies_have_none_inside() {
+    fn what_has_contacts_or_no_radii_stays_and_contacts_inside_bodies_are_said() {
         let mut read = three(false);
         read.parts = read.parts.with(Part::Contacts);
         assert!(!read.with_contacts_by_geometry().contacts_are_computed);
@@ -87,7 +87,7 @@ mod tests {
         let mut dimer = three(true);
         dimer.bodies = [(1, 7), (2, 7)].into();
         let dimer = dimer.with_contacts_by_geometry();
-        assert_eq!(dimer.assembly.contacts.len(), 1);
-        assert!(dimer.remarks[0].text.contains("1 overlap of grains of one body"));
+        assert_eq!(dimer.assembly.contacts.len(), 2);
+        assert!(dimer.remarks[0].text.starts_with("1 of the 2 contacts"), "{:?}", dimer.remarks);
     }
 }

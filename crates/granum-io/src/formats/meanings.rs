@@ -73,8 +73,8 @@ mod tests {
     use super::*;
 
     fn noted(bodies: &[f64], kinds: &[f64]) -> Frame {
-        let mut frame = Frame::default();
-        frame.grains = (1..=bodies.len() as u64).map(|id| Grain { id, ..Grain::default() }).collect();
+        let grains = (1..=bodies.len() as u64).map(|id| Grain { id, ..Grain::default() }).collect();
+        let mut frame = Frame { grains, ..Frame::default() };
         let meaning =
             |(body, kind): (&f64, &f64)| Meanings { body: Some(*body), kind: Some(kind.to_string()) };
         let meanings: Vec<Meanings> = bodies.iter().zip(kinds).map(meaning).collect();

@@ -9,6 +9,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::Grain;
 
+use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::error::{Error, Result};
@@ -72,6 +73,7 @@ fn frame(words: &mut Words) -> Result<Frame> {
     }
     let mut frame = Frame { time: Some(words.number(1, "the time")?), ..Frame::default() };
     frame.cell = Some(FrameCell::between(low, high));
+    let mut meanings = Vec::with_capacity(count.min(1 << 20));
     for id in 0..count {
         words.need("a particle")?;
         if words.len() != COLUMNS {
@@ -87,7 +89,9 @@ fn frame(words: &mut Words) -> Result<Frame> {
             ..Grain::default()
         });
         frame.lines.push(words.line_number());
+        meanings.push(Meanings { body: None, kind: Some(words.word(COLUMNS - 1).to_string()) });
     }
+    meanings::note(&mut frame, &meanings, ("", 0.0), "of the species");
     frame.knows(&[Part::Positions, Part::Velocities, Part::Spins, Part::Radii]);
     Ok(frame)
 }

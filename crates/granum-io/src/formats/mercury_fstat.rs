@@ -1,10 +1,11 @@
 //! `.fstat` files of MercuryDPM: three lines of comments for each time, then for each contact `time i j x y z overlap
 //! tangential_overlap normal_force tangential_force nx ny nz tx ty tz`.
 //!
-//! The file contains every contact of two particles twice, once for each particle; it is read once. `i` and `j` are the positions of the
+//! The file contains every contact of two particles twice, once for each particle; it is read once, from whichever of the two is there. `i` and `j` are the positions of the
 //! particles in the list of the `.data` file, counted from 0; contacts with walls (a negative `j`) do not occur in a periodic cell and
 //! are refused. The normal points from `j` to `i`, and both forces act on `i`.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use super::result::{FileContact, Frame, ReadOptions, ResultFormat};
@@ -42,11 +43,12 @@ impl ResultFormat for MercuryFstat {
                 frames.push(Frame { time: Some(time), contacts: Some(Vec::new()), ..Frame::default() });
             }
             let pair = pair(&words)?;
-            if let (Some(pair), Some(contacts)) =
-                (pair, frames.last_mut().and_then(|frame| frame.contacts.as_mut()))
-            {
+            if let Some(contacts) = frames.last_mut().and_then(|frame| frame.contacts.as_mut()) {
                 contacts.push(pair);
             }
+        }
+        for contacts in frames.iter_mut().filter_map(|frame| frame.contacts.as_mut()) {
+            leave_out_mirrored(contacts);
         }
         if frames.is_empty() {
             return Err(Error::content(path, "has no contacts"));
@@ -55,8 +57,16 @@ impl ResultFormat for MercuryFstat {
     }
 }
 
-/// The contact of a line; none for its second appearance.
-fn pair(words: &Words) -> Result<Option<FileContact>> {
+/// Leaves out the second appearance of each contact, once for each particle.
+fn leave_out_mirrored(contacts: &mut Vec<FileContact>) {
+    let first: HashSet<(u64, u64)> = (contacts.iter().filter(|pair| pair.first < pair.second))
+        .map(|pair| (pair.first, pair.second))
+        .collect();
+    contacts.retain(|pair| pair.first < pair.second || !first.contains(&(pair.second, pair.first)));
+}
+
+/// The contact of a line.
+fn pair(words: &Words) -> Result<FileContact> {
     if words.len() != 16 {
         let message = format!("the contact has {} columns; 16 are needed", words.len());
         return Err(words.error(message));
@@ -68,14 +78,11 @@ fn pair(words: &Words) -> Result<Option<FileContact>> {
         );
     }
     let (first, second) = (words.whole(1, "i")?, words.whole(2, "j")?);
-    if first > second {
-        return Ok(None);
-    }
     let (normal_force, tangential_force) =
         (words.number(8, "the normal force")?, words.number(9, "the tangential force")?);
     let (n, t) =
         (words.vector(10, "a component of the normal")?, words.vector(13, "a component of the tangent")?);
-    Ok(Some(FileContact {
+    Ok(FileContact {
         first,
         second,
         normal: Some(n.map(|x| -x)),
@@ -83,5 +90,5 @@ fn pair(words: &Words) -> Result<Option<FileContact>> {
         normal_force: Some(normal_force),
         tangential_force: Some(t.map(|x| tangential_force * x)),
         ..FileContact::default()
-    }))
+    })
 }

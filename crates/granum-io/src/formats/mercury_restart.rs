@@ -9,6 +9,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
+use super::meanings::{self, Meanings};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
@@ -30,6 +31,7 @@ impl ResultFormat for MercuryRestart {
         let mut words = Words::open(path)?;
         let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
         let mut frame = Frame { contacts: Some(Vec::new()), ..Frame::default() };
+        let mut meanings = Vec::new();
         let (mut all_masses, mut is_periodic) = (true, [false; 3]);
         while words.advance_to_text()? {
             let at = |name: &str| words.words().position(|word| word == name);
@@ -52,6 +54,8 @@ impl ResultFormat for MercuryRestart {
                 all_masses &= grain.mass > 0.0;
                 frame.grains.push(grain);
                 frame.lines.push(words.line_number());
+                let kind = at("indSpecies").map(|place| words.word(place + 1).to_string());
+                meanings.push(Meanings { body: None, kind });
             } else if let Some(place) = at("particleIds") {
                 let pair = pair(&words, place)?;
                 frame.contacts.get_or_insert_default().push(pair);
@@ -60,6 +64,7 @@ impl ResultFormat for MercuryRestart {
         if frame.grains.is_empty() {
             return Err(Error::content(path, "is no restart file with particles"));
         }
+        meanings::note(&mut frame, &meanings, ("", 0.0), "indSpecies");
         let has_cell = is_periodic.iter().all(|is| *is);
         if has_cell && (0..3).any(|a| high[a] <= low[a]) {
             return Err(Error::content(path, "has periodic boundaries without a distance between them"));

@@ -10,7 +10,7 @@ pub struct Remark {
 }
 
 impl Remark {
-    /// What was certain and has been set right.
+    /// What was certain and has been set right, or is only to be known.
     pub fn set_right(text: impl Into<String>) -> Remark {
         Remark { text: text.into(), doubtful: false }
     }

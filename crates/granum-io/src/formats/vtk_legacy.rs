@@ -12,6 +12,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 
+use super::meanings::{self, Meanings};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
@@ -116,6 +117,14 @@ impl Content {
             return Err(Error::content(path, format!("sphere {k}: radius = {} must be positive", radii[k])));
         }
         frame.knows(&[Part::Positions, Part::Radii]);
+        let optional = |name: &str| self.scalars.get(name).filter(|values| values.len() == count);
+        let (bodies, kinds) = (optional("clumpId"), optional("materialId").or(optional("matId")));
+        let meaning = |k: usize| Meanings {
+            body: bodies.map(|values| values[k]),
+            kind: kinds.map(|values| values[k].to_string()),
+        };
+        let meanings: Vec<Meanings> = (0..count).map(meaning).collect();
+        meanings::note(&mut frame, &meanings, ("clumpId", -1.0), "materialId");
         if self.scalars.contains_key("mass") {
             let masses = self.scalar(path, "mass", count)?;
             frame.grains.iter_mut().zip(masses).for_each(|(grain, mass)| grain.mass = mass);

@@ -22,9 +22,11 @@ pub struct YadeText;
 /// Columns of `SpherePack.save`.
 const BARE: &str = "x_y_z_r";
 /// Names of columns; the mask is passed over.
-const COLUMNS: [&str; 8] = ["x", "y", "z", "r", "id", MATERIAL, "mask", CLUMP];
+const COLUMNS: [&str; 9] = ["x", "y", "z", "r", "id", MATERIAL, "mask", CLUMP, CLUMP_ID];
 const MATERIAL: &str = "matId";
 const CLUMP: &str = "clump";
+/// The name that scripts of users give it.
+const CLUMP_ID: &str = "clumpId";
 
 impl ResultFormat for YadeText {
     fn name(&self) -> &'static str {
@@ -85,7 +87,7 @@ fn periodic(words: &Words) -> Result<FrameCell> {
 fn meaning(words: &Words, columns: &[String]) -> Meanings {
     let place = |name: &str| columns.iter().position(|column| column == name);
     let is_saved = columns.len() == 4 && words.len() == 5;
-    let body = place(CLUMP).or(is_saved.then_some(4));
+    let body = place(CLUMP).or_else(|| place(CLUMP_ID)).or(is_saved.then_some(4));
     Meanings {
         body: body.and_then(|at| words.word(at).parse().ok()),
         kind: place(MATERIAL).map(|at| words.word(at).to_string()),

@@ -185,6 +185,13 @@ fn mercury_files_give_each_contact_once_with_its_force() {
     let [contact] = found.assembly.contacts[..] else { panic!("{:?}", found.assembly.contacts) };
     assert_eq!((contact.i, contact.j, contact.normal), (0, 1, [-1.0, 0.0, 0.0]));
     assert!((contact.branch[0] + 0.9).abs() < 1e-12);
+    // A file with the second line of the contact alone says the same.
+    let mirrored: Vec<&str> =
+        fstat.lines().enumerate().filter(|(k, _)| *k != 3).map(|(_, line)| line).collect();
+    let half = written(folder.path(), "half.fstat", &mirrored.join("\n"));
+    let again = &read(&[files[0].clone(), half])[0];
+    assert_eq!(again.assembly.contacts.len(), 1);
+    assert_eq!(again.assembly.contacts[0].force(), [-7.0, -2.0, 0.0]);
     // Pushed along x by 7 N and dragged along y by 2 N.
     assert_eq!(contact.force(), [7.0, 2.0, 0.0]);
     assert_eq!(found.assembly.time, 0.5);

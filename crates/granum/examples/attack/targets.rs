@@ -217,7 +217,10 @@ pub const ALL: &[Target] = &[
             line("measure results/yade/recorder/rough-125200.vtm", Calm),
             line("measure results/yade/recorder/smooth-125200.vtm --density 2650", Calm),
             line("measure results/yade/spheres.vtk results/yade/contacts.vtk results/yade/cell.vtk", Calm),
-            line("measure results/liggghts/grains-6000.vtp results/liggghts/contacts-6000.vtp", Calm),
+            line(
+                "measure results/liggghts/grains-6000.vtp results/liggghts/contacts-6000.vtp results/liggghts/grains-boundingBox_6000.vtr",
+                Calm,
+            ),
         ],
         weight: 5,
     },

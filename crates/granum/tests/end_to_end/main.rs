@@ -40,6 +40,7 @@ mod several_runs;
 mod sixteen_cases;
 mod stages;
 mod tables;
+mod tables_of_others;
 mod tests_of_grains;
 mod tutorial;
 mod unexplained;

@@ -7,8 +7,12 @@ use super::{ContactOptions, ContactTable, Outcome, PairsApart, count_of};
 use crate::formats::remark::Remark;
 use crate::packing::{Implausible, ImplausiblePlace};
 
+/// Widest gap across which adhesion and bridges of liquid usually act, in sums of the radii.
+const USUAL_GAP: f64 = 0.1;
+
 pub(super) fn check(table: &ContactTable, rows: Vec<Row>, remarks: &mut Vec<Remark>) -> Outcome {
     let all = rows.len();
+    remark_on_unknown(&rows, remarks);
     let gap = |row: &Row| row.gap().filter(|gap| *gap > 0.0);
     let (without, rows): (Vec<Row>, Vec<Row>) =
         rows.into_iter().partition(|row| gap(row).is_some() && row.is_without_force());
@@ -27,16 +31,29 @@ pub(super) fn check(table: &ContactTable, rows: Vec<Row>, remarks: &mut Vec<Rema
     let is_apart = |row: &Row| gap(row).is_some_and(|gap| gap > table.rounding);
     let forces: Vec<&Row> = rows.iter().filter(|row| is_apart(row) && row.has_force()).collect();
     if let Some(widest) = widest(&forces) {
-        remarks.push(Remark::doubtful(format!(
+        let text = format!(
             "{} of {} {} a force across a gap, at most {} m between {}: they count as contacts, as bridges of liquid or adhesion make them",
             count_of(forces.len(), "pair", "pairs"),
             rows.len(),
             if forces.len() == 1 { "has" } else { "have" },
             three_digits(widest.gap().unwrap_or(0.0)),
             widest.of_grains(),
-        )));
+        );
+        let is_wide = widest.gap().zip(widest.radii).is_some_and(|(gap, radii)| gap > USUAL_GAP * radii);
+        remarks.push(if is_wide { Remark::doubtful(text) } else { Remark::set_right(text) });
     }
     without_forces(table, rows, is_apart, remarks)
+}
+
+/// Without radii it cannot be seen whether pairs without a force touch.
+fn remark_on_unknown(rows: &[Row], remarks: &mut Vec<Remark>) {
+    let unknown = rows.iter().filter(|row| row.radii.is_none() && row.is_without_force()).count();
+    if unknown > 0 {
+        remarks.push(Remark::doubtful(format!(
+            "{unknown} of {} pairs of the table have no force, and without radii it cannot be seen whether they touch: they count as contacts",
+            rows.len()
+        )));
+    }
 }
 
 /// Pairs that are apart, of whose forces the table says nothing.

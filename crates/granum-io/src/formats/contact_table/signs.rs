@@ -6,13 +6,17 @@ use crate::formats::remark::Remark;
 use crate::packing::{Implausible, ImplausiblePlace};
 
 pub(super) fn check(table: &ContactTable, mut rows: Vec<Row>, remarks: &mut Vec<Remark>) -> Outcome {
-    let overlaps = |row: &&Row| row.gap().is_some_and(|gap| gap < -table.rounding);
+    // Without radii every pair counts as one that overlaps.
+    let overlaps = |row: &&Row| row.gap().is_none_or(|gap| gap < -table.rounding);
     let normal = |row: &Row| row.forces().0.filter(|force| *force != 0.0);
     let mut normals = rows.iter().filter(overlaps).filter_map(normal).peekable();
     if normals.peek().is_none() || normals.any(|force| force > 0.0) {
         return Ok(rows);
     }
-    let what = "every pair that overlaps is in tension";
+    let what = match rows.iter().any(|row| row.radii.is_some()) {
+        true => "every pair that overlaps is in tension",
+        false => "every pair is in tension",
+    };
     match table.options.contact_forces {
         Some(ContactForces::AsGiven) => {
             remarks.push(Remark::doubtful(format!("{what}; the forces count as they are")));

@@ -175,3 +175,14 @@ fn answers_that_are_not_possible_are_refused_by_name() {
     assert_eq!(option, "pairs-apart");
     assert!(why.contains("did you mean contacts?"), "{why}");
 }
+
+#[test]
+fn without_radii_pairs_without_a_force_are_named_and_tension_everywhere_is_asked_for() {
+    let mut points = grains();
+    points.parts = Parts::new(&[Part::Positions]);
+    let of = |rows| read_with(points.clone(), rows, ContactOptions::default());
+    let (assembly, _, remarks) = of(vec![pair(1, 2, -3.0), pair(3, 4, 0.0)]).unwrap();
+    assert_eq!(assembly.contacts.len(), 2);
+    assert!(remarks[0].doubtful && remarks[0].text.starts_with("1 of 2 pairs of the table have no force"));
+    assert!(of(vec![pair(1, 2, 3.0)]).unwrap_err().contains("every pair is in tension"));
+}

@@ -8,6 +8,7 @@ use granum_core::geometry::determinant;
 
 use super::document::{Array, Document, GridCell, Shape};
 use crate::error::{Error, Result};
+use crate::formats::meanings::{self, Meanings};
 use crate::formats::result::{FileContact, Frame, FrameCell};
 
 /// The frame that a document holds.
@@ -18,7 +19,8 @@ pub(super) fn frame(path: &Path, document: &Document) -> Result<Frame> {
         frame = grains(path, document)?;
     }
     let of_lines = Table::new(&document.cell_data, Some(&lines));
-    if of_lines.has(&FIRST) && of_lines.has(&SECOND) {
+    // A file of grains alone has the arrays of contacts as well, without rows.
+    if of_lines.has(&FIRST) && of_lines.has(&SECOND) && !lines.is_empty() {
         frame.contacts = Some(pieces(path, document, &lines)?);
     } else if of_lines.has(&["forceN"]) {
         (frame.contacts, frame.centres) = recorded(path, document, &lines)?;
@@ -129,6 +131,16 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
         frame.grains.push(Grain { id: id as u64, position, radius, ..Grain::default() });
     }
     frame.knows(&[Part::Positions, Part::Radii]);
+    let (clumps, molecules) = (scalars(&["clumpId"])?, scalars(&["molecule", "mol", "id_multisphere"])?);
+    let kinds = scalars(&["type", "materialId"])?;
+    let value = |values: &Option<Vec<f64>>, k: usize| values.as_ref().map(|values| values[k]);
+    let meaning = |k: usize| Meanings {
+        body: value(&clumps, k).or(value(&molecules, k)),
+        kind: value(&kinds, k).map(|kind| kind.to_string()),
+    };
+    let meanings: Vec<Meanings> = (0..count).map(meaning).collect();
+    let of_bodies = if clumps.is_some() { ("clumpId", -1.0) } else { ("of the molecule", 0.0) };
+    meanings::note(&mut frame, &meanings, of_bodies, "of the type");
     if let Some(masses) = scalars(&["mass"])?.filter(|masses| masses.iter().all(|mass| *mass > 0.0)) {
         frame.grains.iter_mut().zip(masses).for_each(|(grain, mass)| grain.mass = mass);
         frame.knows(&[Part::Masses]);
