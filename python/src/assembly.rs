@@ -16,8 +16,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{self, Array, Field, FieldKind, Records};
 use crate::detached::detached;
 use crate::errors;
-use crate::files::warned;
-use crate::observed::{Arrays, from_arrays};
+use crate::observed::{Arrays, from_arrays, warned};
 use crate::table;
 
 /// All grains and contacts at one moment, in the order of the ids of the grains. Every array is read-only and shows no later step.
@@ -155,6 +154,7 @@ impl Assembly {
         cell: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Assembly> {
         warned(positions.py(), from_arrays(&Arrays { positions, radii, contacts, forces, cell })?)
+            .map(Assembly::from)
     }
 
     /// What was set right in the data that were read, and what is doubtful in them, as sentences.

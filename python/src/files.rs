@@ -18,7 +18,7 @@ use crate::assembly::Assembly;
 use crate::case::case_of;
 use crate::detached::detached;
 use crate::errors;
-use crate::observed::edges;
+use crate::observed::{edges, warned};
 use crate::quantity;
 use crate::run::Run;
 use crate::table::{SERIES, Table};
@@ -90,7 +90,8 @@ pub fn read(
         let packing = detached(py, || formats.read_packing(first))?;
         let packing = packing.map_err(|error| errors::of_file(py, &error, false))?;
         let found = detached(py, || observed_packing(&packing, case.as_ref()))?;
-        return Ok(vec![warned(py, found.map_err(|error| errors::of_laboratory(py, &error))?)?]);
+        return warned(py, found.map_err(|error| errors::of_laboratory(py, &error))?)
+            .map(|one| vec![Assembly::from(one)]);
     }
     let columns_of =
         |path: &PathBuf| named.iter().find(|(known, _)| known == path).map(|(_, names)| names.clone());
@@ -103,9 +104,10 @@ pub fn read(
             found.pop().ok_or_else(|| errors::of_file(py, &Error::content(first, "has no grains"), false))?;
         let packing = last.packing(first).map_err(|error| errors::of_file(py, &error, false))?;
         let of_packing = detached(py, || observed_packing(&packing, Some(&case)))?;
-        return Ok(vec![warned(py, of_packing.map_err(|error| errors::of_laboratory(py, &error))?)?]);
+        return warned(py, of_packing.map_err(|error| errors::of_laboratory(py, &error))?)
+            .map(|one| vec![Assembly::from(one)]);
     }
-    found.into_iter().map(|one| warned(py, one.with_contacts_by_geometry())).collect()
+    found.into_iter().map(|one| warned(py, one.with_contacts_by_geometry()).map(Assembly::from)).collect()
 }
 
 /// What cannot be decided of tables of contacts, by the names of the answers.
@@ -117,16 +119,6 @@ fn contact_options(py: Python<'_>, answers: [Option<&str>; 4]) -> PyResult<Conta
         let value = answers.iter().flatten().next().copied().unwrap_or_default();
         errors::of_value(py, &key, value, why)
     })
-}
-
-/// The assembly, after warnings of what is doubtful in it.
-pub fn warned(py: Python<'_>, observed: ObservedAssembly) -> PyResult<Assembly> {
-    let class = py.import("granum.errors")?.getattr("RunWarning")?;
-    for remark in observed.remarks.iter().filter(|remark| remark.doubtful) {
-        let text = std::ffi::CString::new(remark.text.replace('\0', " "))?;
-        PyErr::warn(py, &class, &text, 1)?;
-    }
-    Ok(Assembly::from(observed))
 }
 
 /// The edges of a cell: three lengths, each of which may have a unit, or a matrix.

@@ -8,8 +8,7 @@ use pyo3::prelude::*;
 use crate::assembly::{self, answer};
 use crate::detached::detached;
 use crate::errors;
-use crate::files::warned;
-use crate::observed::{Arrays, from_arrays};
+use crate::observed::{Arrays, from_arrays, warned};
 use crate::table;
 
 /// The values of every sensor for which arrays of anyone suffice, by column.
@@ -29,8 +28,7 @@ pub fn measure<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     if let Some(radii) = radii {
         let found = warned(py, from_arrays(&Arrays { positions, radii, contacts, forces, cell })?)?;
-        let assembly = found.inner();
-        let measured = detached(py, || Sensors::standard().measure(&assembly, found.known()))?;
+        let measured = detached(py, || Sensors::standard().measure(&found.assembly, found.parts))?;
         return answer(py, &measured).map(Bound::into_any);
     }
     if contacts.is_some() || forces.is_some() || cell.is_some() {

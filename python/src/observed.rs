@@ -75,6 +75,16 @@ pub fn from_arrays(arrays: &Arrays<'_, '_>) -> PyResult<ObservedAssembly> {
     })
 }
 
+/// The assembly, after warnings of what is doubtful in it.
+pub fn warned(py: Python<'_>, observed: ObservedAssembly) -> PyResult<ObservedAssembly> {
+    let class = py.import("granum.errors")?.getattr("RunWarning")?;
+    for remark in observed.remarks.iter().filter(|remark| remark.doubtful) {
+        let text = std::ffi::CString::new(remark.text.replace('\0', " "))?;
+        PyErr::warn(py, &class, &text, 1)?;
+    }
+    Ok(observed)
+}
+
 /// The edge matrix of a cell: three lengths, or a matrix whose columns are the edges.
 pub fn edges(cell: &Bound<'_, PyAny>) -> PyResult<Matrix> {
     let (numbers, shape) = arrays::numbers("cell", cell)?;

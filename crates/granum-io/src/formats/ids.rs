@@ -4,9 +4,9 @@ use granum_core::assembly::Assembly;
 use granum_core::geometry::length;
 use granum_core::{Part, Parts};
 
-use super::join::nearest_image;
 use super::remark::Remark;
 use super::result::FileContact;
+use crate::packing::lattice::nearest_image;
 
 /// Lets contacts whose ids count from 0 name grains that are numbered from 1. That they do is certain where one names the grain 0; where
 /// neither the first nor the last number occurs, it is so if more pairs then touch.

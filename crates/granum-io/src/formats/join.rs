@@ -3,7 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Contact, Grain, Matrix, Vector};
+use crate::packing::lattice::nearest_image;
+use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
@@ -278,36 +279,6 @@ pub(super) fn wrap(grains: &mut [Grain], cell: &FrameCell) {
         grain.position =
             if shift == [0.0; 3] { from_corner } else { std::array::from_fn(|a| from_corner[a] - moved[a]) };
     }
-}
-
-/// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.
-pub(super) fn nearest_image(edges: &Matrix, apart: Vector) -> Vector {
-    if invert(edges).iter().flatten().any(|x| !x.is_finite()) {
-        return apart;
-    }
-    let nearest = nearest_in(edges, apart);
-    // In a skewed cell the shortest may be farther than the neighbouring images.
-    match lattice::less_skewed(edges, 0.0) {
-        Some(reduced) => nearest_in(&reduced, nearest),
-        None => nearest,
-    }
-}
-
-/// The shortest vector among the images next to the one that is nearest by fractions of the edges.
-fn nearest_in(edges: &Matrix, apart: Vector) -> Vector {
-    let middle = apply(&invert(edges), apart).map(f64::round);
-    let mut best = (f64::INFINITY, apart);
-    for n in 0..27 {
-        let shift =
-            std::array::from_fn(|a| middle[a] + [n % 3, n / 3 % 3, n / 9].map(|k| f64::from(k) - 1.0)[a]);
-        let moved = apply(edges, shift);
-        let vector: Vector = std::array::from_fn(|a| apart[a] - moved[a]);
-        let square = dot(&vector, &vector);
-        if square < best.0 {
-            best = (square, vector);
-        }
-    }
-    best.1
 }
 
 /// The contacts of a file, which names their grains by ids, held against the grains; and what is then known.

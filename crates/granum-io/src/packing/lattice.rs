@@ -2,7 +2,7 @@
 //! search in.
 
 use granum_core::Cell;
-use granum_core::geometry::{Matrix, Vector, determinant, dot};
+use granum_core::geometry::{Matrix, Vector, apply, determinant, dot, invert};
 
 /// Largest number of edges that are replaced. Each replacement at least halves what is left of a skewness, which a number of 64 bits can
 /// hold some thousand times.
@@ -35,6 +35,36 @@ pub(crate) fn less_skewed(edges: &Matrix, largest_radius: f64) -> Option<Matrix>
     let length = |column: usize| edges.iter().map(|row| row[column] * row[column]).sum::<f64>().sqrt();
     let skewness = (0..3).map(length).product::<f64>() / determinant(edges).abs();
     (skewness > MOST_SKEWED || narrow < 2.0 * largest_radius).then(|| reduced(edges))
+}
+
+/// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.
+pub(crate) fn nearest_image(edges: &Matrix, apart: Vector) -> Vector {
+    if invert(edges).iter().flatten().any(|x| !x.is_finite()) {
+        return apart;
+    }
+    let nearest = nearest_in(edges, apart);
+    // In a skewed cell the shortest may be farther than the neighbouring images.
+    match less_skewed(edges, 0.0) {
+        Some(reduced) => nearest_in(&reduced, nearest),
+        None => nearest,
+    }
+}
+
+/// The shortest vector among the images next to the one that is nearest by fractions of the edges.
+fn nearest_in(edges: &Matrix, apart: Vector) -> Vector {
+    let middle = apply(&invert(edges), apart).map(f64::round);
+    let mut best = (f64::INFINITY, apart);
+    for n in 0..27 {
+        let shift =
+            std::array::from_fn(|a| middle[a] + [n % 3, n / 3 % 3, n / 9].map(|k| f64::from(k) - 1.0)[a]);
+        let moved = apply(edges, shift);
+        let vector: Vector = std::array::from_fn(|a| apart[a] - moved[a]);
+        let square = dot(&vector, &vector);
+        if square < best.0 {
+            best = (square, vector);
+        }
+    }
+    best.1
 }
 
 /// Edges of the same lattice whose determinant is positive: of left-handed ones each is turned round.

@@ -2,8 +2,9 @@
 
 use granum_core::quantity::format_number;
 
+use super::options::{ContactOptions, PairsApart};
 use super::row::Row;
-use super::{ContactOptions, ContactTable, Outcome, PairsApart, count_of};
+use super::table::{ContactTable, Outcome, count_of};
 use crate::formats::remark::Remark;
 use crate::packing::{Implausible, ImplausiblePlace};
 

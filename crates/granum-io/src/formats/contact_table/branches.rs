@@ -4,9 +4,9 @@ use granum_core::assembly::Vector;
 use granum_core::geometry::{dot, length};
 
 use super::row::Row;
-use super::{ContactTable, Outcome, count_of};
-use crate::formats::join::nearest_image;
+use super::table::{ContactTable, Outcome, count_of};
 use crate::formats::remark::Remark;
+use crate::packing::lattice::nearest_image;
 use crate::packing::{Implausible, ImplausiblePlace};
 
 /// How far a branch may be from the distance of the centres, in sums of the radii: programs find contacts a step before they move grains.

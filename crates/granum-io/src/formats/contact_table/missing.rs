@@ -6,8 +6,9 @@ use granum_core::Part;
 use granum_core::assembly::Vector;
 
 use super::apart::three_digits;
+use super::options::{ContactOptions, MissingPairs};
 use super::row::{Row, radii_of};
-use super::{ContactOptions, ContactTable, MissingPairs, Outcome, count_of};
+use super::table::{ContactTable, Outcome, count_of};
 use crate::formats::remark::Remark;
 use crate::formats::result::FileContact;
 use crate::packing::near::{NearGrains, Neighbour};

@@ -12,33 +12,21 @@ mod options;
 mod repeated;
 mod row;
 mod signs;
+mod table;
 #[cfg(test)]
 mod tests;
 
-use granum_core::assembly::Assembly;
-use granum_core::{Part, Parts};
+use granum_core::Part;
 
 use self::row::{Row, radii_of};
-use super::join::nearest_image;
 use super::remark::Remark;
 use super::result::FileContact;
 use crate::packing::Implausible;
+use crate::packing::lattice::nearest_image;
+
+pub(super) use table::ContactTable;
 
 pub use options::{ContactForces, ContactOptions, MissingPairs, PairsApart, RepeatedPairs};
-
-/// A table of contacts, and what it is held against.
-pub(super) struct ContactTable<'a> {
-    /// The grains, in their cell.
-    pub(super) assembly: &'a Assembly,
-    /// What of them is known.
-    pub(super) parts: Parts,
-    /// Largest error of a distance by the rounding of the numbers, m.
-    pub(super) rounding: f64,
-    /// The body of each grain that is part of one with others, by the place of the grain.
-    pub(super) body_of: &'a dyn Fn(usize) -> Option<u64>,
-    /// Answers to what cannot be decided.
-    pub(super) options: ContactOptions,
-}
 
 /// The rows that count, each with the places of its grains in their list, and what was set right or is doubtful.
 pub(super) struct Held {
@@ -46,8 +34,6 @@ pub(super) struct Held {
     pub(super) places: Vec<[usize; 2]>,
     pub(super) remarks: Vec<Remark>,
 }
-
-type Outcome = Result<Vec<Row>, Implausible>;
 
 impl ContactTable<'_> {
     /// Holds rows, each with the places of its grains in their list, against the grains.
@@ -72,13 +58,4 @@ impl ContactTable<'_> {
         let radii = self.parts.has(Part::Radii).then(|| radii_of(self.assembly, grains));
         Row { number, pair, grains, branch, radii }
     }
-
-    fn has_cell(&self) -> bool {
-        self.parts.has(Part::Cell)
-    }
-}
-
-/// "1 pair" or "3 pairs".
-fn count_of(count: usize, one: &str, several: &str) -> String {
-    if count == 1 { format!("1 {one}") } else { format!("{count} {several}") }
 }

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use granum_core::assembly::Vector;
 use granum_core::geometry::length;
 
+use super::options::{ContactOptions, RepeatedPairs};
 use super::row::Row;
-use super::{ContactOptions, ContactTable, Outcome, RepeatedPairs, count_of};
+use super::table::{ContactTable, Outcome, count_of};
 use crate::formats::remark::Remark;
 use crate::packing::{Implausible, ImplausiblePlace};
 

@@ -1,7 +1,8 @@
 //! Forces that pull in every row, although the grains overlap.
 
+use super::options::{ContactForces, ContactOptions};
 use super::row::Row;
-use super::{ContactForces, ContactOptions, ContactTable, Outcome};
+use super::table::{ContactTable, Outcome};
 use crate::formats::remark::Remark;
 use crate::packing::{Implausible, ImplausiblePlace};
 
