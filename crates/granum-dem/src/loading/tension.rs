@@ -4,8 +4,8 @@
 //! stretched. Its lowest value is the tensile strength along this path: that is the result of the stage, which ends there. A sample
 //! without adhesion has none.
 //!
-//! The lowest value is followed in every step, by goals that lie half a per cent below the one before, so that it does not
-//! depend on when the stage is looked at.
+//! The lowest value is followed in every step, by goals that lie half a per cent below the one before, and noted at these and at the
+//! checks only, so that it does not depend on when the stage is looked at. It is known to half a per cent.
 
 use serde::{Deserialize, Serialize};
 
@@ -90,8 +90,12 @@ impl Tension {
     /// Notes the present state; the reason for the end of the stage if the sample is torn. `steps` have been made since its start.
     pub(super) fn note(&mut self, state: &State, steps: u64) -> Option<Reason> {
         let macro_state = state.macro_state();
-        self.lowest = self.lowest.min(self.measure.value(&macro_state));
-        if steps > 0 && steps.is_multiple_of(CHECK_EVERY) && state.step() != self.looked_at {
+        let is_check = steps > 0 && steps.is_multiple_of(CHECK_EVERY) && state.step() != self.looked_at;
+        // A state that is looked at for another reason, as one that is recorded, must not decide.
+        if is_check || self.goal().has_come(&macro_state) {
+            self.lowest = self.lowest.min(self.measure.value(&macro_state));
+        }
+        if is_check {
             self.looked_at = state.step();
             let is_empty = state.contact_stress() <= self.nothing();
             self.torn_checks = match self.is_torn(state, &macro_state, is_empty) {

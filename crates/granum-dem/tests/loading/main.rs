@@ -43,16 +43,17 @@ fn prepared(normal: NormalKind, interface_energy: f64) -> Simulation {
     prepare(&specification, &mut NoObserver).unwrap().simulation
 }
 
-/// Records stress and strain at intervals of 2e-4 of the record's measure; stops at a given step.
+/// Records stress and strain at equal intervals of the record's measure; stops at a given step.
 struct Notes {
     next: f64,
+    interval: f64,
     taken: Vec<(Matrix, Matrix)>,
     stop_at: u64,
 }
 
 impl Default for Notes {
     fn default() -> Self {
-        Notes { next: 2e-4, taken: Vec::new(), stop_at: u64::MAX }
+        Notes { next: 2e-4, interval: 2e-4, taken: Vec::new(), stop_at: u64::MAX }
     }
 }
 
@@ -62,7 +63,7 @@ impl SimulationObserver for Notes {
     }
     fn observe(&mut self, simulation: &Simulation) {
         self.taken.push((simulation.state().stress(), simulation.state().strain()));
-        self.next += 2e-4;
+        self.next += self.interval;
     }
     fn progress(&mut self, progress: &SimulationProgress) -> Flow {
         if progress.steps >= self.stop_at { Flow::Stop } else { Flow::Continue }

@@ -124,3 +124,21 @@ fn a_tensile_strength_is_the_same_after_a_checkpoint() {
     assert_eq!(ending, Ending::Complete(ends[0].reason));
     assert!(straight.state() == stopped.state());
 }
+
+/// What is recorded on the way changes neither the strength nor the step at which it is known.
+#[test]
+fn a_tensile_strength_does_not_depend_on_what_is_recorded() {
+    // So slowly that the stress changes by less than the resolution of the strength in a step.
+    let mut unloaded = adhesive();
+    run(&mut unloaded, &[isotropic(Target::held(0.0), vec![REST], true)]);
+    let stage = isotropic(Target::ramp(Ramp::To(-3e3)), vec![Until::RampOver], false);
+    let [often, never] = [2e-7, f64::INFINITY].map(|interval| {
+        let mut sample = unloaded.clone();
+        let mut progress = begin(&stage, &mut sample).unwrap();
+        let mut notes = Notes { next: interval, interval, ..Notes::default() };
+        let ending = follow(&stage, &mut progress, &mut sample, &mut notes).unwrap();
+        (ending, sample.state().step(), notes.taken.len())
+    });
+    assert!(often.2 > 500 && never.2 == 0, "{often:?} {never:?}");
+    assert_eq!((often.0, often.1), (never.0, never.1));
+}
