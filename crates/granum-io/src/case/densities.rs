@@ -1,10 +1,13 @@
 //! Densities that no sample can have: they are refused before anything is simulated.
 //!
-//! Upwards: spheres of equal sizes fill at most pi/sqrt(18) = 0.7405 of space (Kepler; Hales 2005). Mixtures of spheres whose
-//! diameters differ by less than a factor of 1.515 have no denser packing that is known, and with a factor up to 1 + sqrt(2), where the
-//! small ones fit into the holes of the close packing of the large ones, 0.793 (Hopkins, Stillinger and Torquato 2012). Broader mixtures are not
-//! limited here. Where grains are pressed into each other, these bounds grow with the overlap of contacts that carry four times `p d^2`.
-//! Compaction reaches less: 0.64 or so without order.
+//! Upwards: spheres of equal sizes fill at most pi/sqrt(18) = 0.7405 of space (Kepler; Hales 2005), which is proven. For mixtures nothing as low
+//! is proven, and two limits are assumed, both far above what compaction reaches. Diameters that differ by a factor of up to 1.5 have the limit
+//! of equal spheres: denser mixtures of two sizes are described for larger factors (Marshall and Hudson 2010: for every one from 1/0.623 = 1.605
+//! on), and compaction without friction reaches 0.644 (1000 grains of two sizes, 30 % of the mass fine). With a factor up to 1 + sqrt(2), where the small
+//! spheres fit into the octahedral holes of the close packing of the large ones, the limit is that packing's
+//! (5/3 - sqrt(2)) pi = 0.793, conjectured to be the densest of these two sizes (Fernique et al. 2025, arXiv:2505.14110); compaction reaches 0.688
+//! there. Broader mixtures are not limited here. Where grains are pressed into each other, these bounds grow with the overlap of contacts that
+//! carry four times `p d^2`. Compaction of equal spheres reaches 0.64 or so without order.
 //!
 //! Downwards: spheres without adhesion and without resistance to rolling carry no stress below a solid fraction of `4/(4 + 2 sqrt(3))` = 0.536,
 //! however large their friction is (Song, Wang and Makse 2008). Small samples scatter about it, by 0.016 as taken here.
@@ -17,9 +20,10 @@ use super::definition::Case;
 
 /// Solid fraction of the close packing of equal spheres, pi/sqrt(18).
 const CLOSE_PACKING: f64 = 0.740_480_489_693_061;
-/// Ratio of diameters up to which no denser packing is known.
-const NEARLY_EQUAL: f64 = 1.515;
-/// Ratio of diameters at which the small spheres fit into the octahedral holes of the close packing, with the solid fraction of that.
+/// Ratio of diameters up to which mixtures are taken to be no denser than equal spheres.
+const NEARLY_EQUAL: f64 = 1.5;
+/// Ratio of diameters at which the small spheres fit into the octahedral holes of the close packing, 1 + sqrt(2), with the solid fraction
+/// of that, (5/3 - sqrt(2)) pi.
 const FILLED_HOLES: [f64; 2] = [2.414, 0.793];
 /// Solid fraction below which spheres carry no stress by friction alone, less the scatter of small samples.
 const CARRIES: f64 = 0.52;
