@@ -304,7 +304,7 @@ fn ready_plans_are_written_with_their_cases() {
         // Long runs are few.
         let least = match name {
             "random-paths-cycles" => 4,
-            "flow-function" => 12,
+            "flow-function" => 9,
             _ => 40,
         };
         assert!(runs["runs"].as_array().unwrap().len() >= least, "{runs}");
