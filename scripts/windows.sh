@@ -195,8 +195,8 @@ name() {
     printf '%-9s a folder named %.60s\n' "$word" "\"$1\""
     if [ "$word" = refused ]; then head -3 name.log | sed 's/^/          /'; fi
 }
-for folder in CON NUL com1 aux.txt 'ends.' 'ends ' 'a:b' 'question?' "$(printf 'long-%.0s' {1..40})/$(printf 'path-%.0s' {1..40})"; do
-    name "$folder"
+for reserved in CON NUL com1 aux.txt 'ends.' 'ends ' 'a:b' 'question?' "$(printf 'long-%.0s' {1..40})/$(printf 'path-%.0s' {1..40})"; do
+    name "$reserved"
 done
 
 cd - > /dev/null
