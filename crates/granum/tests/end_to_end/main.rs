@@ -28,6 +28,8 @@ mod mechanics;
 mod mixed;
 #[cfg(unix)]
 mod moved_folders;
+#[cfg(unix)]
+mod moved_studies;
 mod names;
 mod networks;
 mod nothing_lost;

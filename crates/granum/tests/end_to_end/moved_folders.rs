@@ -21,7 +21,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Refuses a folder of which a file holds the path of the folder above, which the test gave as an absolute one.
-fn holds_no_path(folder: &Path, here: &Path) {
+pub fn holds_no_path(folder: &Path, here: &Path) {
     let path = here.as_os_str().as_encoded_bytes();
     for file in files(folder) {
         let bytes = fs::read(&file).unwrap();
@@ -34,7 +34,7 @@ fn holds_no_path(folder: &Path, here: &Path) {
     }
 }
 
-fn copy(from: &Path, to: &Path) {
+pub fn copy(from: &Path, to: &Path) {
     for file in files(from) {
         let place = to.join(file.strip_prefix(from).unwrap());
         fs::create_dir_all(place.parent().unwrap()).unwrap();
@@ -43,14 +43,14 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// Starts a command and kills it, with the processes that it has started, as soon as a file is there.
-fn killed_when(here: &Path, is_there: impl Fn() -> bool, arguments: &[&str]) {
+pub fn killed_when(here: &Path, is_there: impl Fn() -> bool, arguments: &[&str]) {
     use std::os::unix::process::CommandExt;
     let mut command = Command::new(env!("CARGO_BIN_EXE_granum"));
     command.args(arguments).current_dir(here).stdout(Stdio::null()).stderr(Stdio::null());
     let mut child = command.process_group(0).spawn().unwrap();
     let since = Instant::now();
     while !is_there() {
-        assert!(since.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none());
+        assert!(since.elapsed() < Duration::from_secs(300) && child.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_micros(200));
     }
     assert!(
