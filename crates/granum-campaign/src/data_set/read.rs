@@ -219,7 +219,8 @@ impl DataSet {
         let list = self.states.lists.iter().position(|list| list.name == density_name(name))?;
         let states = rows.map(|state| {
             let counts = starts.list(&self.states.lists, list, state).iter();
-            let counts = counts.map(|density| (density * bin_width * totals[state]).round() as u64).collect();
+            let counts =
+                counts.map(|density| libm::round(density * bin_width * totals[state]) as u64).collect();
             let (below, above) = (below[state] as u64, above[state] as u64);
             Histogram { bin_width, first_bin: first_bin as i64, counts, below, above }
         });

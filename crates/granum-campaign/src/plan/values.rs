@@ -110,7 +110,7 @@ fn between_bounds([from, to]: [f64; 2], logarithmic: bool, share: f64) -> f64 {
 /// A number with six digits, or the nearest multiple of a step: values that can be read in a table and written by hand.
 pub(super) fn rounded(number: f64, step: Option<f64>) -> f64 {
     let text = match step {
-        Some(step) => format!("{:.11e}", (number / step).round() * step),
+        Some(step) => format!("{:.11e}", libm::round(number / step) * step),
         None => format!("{number:.5e}"),
     };
     text.parse().unwrap_or(number)
@@ -130,7 +130,7 @@ fn within(number: f64, step: f64, [from, to]: [f64; 2]) -> f64 {
 
 /// The smallest and the largest whole number of steps in a range, up to the rounding of its bounds; none if no multiple lies in it.
 pub(super) fn multiples([from, to]: [f64; 2], step: f64) -> Option<[f64; 2]> {
-    let nearest = |bound: f64| (bound / step).round();
+    let nearest = |bound: f64| libm::round(bound / step);
     let at = |bound: f64| is_bound(rounded(nearest(bound) * step, Some(step)), bound);
     let first = if at(from) { nearest(from) } else { (from / step).ceil() };
     let last = if at(to) { nearest(to) } else { (to / step).floor() };
