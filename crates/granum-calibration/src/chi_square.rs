@@ -56,8 +56,8 @@ mod tests {
             (37.697_298_218_353_8, 15, 0.001),
             (233.994_269_4, 200, 0.05),
         ] {
-            let found = share_above(x, degrees);
-            assert!((found / share - 1.0).abs() < 1e-6, "{x} {degrees}: {found}");
+            let share_there = share_above(x, degrees);
+            assert!((share_there / share - 1.0).abs() < 1e-6, "{x} {degrees}: {share_there}");
         }
         assert_eq!(
             (share_above(0.0, 4), share_above(3.0, 0), share_above(f64::INFINITY, 3)),

@@ -240,13 +240,18 @@ test = \"lateral_stress\"
             case
         };
         let longer = "[[stage]]\npath = \"isotropic\"\nmean_stress = \"50 kPa\"\n";
-        let told = found(&[like(longer), like(longer)]).unwrap().remarks.join("\n");
-        assert!(told.contains("the earlier runs have stage.2.mean_stress = 50000, which"), "{told}");
-        let run = like("");
-        let told = Differences::new(&file(), &like(longer), &[("a", &run)]).unwrap().remarks.join("\n");
+        let remarks_joined = found(&[like(longer), like(longer)]).unwrap().remarks.join("\n");
         assert!(
-            told.contains("the earlier runs have no stage.2.mean_stress, which is 50000 in the file"),
-            "{told}"
+            remarks_joined.contains("the earlier runs have stage.2.mean_stress = 50000, which"),
+            "{remarks_joined}"
+        );
+        let run = like("");
+        let remarks_joined =
+            Differences::new(&file(), &like(longer), &[("a", &run)]).unwrap().remarks.join("\n");
+        assert!(
+            remarks_joined
+                .contains("the earlier runs have no stage.2.mean_stress, which is 50000 in the file"),
+            "{remarks_joined}"
         );
         let message = found(&[like(longer), like("")]).unwrap_err().to_string();
         assert!(message.contains("1 of 2 earlier runs have no stage.2."), "{message}");

@@ -113,8 +113,9 @@ impl Fit {
             None => None,
         };
         let curve = |(k, curve): (usize, &MeasuredCurve)| {
-            let own = confirmed.iter().filter(|one| one.test == curve.test && one.quantity == curve.quantity);
-            let simulated: Vec<f64> = own.map(|one| one.misfit).collect();
+            let of_curve =
+                confirmed.iter().filter(|one| one.test == curve.test && one.quantity == curve.quantity);
+            let simulated: Vec<f64> = of_curve.map(|one| one.misfit).collect();
             let mean = simulated.iter().sum::<f64>() / simulated.len() as f64;
             let misfit = checked.as_ref().map(|checked| checked.misfits[k]);
             let probability = checked.as_ref().map(|checked| checked.probabilities[k]);
@@ -376,17 +377,17 @@ mod tests {
     #[test]
     fn readings_that_nothing_explains_are_told_with_what_gives_way() {
         let right = judged(3.0, None);
-        let told = right.lines().join("\n");
-        assert!(told.contains("does not explain the deviator stress of T1"), "{told}");
-        assert!(told.contains("less than 1e-6") && told.contains("by 31 %"), "{told}");
+        let sentences = right.lines().join("\n");
+        assert!(sentences.contains("does not explain the deviator stress of T1"), "{sentences}");
+        assert!(sentences.contains("less than 1e-6") && sentences.contains("by 31 %"), "{sentences}");
         assert!(
-            told.contains("slope is at the upper bound of its prior") && told.contains("bound 3"),
-            "{told}"
+            sentences.contains("slope is at the upper bound of its prior") && sentences.contains("bound 3"),
+            "{sentences}"
         );
         // The inadequacy takes it all, and the parameter is free.
         let wide = judged(3.0, Some(Discrepancy::default()));
-        let told = wide.lines().join("\n");
-        assert!(told.contains("the inadequacy of the model in the deviator stress is"), "{told}");
+        let sentences = wide.lines().join("\n");
+        assert!(sentences.contains("the inadequacy of the model in the deviator stress is"), "{sentences}");
         assert!(!wide.explains() && wide.curves[0].probability.unwrap() < 0.01, "{wide:?}");
     }
 

@@ -309,15 +309,18 @@ mod tests {
         let few = targets(&file, &laboratory(MOST_TESTS)).unwrap();
         assert_eq!(few.len(), MOST_TESTS);
         let many = laboratory(MOST_TESTS + 1);
-        let told = targets(&file, &many).unwrap_err().to_string();
-        assert!(told.contains("201 tests would be calibrated on, and at most 200 are possible"), "{told}");
+        let message = targets(&file, &many).unwrap_err().to_string();
+        assert!(
+            message.contains("201 tests would be calibrated on, and at most 200 are possible"),
+            "{message}"
+        );
         // Of many tests a file may name a few, and predict as many again.
         file.calibration.tests = vec!["T7".into()];
         let one = targets(&file, &many).unwrap();
         assert_eq!(one[0].name, "T7");
         file.calibration.predict = PredictedTests::Others;
         assert_eq!(predicted(&file, &many, &one).unwrap().len(), MOST_TESTS);
-        let told = predicted(&file, &laboratory(MOST_TESTS + 2), &one).unwrap_err().to_string();
-        assert!(told.contains("201 tests would be predicted, and at most 200"), "{told}");
+        let message = predicted(&file, &laboratory(MOST_TESTS + 2), &one).unwrap_err().to_string();
+        assert!(message.contains("201 tests would be predicted, and at most 200"), "{message}");
     }
 }

@@ -44,9 +44,9 @@ pub fn check_varied(
         };
         used.push((free, varied));
         // A variable with a key has the values of the key.
-        let own = file.plan.variables.iter().find(|variable| variable.name == free.name);
-        let key = own.and_then(|variable| variable.keys.first()).map(|key| key.value.as_str());
-        let Some(k) = columns.iter().position(|(known, _)| Some(known.as_str()) == key) else { continue };
+        let variable = file.plan.variables.iter().find(|variable| variable.name == free.name);
+        let key = variable.and_then(|variable| variable.keys.first()).map(|key| key.value.as_str());
+        let Some(k) = columns.iter().position(|(column, _)| Some(column.as_str()) == key) else { continue };
         remarks.extend(covered(free, &columns[k], ranges[k])?);
     }
     for (i, (one, a)) in used.iter().enumerate() {

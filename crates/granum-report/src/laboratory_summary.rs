@@ -97,11 +97,12 @@ pub fn summary_table(all: &[LaboratorySummary]) -> Result<Table, TableError> {
         column("axial_strain_at_peak_deviator_stress", "", &|one| one.peak_strain),
         column("late_deviator_stress", "Pa", &|one| one.late),
     ];
-    let reported = MEASURES.iter().filter(|known| REPORTED.contains(&known.name));
-    for known in reported.filter(|known| all.iter().any(|one| one.measures.contains_key(known.name))) {
-        let unit = if known.unit == "1" { "" } else { known.unit };
-        columns
-            .push(column(known.name, unit, &|one| one.measures.get(known.name).copied().unwrap_or(f64::NAN)));
+    let reported = MEASURES.iter().filter(|measure| REPORTED.contains(&measure.name));
+    for measure in reported.filter(|measure| all.iter().any(|one| one.measures.contains_key(measure.name))) {
+        let unit = if measure.unit == "1" { "" } else { measure.unit };
+        columns.push(column(measure.name, unit, &|one| {
+            one.measures.get(measure.name).copied().unwrap_or(f64::NAN)
+        }));
     }
     for (k, strain) in SECANTS.iter().enumerate() {
         let name = format!("secant_modulus_at_{}_percent", 100.0 * strain).replace('.', "_");
@@ -140,23 +141,23 @@ mod tests {
 
     #[test]
     fn a_summary_by_hand() {
-        let found = LaboratorySummary::of_test(&test());
-        assert!((found.peak - 2e5).abs() < 1e-6 && (found.peak_strain - 0.05).abs() < 1e-12);
-        assert!((found.late - 1.5e5).abs() < 1e-6 && (found.largest_axial_strain - 0.2).abs() < 1e-12);
+        let summary = LaboratorySummary::of_test(&test());
+        assert!((summary.peak - 2e5).abs() < 1e-6 && (summary.peak_strain - 0.05).abs() < 1e-12);
+        assert!((summary.late - 1.5e5).abs() < 1e-6 && (summary.largest_axial_strain - 0.2).abs() < 1e-12);
         // s1 = 300 kPa, s3 = 100 kPa: sin phi = 1/2.
-        assert!((found.measures["peak_friction_angle"] - 30.0).abs() < 1e-9, "{found:?}");
+        assert!((summary.measures["peak_friction_angle"] - 30.0).abs() < 1e-9, "{summary:?}");
         // s1 = 250 kPa: sin phi = 150 / 350.
         let late = (150.0f64 / 350.0).asin().to_degrees();
-        assert!((found.measures["critical_friction_angle"] - late).abs() < 1e-9, "{found:?}");
+        assert!((summary.measures["critical_friction_angle"] - late).abs() < 1e-9, "{summary:?}");
         // D = 1/2: sin psi = 0.2, of logarithmic strains a little less at large strain.
         assert!(
-            (found.measures["largest_dilatancy_angle"] - 0.2f64.asin().to_degrees()).abs() < 0.2,
-            "{found:?}"
+            (summary.measures["largest_dilatancy_angle"] - 0.2f64.asin().to_degrees()).abs() < 0.2,
+            "{summary:?}"
         );
         // The logarithmic strain of 2.5 % is 2.53 %.
-        assert!((found.measures["secant_modulus_50"] / 4e6 - 0.9875).abs() < 2e-3, "{found:?}");
-        assert!(found.secant.iter().all(|modulus| (modulus / 4e6 - 1.0).abs() < 1e-9));
-        let table = summary_table(&[found]).unwrap();
+        assert!((summary.measures["secant_modulus_50"] / 4e6 - 0.9875).abs() < 2e-3, "{summary:?}");
+        assert!(summary.secant.iter().all(|modulus| (modulus / 4e6 - 1.0).abs() < 1e-9));
+        let table = summary_table(&[summary]).unwrap();
         assert_eq!(table.values("peak_deviator_stress").unwrap().len(), 1);
         assert!(table.values("secant_modulus_at_0_1_percent").is_some());
         assert!(table.values("peak_friction_angle").is_some() && table.values("cohesive").is_none());
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn what_curves_do_not_say_is_not_a_number() {
         let lacking = LaboratoryTest { deviator_stress: Vec::new(), volumetric_strain: Vec::new(), ..test() };
-        let found = LaboratorySummary::of_test(&lacking);
-        assert!(found.peak.is_nan() && found.late.is_nan() && found.measures.is_empty());
+        let summary = LaboratorySummary::of_test(&lacking);
+        assert!(summary.peak.is_nan() && summary.late.is_nan() && summary.measures.is_empty());
     }
 }

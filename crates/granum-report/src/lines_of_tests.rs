@@ -132,18 +132,18 @@ fn mark(points: Vec<[f64; 2]>, is_filled: bool) -> Layer {
 
 /// The envelope of the strength of cohesive grains as a table and a figure; `None` if no test is of cohesive grains.
 pub fn envelope(page: &mut Page, runs: &[RunReport]) -> Option<Markup> {
-    let found = Envelopes::of_tests(&tested(runs))?;
+    let envelopes = Envelopes::of_tests(&tested(runs))?;
     let caption = "Largest deviator stress of each test against the mean stress there: tests that take part (filled), others (hollow), and \
                    the envelope *q* = *M* *p* + *c* down to the isotropic tensile strength.";
-    let table_and_figure = found.envelope.map(|envelope| {
-        let figure = Figure::new("Envelope of the strength", 1, vec![Panel::plot(envelope_plot(&found))]);
+    let table_and_figure = envelopes.envelope.map(|envelope| {
+        let figure = Figure::new("Envelope of the strength", 1, vec![Panel::plot(envelope_plot(&envelopes))]);
         (envelope_table(page, &envelope), page.own_figure("strength-envelope", caption, &figure))
     });
     let remark = format!("{}.", capital(granum_run::strength::SECANT_REMARK));
     Some(html! {
         p { (rich(&literal(&remark))) }
         @if let Some((table, figure)) = table_and_figure { (table) (figure) }
-        (list_of_reasons(&found.tests))
+        (list_of_reasons(&envelopes.tests))
     })
 }
 
@@ -156,8 +156,10 @@ fn envelope_table(page: &mut Page, envelope: &StrengthEnvelope) -> Markup {
         "*c*, *q* at *p* = 0".into(),
         stress_with_error(envelope.intercept, envelope.intercept_error),
     ]);
-    table.row(vec!["friction angle".into(), format!("{:.1}°", envelope.friction_angle())]);
-    table.row(vec!["cohesion".into(), quantity(envelope.cohesion(), "Pa")]);
+    if let Some((angle, cohesion)) = envelope.friction_angle().zip(envelope.cohesion()) {
+        table.row(vec!["friction angle".into(), format!("{angle:.1}°")]);
+        table.row(vec!["cohesion".into(), quantity(cohesion, "Pa")]);
+    }
     table.row(vec!["isotropic tensile strength *c*/*M*".into(), quantity(envelope.tensile_strength(), "Pa")]);
     if let Some(strength) = envelope.unconfined_strength() {
         table.row(vec!["unconfined strength 3*c*/(3 − *M*)".into(), quantity(strength, "Pa")]);
@@ -171,7 +173,7 @@ fn envelope_table(page: &mut Page, envelope: &StrengthEnvelope) -> Markup {
     table.html()
 }
 
-fn envelope_plot(found: &Envelopes) -> Plot {
+fn envelope_plot(envelopes: &Envelopes) -> Plot {
     let points = |of: Vec<granum_run::strength::envelope::PeakState>| -> Vec<[f64; 2]> {
         of.iter().map(|state| [state.mean_stress, state.deviator_stress]).collect()
     };
@@ -179,14 +181,14 @@ fn envelope_plot(found: &Envelopes) -> Plot {
         Axis::new("Mean stress *p*").unit("Pa").including(0.0),
         Axis::new("Deviator stress *q*").unit("Pa").including(0.0),
     );
-    if let Some(envelope) = &found.envelope {
+    if let Some(envelope) = &envelopes.envelope {
         let ends = [-envelope.tensile_strength().max(0.0), envelope.range[1]];
         let drawn = ends.map(|p| [p, envelope.slope * p + envelope.intercept]).to_vec();
         plot = plot.with(Layer::stroked(drawn, Stroke::new(color(0), 1.6)).named("envelope"));
     }
     for (name, is_filled, points) in [
-        ("tests", true, points(taking_part(&found.tests))),
-        ("tests that do not take part", false, points(left_out(&found.tests))),
+        ("tests", true, points(taking_part(&envelopes.tests))),
+        ("tests that do not take part", false, points(left_out(&envelopes.tests))),
     ] {
         if !points.is_empty() {
             plot = plot.with(mark(points, is_filled).named(name));

@@ -43,7 +43,7 @@ pub(super) fn known(folder: &Path, made_of: &str) -> Result<Known> {
     }
     let damaged =
         |name: &str, what: &str| Ok(Known::Damaged(format!("{} {what}", folder.join(name).shown())));
-    let told: BTreeMap<&str, &str> = text
+    let sums: BTreeMap<&str, &str> = text
         .lines()
         .filter(|line| !line.starts_with('#'))
         .filter_map(|line| line.split_once("  "))
@@ -51,7 +51,7 @@ pub(super) fn known(folder: &Path, made_of: &str) -> Result<Known> {
         .collect();
     for name in WITH_SUMS {
         let is_there = folder.join(name).is_file();
-        match told.get(name) {
+        match sums.get(name) {
             Some(_) if !is_there => return damaged(name, "is missing"),
             Some(sum) if file_digest(&folder.join(name))? != **sum => {
                 return damaged(name, "was changed or damaged");
@@ -61,8 +61,8 @@ pub(super) fn known(folder: &Path, made_of: &str) -> Result<Known> {
             _ => {}
         }
     }
-    let sums = sums_of_tables(folder)?;
-    if sums_text(folder, made_of, &sums)? != text {
+    let tables = sums_of_tables(folder)?;
+    if sums_text(folder, made_of, &tables)? != text {
         return damaged(SUMS, "was changed or damaged");
     }
     // Times differ from machine to machine, so that they have no sum.
@@ -72,7 +72,7 @@ pub(super) fn known(folder: &Path, made_of: &str) -> Result<Known> {
     if read_table_with_words(folder.join(SECONDS_FILE), None).is_err() {
         return damaged(SECONDS_FILE, "was changed or damaged");
     }
-    Ok(Known::Whole(content_digest(&sums)))
+    Ok(Known::Whole(content_digest(&tables)))
 }
 
 /// SHA-256 of the files of runs and states.

@@ -25,8 +25,8 @@ impl Reader {
         let parameters = reference.parameters();
         let numbers: BTreeSet<&str> = parameters
             .iter()
-            .filter(|known| known.number().is_some())
-            .map(|known| known.key.as_str())
+            .filter(|parameter| parameter.number().is_some())
+            .map(|parameter| parameter.key.as_str())
             .collect();
         let is_unknown = |name: &&str| !names.contains(name) && !numbers.contains(name);
         let mut unknown: BTreeMap<&str, Range<usize>> = BTreeMap::new();
@@ -137,7 +137,7 @@ impl Reader {
             .map(|variable| variable.name.as_str())
             .collect();
         for row in rows {
-            let given: BTreeSet<&str> = row.cells.iter().map(|(name, _)| name.as_str()).collect();
+            let columns: BTreeSet<&str> = row.cells.iter().map(|(name, _)| name.as_str()).collect();
             let unknown = row
                 .cells
                 .iter()
@@ -145,7 +145,7 @@ impl Reader {
                 .map(|(name, _)| format!("{name} is no variable of the plan that a row can give"));
             let missing = plan.variables.iter().filter(|variable| variable.kind.is_free());
             let missing = missing
-                .filter(|variable| !given.contains(variable.name.as_str()))
+                .filter(|variable| !columns.contains(variable.name.as_str()))
                 .map(|variable| format!("the row has no value of {}", variable.name))
                 .next();
             if let Some(message) = unknown.or(missing) {

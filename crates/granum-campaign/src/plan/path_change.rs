@@ -9,7 +9,7 @@ use super::runs::{FIRST_STAGE, PlannedRuns, Refusal};
 type Settings = [(String, String)];
 
 /// The parameters of the first stage that settings give.
-fn given(settings: &Settings) -> Vec<&str> {
+fn parameters_of_stage(settings: &Settings) -> Vec<&str> {
     settings.iter().filter_map(|(key, _)| key.strip_prefix(FIRST_STAGE)).collect()
 }
 
@@ -48,7 +48,9 @@ impl Plan {
     pub(super) fn carried_over(&self, settings: &Settings) -> Result<Vec<(String, String)>, Refusal> {
         let Some(name) = path_in(settings).filter(|_| !self.has_new_stage()) else { return Ok(Vec::new()) };
         // A path that does not exist is told when the case of the run is made.
-        let Some(change) = self.case.path_exchange(name, &given(settings)) else { return Ok(Vec::new()) };
+        let Some(change) = self.case.path_exchange(name, &parameters_of_stage(settings)) else {
+            return Ok(Vec::new());
+        };
         if let Some(lost) = change.lost {
             let variable = self.variables.iter().find(|variable| variable.sets_path());
             let span = variable.map(|variable| variable.span.clone());
@@ -68,8 +70,8 @@ impl Plan {
     /// A sentence for each named path that runs of the plan have in place of the test of the base case: what of it remains, and what does
     /// not.
     pub fn replaced_tests(&self, planned: &PlannedRuns) -> Vec<String> {
-        let mut found = BTreeSet::new();
-        let own: BTreeSet<&str> = self
+        let mut sentences = BTreeSet::new();
+        let keys_of_plan: BTreeSet<&str> = self
             .variables
             .iter()
             .flat_map(|variable| &variable.keys)
@@ -80,16 +82,18 @@ impl Plan {
             let Some(name) = path_in(&run.settings) else { continue };
             // The run has what is carried over among its settings, so that it is asked about without them.
             let Some(all) = self.case.path_exchange(name, &[]) else { continue };
-            let now = given(&run.settings);
+            let now = parameters_of_stage(&run.settings);
             let of_run =
-                |key: &str| run.settings.iter().find(|(own, _)| own.strip_prefix(FIRST_STAGE) == Some(key));
-            let (mut kept, mut lost) = (Vec::new(), all.replaced.clone());
+                |key: &str| run.settings.iter().find(|(set, _)| set.strip_prefix(FIRST_STAGE) == Some(key));
+            let (mut carried, mut lost) = (Vec::new(), all.replaced.clone());
             // What the plan gives itself is told with its variables.
-            for (key, text) in
-                all.carried.iter().filter(|(key, _)| !own.contains(format!("{FIRST_STAGE}{key}").as_str()))
+            for (key, text) in all
+                .carried
+                .iter()
+                .filter(|(key, _)| !keys_of_plan.contains(format!("{FIRST_STAGE}{key}").as_str()))
             {
                 match of_run(key) {
-                    Some((_, own)) if own == text => kept.push((key.clone(), text.clone())),
+                    Some((_, now)) if now == text => carried.push((key.clone(), text.clone())),
                     // The plan gives it another value.
                     Some(_) => {}
                     None => lost.push((key.clone(), text.clone())),
@@ -102,14 +106,14 @@ impl Plan {
                 (None, true) => format!("path = {name} begins the stage of the base case anew"),
                 (None, false) => format!("path = {name} replaces {} of the base case", all.test),
             };
-            if !kept.is_empty() {
-                text += &format!("; {} of the base case stays", shown(&kept));
+            if !carried.is_empty() {
+                text += &format!("; {} of the base case stays", shown(&carried));
             }
             if !lost.is_empty() {
                 text += &format!("; {} of the base case does not", shown(&lost));
             }
-            found.insert(text);
+            sentences.insert(text);
         }
-        found.into_iter().collect()
+        sentences.into_iter().collect()
     }
 }

@@ -263,13 +263,13 @@ impl Plan {
 
     /// The numbers of the base case that an evaluation has asked for, each of which is looked up once.
     fn case_numbers(&self) -> impl Fn(&str) -> Option<f64> {
-        let known: RefCell<BTreeMap<String, Option<f64>>> = RefCell::default();
+        let numbers: RefCell<BTreeMap<String, Option<f64>>> = RefCell::default();
         move |name: &str| {
-            if let Some(number) = known.borrow().get(name) {
+            if let Some(number) = numbers.borrow().get(name) {
                 return *number;
             }
             let number = self.case_number(name);
-            known.borrow_mut().insert(name.to_string(), number);
+            numbers.borrow_mut().insert(name.to_string(), number);
             number
         }
     }

@@ -86,7 +86,7 @@ impl CaseStage {
                 }
                 if let (false, Some(driven)) = (until.is_empty(), driven(&stages)) {
                     // An end that the path has by itself gives way to one of the same kind.
-                    stages[driven].until.retain(|own| until.iter().all(|end| !own.is_of_kind(end)));
+                    stages[driven].until.retain(|usual| until.iter().all(|end| !usual.is_of_kind(end)));
                     stages[driven].until.extend(until);
                 }
                 stages

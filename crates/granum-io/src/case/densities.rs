@@ -37,9 +37,9 @@ pub(super) fn of_sample(case: &Case) -> Option<String> {
     let p = &case.preparation;
     let target = p.target()?;
     let measure = DensityMeasure::new(p);
-    let given = format!("preparation.{} = {}", measure.key(), format_number(measure.target(p)?));
+    let wanted = format!("preparation.{} = {}", measure.key(), format_number(measure.target(p)?));
     // As many digits as a person gives.
-    let told = |solid_fraction: f64| format!("{:.3}", measure.value(p, solid_fraction));
+    let shown = |solid_fraction: f64| format!("{:.3}", measure.value(p, solid_fraction));
     let name = measure.name();
     let (from, to) = match measure {
         DensityMeasure::VoidRatio => ("below", "above"),
@@ -47,19 +47,19 @@ pub(super) fn of_sample(case: &Case) -> Option<String> {
     };
     if let Some(densest) = densest(case).filter(|densest| target - p.solid_fraction_tolerance > *densest) {
         return Some(format!(
-            "{given} is denser than spheres of these sizes can be packed, in order or not: their {name} is never {from} {}; compaction reaches \
-             about {} without order (granum limits CASE finds what it reaches)",
-            told(densest),
-            told(RANDOM_PACKING)
+            "{wanted} is denser than spheres of these sizes can be packed, in order or not: their {name} is never {from} {}; compaction reaches \
+             about {} without order (granum limits CASE tells what it reaches)",
+            shown(densest),
+            shown(RANDOM_PACKING)
         ));
     }
     let too_loose = target + p.solid_fraction_tolerance < CARRIES && holds_by_friction_alone(case);
     too_loose.then(|| {
         format!(
-            "{given} is looser than spheres can be that carry a stress by friction alone: their {name} is never {to} {} or so; \
-             adhesion or resistance to rolling (contact.rolling, preparation.rolling_friction) makes looser samples, and granum limits CASE finds \
+            "{wanted} is looser than spheres can be that carry a stress by friction alone: their {name} is never {to} {} or so; \
+             adhesion or resistance to rolling (contact.rolling, preparation.rolling_friction) makes looser samples, and granum limits CASE tells \
              what compaction reaches",
-            told(CARRIES)
+            shown(CARRIES)
         )
     })
 }
@@ -162,8 +162,8 @@ mod tests {
                 &["solid_fraction = 0.45 is looser", "never below 0.520"],
             ),
         ] {
-            let found = message(&text);
-            assert!(parts.iter().all(|part| found.contains(part)), "{text}: {found}");
+            let refusal = message(&text);
+            assert!(parts.iter().all(|part| refusal.contains(part)), "{text}: {refusal}");
         }
     }
 

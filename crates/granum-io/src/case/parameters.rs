@@ -192,11 +192,11 @@ fn add_path(all: &mut Vec<CaseParameter>, place: &str, path: &Preset, given: &Gi
 /// The values of keys that a stage has beside its parameters, from their lines in a case file.
 fn add_text(all: &mut Vec<CaseParameter>, place: &str, lines: &str) {
     let Ok(table) = DeTable::parse(lines) else { return };
-    let mut found = BTreeMap::new();
+    let mut values = BTreeMap::new();
     for (key, value) in table.get_ref() {
-        flatten(&format!("{place}.{}", key.get_ref()), value.get_ref(), &mut found);
+        flatten(&format!("{place}.{}", key.get_ref()), value.get_ref(), &mut values);
     }
-    all.extend(found.into_iter().map(|(key, value)| CaseParameter::new(key, "", value)));
+    all.extend(values.into_iter().map(|(key, value)| CaseParameter::new(key, "", value)));
 }
 
 /// The values of a stage with explicit control, by the keys that a case file has for them.

@@ -24,7 +24,7 @@ pub struct PathExchange {
 }
 
 impl Case {
-    /// What becomes of the test of this case when the path `name` takes its place with the parameters `given` of its own
+    /// What becomes of the test of this case when the path `name` takes its place with the parameters `set` of its own
     /// ([`Case::with_path`]); `None` if there is no such path.
     ///
     /// ```
@@ -34,7 +34,7 @@ impl Case {
     /// assert_eq!(change.replaced, [("lateral_stress".to_string(), "100000".to_string())]);
     /// # Ok::<(), granum_io::Error>(())
     /// ```
-    pub fn path_exchange(&self, name: &str, given: &[&str]) -> Option<PathExchange> {
+    pub fn path_exchange(&self, name: &str, set: &[&str]) -> Option<PathExchange> {
         let new = self.vocabulary.paths().named(name)?;
         Some(match &self.test {
             CaseTest::Shear(_) => PathExchange {
@@ -43,7 +43,7 @@ impl Case {
                 ..PathExchange::default()
             },
             CaseTest::Stages(stages) => match stages.as_slice() {
-                [CaseStage::Path { path, parameters, .. }] => exchange(path, parameters, new, given),
+                [CaseStage::Path { path, parameters, .. }] => exchange(path, parameters, new, set),
                 [CaseStage::Control(_)] => PathExchange {
                     lost: Some("its stage with an explicit control".into()),
                     ..PathExchange::default()
@@ -64,23 +64,23 @@ impl Case {
     fn shear_keys_given(&self) -> Vec<(String, String)> {
         let usual = Case { vocabulary: self.vocabulary.clone(), ..Case::default() };
         let fields = self.fields();
-        let given = fields
+        let changed = fields
             .iter()
             .filter(|field| is_of_shear(&field.path()) && field.value(self) != field.value(&usual));
-        given.map(|field| (field.path(), field.shown(self))).collect()
+        changed.map(|field| (field.path(), field.shown(self))).collect()
     }
 }
 
-fn exchange(old: &Preset, parameters: &Given, new: &Preset, given: &[&str]) -> PathExchange {
+fn exchange(old: &Preset, parameters: &Given, new: &Preset, set: &[&str]) -> PathExchange {
     let mut change = PathExchange { test: old.name.to_string(), ..PathExchange::default() };
-    let sets_speed = given.iter().any(|key| SPEED.contains(key));
+    let sets_speed = set.iter().any(|key| SPEED.contains(key));
     for parameter in old.parameters() {
         let key = parameter.key;
-        let Some(value) = parameters.get(key).filter(|_| !given.contains(&key)) else { continue };
-        let own = new
+        let Some(value) = parameters.get(key).filter(|_| !set.contains(&key)) else { continue };
+        let same = new
             .parameter(key)
-            .filter(|own| is_alike(parameter, own) && !(sets_speed && SPEED.contains(&key)));
-        match (text(value), own) {
+            .filter(|same| is_alike(parameter, same) && !(sets_speed && SPEED.contains(&key)));
+        match (text(value), same) {
             (Some(text), Some(_)) => change.carried.push((key.to_string(), text)),
             (text, _) => change.replaced.push((key.to_string(), text.unwrap_or_else(|| "...".into()))),
         }

@@ -69,19 +69,19 @@ fn header(sheet: &Sheet) -> Result<Vec<(usize, f64)>> {
         let (name, unit) = sheet.name_and_unit(at)?;
         column(name, unit).map_err(|message| Error::from(sheet.header_error(at, message).with_help(EXAMPLE)))
     };
-    let found: Vec<(usize, f64)> = (0..sheet.header().len()).map(column).collect::<Result<_>>()?;
-    let mut places: Vec<usize> = found.iter().map(|(place, _)| *place).collect();
+    let columns: Vec<(usize, f64)> = (0..sheet.header().len()).map(column).collect::<Result<_>>()?;
+    let mut places: Vec<usize> = columns.iter().map(|(place, _)| *place).collect();
     places.sort_unstable();
     if places != [0, 1] {
         let message = "a sieve curve has the columns diameter and finer, each once";
         return Err(sheet.whole_header_error(message.into()).with_help(EXAMPLE).into());
     }
-    Ok(found)
+    Ok(columns)
 }
 
 /// The place of a column in a point.
 fn place(name: &str) -> Option<usize> {
-    let is = |name: &str| COLUMNS.iter().position(|(known, _, _)| *known == name);
+    let is = |name: &str| COLUMNS.iter().position(|(column, _, _)| *column == name);
     is(name).or_else(|| is(&plain(name)))
 }
 

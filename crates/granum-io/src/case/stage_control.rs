@@ -127,8 +127,8 @@ impl TableReader<'_, '_> {
                 let mut ends: Vec<_> = ends.iter().collect();
                 ends.sort_by_key(|(key, _)| key.span().start);
                 for (key, value) in ends {
-                    let found = end(key.get_ref(), value);
-                    until.extend(self.take(&format!("until.{}", key.get_ref()), found));
+                    let end = end(key.get_ref(), value);
+                    until.extend(self.take(&format!("until.{}", key.get_ref()), end));
                 }
             }
             Some((value, _)) => {

@@ -183,8 +183,8 @@ impl TableReader<'_, '_> {
                 continue;
             }
             let Some(parameter) = preset.parameter(name) else {
-                let known = preset.parameters().map(|known| known.key).chain(["resets", "until"]);
-                self.unknown(name, key.span(), known);
+                let keys = preset.parameters().map(|parameter| parameter.key).chain(["resets", "until"]);
+                self.unknown(name, key.span(), keys);
                 continue;
             };
             let found = match parameter.kind {

@@ -48,13 +48,13 @@ fn a_named_path_ends_at_a_stress_as_well() {
     assert_eq!(parse(&case.resolved_toml()), case);
     let bare = parse(&text.replace("until = { mean_stress = '10 kPa' }\n", ""));
     assert!(bare.digest() != case.digest() && !bare.resolved_toml().contains("until"));
-    assert!(case.parameters().iter().any(|found| found.key == "stage.1.until.mean_stress"));
+    assert!(case.parameters().iter().any(|refusal| refusal.key == "stage.1.until.mean_stress"));
     let several =
         "[[stage]]\npath = 'oedometer'\nunloading_stress = '10 kPa'\nuntil = { mean_stress = '10 kPa' }\n";
-    let found = message(several);
-    assert!(found.contains("case.toml:4:1") && found.contains("several stages"), "{found}");
-    let found = message(&text.replace("mean_stress = '10 kPa'", "mean_stres = '10 kPa'"));
-    assert!(found.contains("did you mean mean_stress"), "{found}");
+    let refusal = message(several);
+    assert!(refusal.contains("case.toml:4:1") && refusal.contains("several stages"), "{refusal}");
+    let refusal = message(&text.replace("mean_stress = '10 kPa'", "mean_stres = '10 kPa'"));
+    assert!(refusal.contains("did you mean mean_stress"), "{refusal}");
 }
 
 /// A case as deep as it may be can be written and read again; a deeper one is refused.

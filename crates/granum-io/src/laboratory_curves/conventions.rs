@@ -139,12 +139,12 @@ impl Conventions {
         Ok(())
     }
 
-    /// Finds the quantities of the names whose signs are stated, which may also be those of columns that are mapped.
+    /// With the quantities of the names whose signs are stated, which may also be those of columns that are mapped.
     ///
     /// # Errors
     /// If a name is neither, if a quantity has no sign of compression, or two.
     pub(super) fn resolved(mut self) -> Result<Conventions, String> {
-        let mut found: Vec<(String, bool)> = Vec::new();
+        let mut signs: Vec<(String, bool)> = Vec::new();
         for (name, is_negative) in &self.column_signs {
             let mapped = self.columns.iter().find(|(_, column)| column == name || split(column).0 == name);
             let quantity = mapped.map_or_else(|| name.clone(), |(quantity, _)| quantity.clone());
@@ -158,22 +158,25 @@ impl Conventions {
                     ),
                 });
             }
-            if found.iter().any(|(known, negative)| *known == quantity && negative != is_negative) {
+            if signs.iter().any(|(signed, negative)| *signed == quantity && negative != is_negative) {
                 return Err(format!("{stated}: it is stated twice, as positive and as negative"));
             }
-            found.push((quantity, *is_negative));
+            signs.push((quantity, *is_negative));
         }
-        self.column_signs = found;
+        self.column_signs = signs;
         Ok(self)
     }
 
     /// -1 for each quantity in whose column compression is negative. A pore pressure is a pressure unless its own sign is stated.
     pub(super) fn signs(&self) -> [f64; QUANTITIES.len()] {
         let sign = |(name, _): (&str, _)| {
-            let own =
-                self.column_signs.iter().find(|(known, _)| known == name).map(|(_, negative)| *negative);
+            let of_column = self
+                .column_signs
+                .iter()
+                .find(|(quantity, _)| quantity == name)
+                .map(|(_, negative)| *negative);
             let all = self.compression_negative.filter(|_| SIGNED.contains(&name) && name != "pore_pressure");
-            if own.or(all) == Some(true) { -1.0 } else { 1.0 }
+            if of_column.or(all) == Some(true) { -1.0 } else { 1.0 }
         };
         QUANTITIES.map(sign)
     }
@@ -199,12 +202,11 @@ impl Conventions {
 
     /// The signs of single columns; what is said here of all columns goes before what the other says of single ones.
     fn signs_or(&self, other: &Conventions) -> Vec<(String, bool)> {
-        let mut found = self.column_signs.clone();
+        let mut signs = self.column_signs.clone();
         if self.compression_negative.is_none() {
-            let is_new =
-                |(name, _): &&(String, bool)| !self.column_signs.iter().any(|(known, _)| known == name);
-            found.extend(other.column_signs.iter().filter(is_new).cloned());
+            let is_new = |(name, _): &&(String, bool)| !self.column_signs.iter().any(|(own, _)| own == name);
+            signs.extend(other.column_signs.iter().filter(is_new).cloned());
         }
-        found
+        signs
     }
 }

@@ -154,26 +154,28 @@ fn comment(sheet: &Sheet, at: usize, text: &str, stated: &mut Conventions) -> Re
 type Mapped<'a> = (usize, &'a str, &'a str);
 
 fn mapped<'a>(sheet: &Sheet, conventions: &'a Conventions) -> Result<Vec<Mapped<'a>>> {
-    let mut found: Vec<Mapped> = Vec::new();
+    let mut mapped: Vec<Mapped> = Vec::new();
     for (quantity, column) in &conventions.columns {
-        let known = QUANTITIES.iter().map(|(name, _)| *name).chain([TEST]);
-        if !known.clone().any(|name| name == quantity) {
-            let message =
-                format!("{quantity} is no quantity of a laboratory test; {}", suggestion(quantity, known));
+        let quantities = QUANTITIES.iter().map(|(name, _)| *name).chain([TEST]);
+        if !quantities.clone().any(|name| name == quantity) {
+            let message = format!(
+                "{quantity} is no quantity of a laboratory test; {}",
+                suggestion(quantity, quantities)
+            );
             return Err(Error::Rule(message));
         }
         let at = mapped_place(sheet, column)?;
-        let twice = found.iter().find(|(place, known, _)| *place == at || known == quantity);
-        if let Some((place, known, _)) = twice {
+        let twice = mapped.iter().find(|(place, other, _)| *place == at || other == quantity);
+        if let Some((place, other, _)) = twice {
             let message = match *place == at {
-                true => format!("the column is mapped to {known} and to {quantity}"),
+                true => format!("the column is mapped to {other} and to {quantity}"),
                 false => format!("the column is mapped to {quantity}, and so is {}", sheet.header()[*place]),
             };
             return Err(sheet.header_error(at, message).into());
         }
-        found.push((at, quantity, split(column).1));
+        mapped.push((at, quantity, split(column).1));
     }
-    Ok(found)
+    Ok(mapped)
 }
 
 /// The place of a column that is named as in the header, or without its unit.
@@ -202,19 +204,20 @@ fn header(sheet: &Sheet, conventions: &Conventions) -> Result<Header> {
     let is_exact = |name: &str| sheet.header().iter().any(|cell| split(cell).0 == name);
     let mut header = Header { columns: Vec::new(), test: None };
     for (at, cell) in sheet.header().iter().enumerate() {
-        let (own, _) = split(cell);
+        let (written, _) = split(cell);
         let mapping = mapped.iter().find(|(place, _, _)| *place == at);
-        let known = |quantity: usize| QUANTITIES[quantity].0;
+        let name_of = |quantity: usize| QUANTITIES[quantity].0;
         // A name in other words, such as "Axial strain", stands for the known one where that is not there.
-        let own = match laboratory_test::place(&plain(own)).map(known).filter(|name| !is_exact(name)) {
+        let meant = match laboratory_test::place(&plain(written)).map(name_of).filter(|name| !is_exact(name))
+        {
             Some(name) => name,
-            None => own,
+            None => written,
         };
-        let taken = mapped.iter().any(|(_, quantity, _)| *quantity == own);
+        let taken = mapped.iter().any(|(_, quantity, _)| *quantity == meant);
         let (name, stated_unit) = match mapping {
             Some((_, quantity, unit)) => (*quantity, *unit),
             None if taken => continue,
-            None => (own, ""),
+            None => (meant, ""),
         };
         if name == TEST {
             header.test = Some(at);

@@ -36,7 +36,7 @@ pub fn read_cells(path: &Path, names: &[&str]) -> Result<(Vec<String>, Vec<CellR
     }
     let all: Vec<usize> = (0..columns.len()).collect();
     let mut rows = sheet.rows(&all)?;
-    let mut found = Vec::new();
+    let mut cell_rows = Vec::new();
     while rows.advance()? {
         let cell = |at: usize| {
             let cell = rows.quantity(at);
@@ -48,9 +48,9 @@ pub fn read_cells(path: &Path, names: &[&str]) -> Result<(Vec<String>, Vec<CellR
             }
         };
         let cells = all.iter().map(|at| cell(*at)).collect();
-        found.push(CellRow { line: rows.line(), text: rows.text().to_string(), cells });
+        cell_rows.push(CellRow { line: rows.line(), text: rows.text().to_string(), cells });
     }
-    Ok((columns.into_iter().map(|(name, _)| name.to_string()).collect(), found))
+    Ok((columns.into_iter().map(|(name, _)| name.to_string()).collect(), cell_rows))
 }
 
 #[cfg(test)]

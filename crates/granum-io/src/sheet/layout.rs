@@ -69,8 +69,8 @@ pub(super) fn find(text: &str, sought: &Sought) -> Layout {
             }
         }
     }
-    let found = best.map(|(_, separator, record)| (separator, record)).or_else(|| by_consistency(text));
-    let Some((separator, record)) = found else {
+    let header = best.map(|(_, separator, record)| (separator, record)).or_else(|| by_consistency(text));
+    let Some((separator, record)) = header else {
         return Layout { separator: b',', header: Vec::new(), header_at: 0, rows_at: 0, units: Vec::new() };
     };
     let mut header = record.cells;
@@ -98,9 +98,9 @@ fn by_consistency(text: &str) -> Option<(u8, Record)> {
         Some((alike && width > 1, width, separator, first))
     };
     let mut best: Option<(bool, usize, u8, Record)> = None;
-    for found in SEPARATORS.into_iter().filter_map(cut) {
-        if best.as_ref().is_none_or(|(alike, width, ..)| (found.0, found.1) > (*alike, *width)) {
-            best = Some(found);
+    for candidate in SEPARATORS.into_iter().filter_map(cut) {
+        if best.as_ref().is_none_or(|(alike, width, ..)| (candidate.0, candidate.1) > (*alike, *width)) {
+            best = Some(candidate);
         }
     }
     best.map(|(.., separator, record)| (separator, record))

@@ -123,7 +123,7 @@ impl Sheet {
     /// # Errors
     /// If there is none.
     pub(crate) fn position(&self, name: &str) -> Result<usize> {
-        self.source.header.iter().position(|known| known == name).ok_or_else(|| {
+        self.source.header.iter().position(|cell| cell == name).ok_or_else(|| {
             let help = suggestion(name, self.source.header.iter().map(String::as_str));
             Error::content(Path::new(&self.source.file), format!("there is no column {name}; {help}"))
         })

@@ -11,11 +11,11 @@ fn numbers(text: &str) -> Result<Vec<[f64; 2]>> {
     let place = |name: &str| sheet.header().iter().position(|cell| split(cell).0 == name).unwrap();
     let columns = ["a", "b"].map(place);
     let mut rows = sheet.rows(&columns)?;
-    let mut found = Vec::new();
+    let mut cells = Vec::new();
     while rows.advance()? {
-        found.push([rows.number(columns[0], "a")?, rows.number(columns[1], "b")?]);
+        cells.push([rows.number(columns[0], "a")?, rows.number(columns[1], "b")?]);
     }
-    Ok(found)
+    Ok(cells)
 }
 
 #[test]

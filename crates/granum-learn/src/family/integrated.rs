@@ -50,13 +50,13 @@ impl FamilyModel {
             level,
         };
         let curve = |output: usize| {
-            let own: Vec<Mixture> = (0..points.len()).map(|point| mixture(output, point)).collect();
+            let mixtures: Vec<Mixture> = (0..points.len()).map(|point| mixture(output, point)).collect();
             FamilyCurve {
                 column: columns[output].name.clone(),
-                mean: own.iter().map(Mixture::mean).collect(),
-                lower: own.iter().map(|mixture| mixture.quantile(0.5 * (1.0 - level))).collect(),
-                upper: own.iter().map(|mixture| mixture.quantile(0.5 * (1.0 + level))).collect(),
-                from_inputs: own.iter().map(Mixture::variance_of_means).collect(),
+                mean: mixtures.iter().map(Mixture::mean).collect(),
+                lower: mixtures.iter().map(|mixture| mixture.quantile(0.5 * (1.0 - level))).collect(),
+                upper: mixtures.iter().map(|mixture| mixture.quantile(0.5 * (1.0 + level))).collect(),
+                from_inputs: mixtures.iter().map(Mixture::variance_of_means).collect(),
             }
         };
         let ranges = self.ranges();
@@ -88,41 +88,43 @@ impl FamilyModel {
     /// The points, whose weights have the sum 1.
     fn nodes(&self, given: &[Option<f64>]) -> Vec<Node> {
         let ranges = self.ranges();
-        let logarithmic: Vec<bool> =
-            (0..given.len()).map(|input| is_logarithmic(&self.values_of(input))).collect();
+        // A range whose limit is zero has no logarithm there, however the runs are spread.
+        let logarithmic: Vec<bool> = (0..given.len())
+            .map(|input| ranges[input][0] > 0.0 && is_logarithmic(&self.values_of(input)))
+            .collect();
         let inputs = self.definition.inputs;
         let node = |number: u32| {
             let share = |input: usize| f64::from(sobol_burley::sample(number, input as u32, SEED));
             let mut values: Vec<f64> = given.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-            let mut known: Vec<(usize, f64)> = Vec::new();
+            let mut values_so_far: Vec<(usize, f64)> = Vec::new();
             for input in (0..given.len()).filter(|k| inputs[*k].is_required) {
                 let [low, high] = ranges[input];
                 values[input] = given[input].unwrap_or_else(|| match logarithmic[input] {
                     true => low * libm::exp(share(input) * libm::log(high / low)),
                     false => low + share(input) * (high - low),
                 });
-                known.push((input, values[input]));
+                values_so_far.push((input, values[input]));
             }
             // What is given of the sample has a density at each point.
             let mut weight = 1.0;
             for input in (0..given.len()).filter(|k| !inputs[*k].is_required) {
                 let Some(value) = given[input] else { continue };
-                let found = typical_value(&self.rows, input, &known);
-                if found.deviation > 0.0 {
+                let typical = typical_value(&self.rows, input, &values_so_far);
+                if typical.deviation > 0.0 {
                     // One that lies outside of the runs is as far from all of them.
                     let [low, high] = ranges[input];
-                    let apart = (value.clamp(low, high) - found.mean.clamp(low, high)) / found.deviation;
-                    weight *= libm::exp(-0.5 * apart * apart) / found.deviation;
+                    let apart = (value.clamp(low, high) - typical.mean.clamp(low, high)) / typical.deviation;
+                    weight *= libm::exp(-0.5 * apart * apart) / typical.deviation;
                 }
-                known.push((input, value));
+                values_so_far.push((input, value));
             }
             for input in (0..given.len()).filter(|k| !inputs[*k].is_required && given[*k].is_none()) {
                 let [low, high] = ranges[input];
-                let found = typical_value(&self.rows, input, &known);
+                let typical = typical_value(&self.rows, input, &values_so_far);
                 let share = share(input).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
-                let drawn = found.mean + found.deviation * quantile(share);
+                let drawn = typical.mean + typical.deviation * quantile(share);
                 values[input] = drawn.clamp(low, high);
-                known.push((input, values[input]));
+                values_so_far.push((input, values[input]));
             }
             Node { values, weight }
         };

@@ -92,8 +92,8 @@ impl FamilyModel {
     /// The range of each input in which a prediction is no extrapolation: that of the runs, up to the limits that the plan of the family states
     /// where runs come as close to them as their number allows.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
-        let own = self.definition.inputs.iter().zip(self.run_ranges());
-        own.map(|(input, runs)| input.limits.map_or(runs, |limits| up_to_limits(runs, limits))).collect()
+        let inputs = self.definition.inputs.iter().zip(self.run_ranges());
+        inputs.map(|(input, runs)| input.limits.map_or(runs, |limits| up_to_limits(runs, limits))).collect()
     }
 
     /// The range of each input over the runs.

@@ -117,7 +117,8 @@ impl FamilyModel {
         }
         let is_open =
             definition.inputs.iter().zip(given).any(|(input, value)| input.is_required && value.is_none());
-        let answer = if is_open { self.integrated(given, level)? } else { self.of_known(given, level)? };
+        let answer =
+            if is_open { self.integrated(given, level)? } else { self.of_given_grains(given, level)? };
         let is_finite = |curve: &FamilyCurve| {
             [&curve.mean, &curve.lower, &curve.upper].iter().all(|ends| ends.iter().all(|x| x.is_finite()))
         };
@@ -132,7 +133,7 @@ impl FamilyModel {
     }
 
     /// The answer where all properties of the grains are given.
-    fn of_known(&self, given: &[Option<f64>], level: f64) -> Result<FamilyPrediction> {
+    fn of_given_grains(&self, given: &[Option<f64>], level: f64) -> Result<FamilyPrediction> {
         let definition = self.definition;
         let (values, typical) = self.completed(given, None);
         let plain = self.plain(&values, level)?;
@@ -203,8 +204,8 @@ impl FamilyModel {
             let slight = ROUNDING * low.abs().max(high.abs());
             !(**value >= low - slight && **value <= high + slight)
         };
-        let found = named.filter(is_outside);
-        found
+        named
+            .filter(is_outside)
             .map(|((input, value), range)| Outside { name: input.name.into(), value: *value, range })
             .collect()
     }

@@ -168,12 +168,15 @@ fn a_family_answers_with_what_it_was_not_given_and_says_so() {
     // What is outside the ranges is answered and flagged, and what is required is asked for.
     let far = model.predict(&[Some(1.4), Some(0.2), Some(4e-5), None, None, None, None], 0.9).unwrap();
     assert_eq!(far.outside.iter().map(|outside| outside.name.as_str()).collect::<Vec<_>>(), ["friction"]);
-    let told = model.predict(&[None; 7], 0.9).unwrap_err().to_string();
-    assert!(told.contains("it needs friction (coefficient of friction of the grains)"), "{told}");
+    let message = model.predict(&[None; 7], 0.9).unwrap_err().to_string();
+    assert!(message.contains("it needs friction (coefficient of friction of the grains)"), "{message}");
     // Beyond all numbers there is no answer.
     let huge = model.predict(&[Some(0.4), Some(1e300), Some(1e300), None, None, None, None], 0.9);
-    let told = huge.unwrap_err().to_string();
-    assert!(told.contains("no finite value of") && told.contains("rolling_friction = 1e300"), "{told}");
+    let message = huge.unwrap_err().to_string();
+    assert!(
+        message.contains("no finite value of") && message.contains("rolling_friction = 1e300"),
+        "{message}"
+    );
 }
 
 /// A property of the grains that is not given is integrated over its range, and the answer has the values between those of its ends.

@@ -13,7 +13,7 @@
 //! evidence for `w` is that of a regression of `-a` on `d`,
 //!
 //! ```text
-//! w_data = -<a d> / <d^2>,   precision p = 3 n <d^2> / <(a + w_data d)^2>
+//! w_data = -<a d> / <d^2>,   precision p = 3 n <d^2> / <(a + w_data d)^2>      w_data between 0 and 1 in the second
 //! w_0 = n / (n + 2),   w = (4 w_0 + p w_data) / (4 + p),  between 0 and 1
 //! ```
 //!
@@ -116,9 +116,9 @@ impl StoredRidgeShare {
         let ridge = RidgeRegression::default().loaded(columns.clone(), &Content::new(&self.ridge)?)?;
         let possible = self.shares.iter().all(|share| (0.0..=1.0).contains(share));
         if !possible || self.shares.len() != columns.outputs.len() {
-            let (needed, found) = (columns.outputs.len(), self.shares.len());
+            let (needed, count) = (columns.outputs.len(), self.shares.len());
             let reason =
-                format!("the shares of ridge regression must be {needed} numbers from 0 to 1, not {found}");
+                format!("the shares of ridge regression must be {needed} numbers from 0 to 1, not {count}");
             return Err(LearnError::Content(reason));
         }
         let ordered = self.limits.iter().all(|[low, high]| low <= high);
@@ -180,6 +180,14 @@ mod tests {
         assert!((supported_share(&worse, 2, 3.0) - 2.0 / (4.0 + 3.0 * precision)).abs() < 1e-15);
         let better = [(4.0, 1.0), (2.0, -1.0)];
         assert!((supported_share(&better, 2, 1.0) - (2.0 + precision) / (4.0 + precision)).abs() < 1e-15);
+        // A share of 1.2 would leave the errors 1 and -1, and the largest that is possible, 1, the errors 1.2 and -0.8 of ridge
+        // regression, by which its precision is judged.
+        let beyond = [(2.2, 1.2), (0.2, -0.8)];
+        let precision = 2.0 * 3.0 * 1.0 / 1.04;
+        let share = (2.0 + 1.2 * precision) / (4.0 + precision);
+        assert!((supported_share(&beyond, 2, 1.0) - share).abs() < 1e-14);
+        // Errors of ridge regression that are twice those of the network speak for less than no share.
+        assert_eq!(supported_share(&[(1.0, 2.0), (-1.0, -2.0)], 6, 1.0), 0.0);
     }
 
     #[test]

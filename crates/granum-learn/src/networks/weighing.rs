@@ -54,8 +54,8 @@ pub(super) fn weighed(
     let Some(beside) = RidgeShare::fit(dataset, spec, vec![share; mapping.output.len()]) else {
         return Ok((networks, None));
     };
-    let calibrated = networks.into_iter().zip(&rows).map(|(network, (data, own))| {
-        let mixed: Vec<f64> = own.iter().zip(&ridge).map(|(a, b)| beside.mixed(0, *a, *b)).collect();
+    let calibrated = networks.into_iter().zip(&rows).map(|(network, (data, errors_alone))| {
+        let mixed: Vec<f64> = errors_alone.iter().zip(&ridge).map(|(a, b)| beside.mixed(0, *a, *b)).collect();
         network.with_left_out_errors(data, &mixed).map_err(of_model)
     });
     Ok((calibrated.collect::<Result<_>>()?, Some(beside)))

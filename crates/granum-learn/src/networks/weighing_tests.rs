@@ -44,11 +44,11 @@ fn runs(truth: Truth, count: u64, first: u64) -> Dataset {
             }
             let linear: f64 =
                 deviations.iter().enumerate().map(|(k, z)| if k % 2 == 0 { *z } else { -z }).sum();
-            let told = match truth {
+            let from_sensors = match truth {
                 Truth::Linear => 0.015 * linear,
                 Truth::Product => 0.1 * deviations[0] * deviations[1],
             };
-            ratios.push(curve + told + offset + 0.01 * normal());
+            ratios.push(curve + from_sensors + offset + 0.01 * normal());
         }
         let mut columns = vec![Column::new("strain", "", strains), Column::new("ratio", "", ratios)];
         columns.extend(

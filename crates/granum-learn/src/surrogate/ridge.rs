@@ -211,7 +211,7 @@ impl RidgeRegression {
         }
         let mut means = vec![Vec::new(); inputs.len()];
         for part in 0..parts {
-            let (own, others): (Vec<usize>, Vec<usize>) =
+            let (left_out, others): (Vec<usize>, Vec<usize>) =
                 (0..inputs.len()).partition(|&row| runs[row] % parts == part);
             let rows: Vec<&[f64]> = others.iter().map(|&row| inputs[row]).collect();
             let (fitted, regression) = self.curves_and_slopes(spec.place_of_coordinate(&columns), &rows)?;
@@ -219,9 +219,9 @@ impl RidgeRegression {
                 regression.coefficients(&others.iter().map(|&row| outputs[row][output]).collect::<Vec<_>>())
             };
             let coefficients: Vec<Vec<f64>> = (0..columns.outputs.len()).map(coefficients).collect();
-            for row in own {
+            for row in left_out {
                 let functions = fitted.row(inputs[row]);
-                means[row] = coefficients.iter().map(|own| dot(own, &functions)).collect();
+                means[row] = coefficients.iter().map(|of_output| dot(of_output, &functions)).collect();
             }
         }
         Ok(means)

@@ -242,10 +242,10 @@ pub(crate) fn check_finite(
         });
         let mut said: Vec<String> = far.collect();
         if said.is_empty() {
-            let own = inputs.values().chunks(names.len().max(1)).nth(row).unwrap_or_default();
+            let values = inputs.values().chunks(names.len().max(1)).nth(row).unwrap_or_default();
             said = names
                 .iter()
-                .zip(own)
+                .zip(values)
                 .map(|(name, value)| format!("{name} = {}", format_number(*value)))
                 .collect();
         }

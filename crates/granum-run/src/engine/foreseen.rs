@@ -87,14 +87,14 @@ fn change(stage: &Stage, mean_stress: f64) -> Change {
     if symmetry::is_oedometric(stage) {
         return of_compression_to(end_stress(stage).map(|end| end / mean_stress));
     }
-    let held =
+    let is_constant =
         |drive: Drive| matches!(drive, Drive::Stress(target) if target.rate == 0.0 && target.ramp.is_none());
     let [axial, y, z, ..] = control.components;
     match axial {
-        Drive::Rate(rate) if held(y) && held(z) && rate > 0.0 => {
+        Drive::Rate(rate) if is_constant(y) && is_constant(z) && rate > 0.0 => {
             Change { mean: OF_COMPRESSION, least: LEAST_OF_COMPRESSION }
         }
-        Drive::Rate(_) if held(y) && held(z) => Change { mean: OF_EXTENSION, least: 1.0 },
+        Drive::Rate(_) if is_constant(y) && is_constant(z) => Change { mean: OF_EXTENSION, least: 1.0 },
         // The mean stress may grow to any value.
         _ => Change { mean: 1.0, least: 0.0 },
     }
@@ -229,9 +229,9 @@ fn overlap(case: &Case) -> Option<ForeseenFailure> {
     let diameter = case.grains.mean_diameter().ok()?;
     let test = case.test_definition();
     let of_stages = test.stages.iter().flat_map(|stage| {
-        let held = rest_stress(stage).into_iter();
+        let at_rest = rest_stress(stage).into_iter();
         // Of an oedometer the lateral stresses are at least a quarter of the axial one.
-        held.chain(end_stress(stage).map(|axial| 0.5 * axial))
+        at_rest.chain(end_stress(stage).map(|axial| 0.5 * axial))
     });
     let stress = of_stages.fold(case.preparation.mean_stress, f64::max);
     let properties = case.properties();
@@ -272,12 +272,12 @@ mod tests {
 
     #[test]
     fn a_speed_that_was_asked_for_is_judged_by_how_the_stress_grows() {
-        let [found] = &of_speed("drained-triaxial", 2e-3, "")[..] else { panic!("none is foreseen") };
-        assert!(found.is_certain && (found.value - 1.6e-3).abs() < 1e-12, "{found:?}");
+        let [failure] = &of_speed("drained-triaxial", 2e-3, "")[..] else { panic!("none is foreseen") };
+        assert!(failure.is_certain && (failure.value - 1.6e-3).abs() < 1e-12, "{failure:?}");
         assert!(
-            found.sentence().contains("will not pass its check of inertial number"),
+            failure.sentence().contains("will not pass its check of inertial number"),
             "{}",
-            found.sentence()
+            failure.sentence()
         );
         // A little too fast may pass, and an undrained sample may become stronger without a bound.
         assert_eq!(of_speed("drained-triaxial", 1.2e-3, ""), []);
@@ -294,16 +294,16 @@ mod tests {
 
     #[test]
     fn a_time_step_and_a_stress_that_are_too_large_are_foreseen() {
-        let found = foreseen("numerics.time_step_factor = 0.9\n");
-        assert!(found[0].check == "time_step_fraction" && found[0].is_certain, "{found:?}");
+        let failures = foreseen("numerics.time_step_factor = 0.9\n");
+        assert!(failures[0].check == "time_step_fraction" && failures[0].is_certain, "{failures:?}");
         let soft = |modulus: &str| {
             foreseen(&format!(
                 "grains.material.youngs_modulus = '{modulus}'\npreparation.mean_stress = '100 kPa'\n"
             ))
         };
         assert_eq!(soft("1 GPa"), []);
-        let found = soft("60 MPa");
-        assert!(found[0].check == "largest_overlap" && found[0].is_certain, "{found:?}");
+        let failures = soft("60 MPa");
+        assert!(failures[0].check == "largest_overlap" && failures[0].is_certain, "{failures:?}");
         assert!(!soft("200 MPa").is_empty() && !soft("200 MPa")[0].is_certain, "{:?}", soft("200 MPa"));
     }
 }

@@ -29,8 +29,8 @@ impl PlannedRun {
 
     /// Executes the run until its end, or until the observer stops it, and writes its results into a folder. The record is written
     /// first and contains the case until the file of the case has been written, so that the run can be resumed from the first file
-    /// on. Only where the sample is in another folder or file the first checkpoint comes before the record: whoever finds a record
-    /// can move the folder alone.
+    /// on. Only where the sample is in another folder or file the first checkpoint comes before the record: a folder with a record
+    /// can be moved alone.
     ///
     /// # Errors
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.

@@ -40,11 +40,11 @@ pub fn is_cohesive(case: &Case) -> bool {
     let parameters = case.parameters();
     let positive = |value: &ParameterValue| matches!(value, ParameterValue::Number(number) if *number > 0.0);
     // A law that has a stiffness of cohesion does not use the energy of surfaces.
-    match parameters.iter().find(|found| found.key == COHESION) {
-        Some(found) => positive(&found.value),
-        None => parameters.iter().any(|found| {
-            let of_test = !found.key.starts_with("preparation.");
-            of_test && found.key.ends_with(ENERGY) && positive(&found.value)
+    match parameters.iter().find(|parameter| parameter.key == COHESION) {
+        Some(parameter) => positive(&parameter.value),
+        None => parameters.iter().any(|parameter| {
+            let of_test = !parameter.key.starts_with("preparation.");
+            of_test && parameter.key.ends_with(ENERGY) && positive(&parameter.value)
         }),
     }
 }

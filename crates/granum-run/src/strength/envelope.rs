@@ -94,19 +94,20 @@ impl StrengthEnvelope {
         self.intercept / self.slope
     }
 
-    fn sine(&self) -> f64 {
-        3.0 * self.slope / (6.0 + self.slope)
+    /// The sine of the friction angle; `None` for M of 3 and more, which no friction has.
+    fn sine(&self) -> Option<f64> {
+        (self.slope < 3.0).then(|| 3.0 * self.slope / (6.0 + self.slope))
     }
 
-    /// The friction angle of the envelope, degrees.
-    pub fn friction_angle(&self) -> f64 {
-        libm::asin(self.sine().min(1.0)).to_degrees()
+    /// The friction angle of the envelope, degrees; `None` for M of 3 and more.
+    pub fn friction_angle(&self) -> Option<f64> {
+        self.sine().map(|sine| libm::asin(sine).to_degrees())
     }
 
-    /// The cohesion of Mohr and Coulomb, Pa.
-    pub fn cohesion(&self) -> f64 {
-        let sine = self.sine();
-        self.intercept * (3.0 - sine) / (6.0 * (1.0 - sine * sine).sqrt())
+    /// The cohesion of Mohr and Coulomb, Pa; `None` for M of 3 and more.
+    pub fn cohesion(&self) -> Option<f64> {
+        let of = |sine: f64| self.intercept * (3.0 - sine) / (6.0 * (1.0 - sine * sine).sqrt());
+        self.sine().map(of)
     }
 
     /// The unconfined strength `3 c / (3 - M)`, Pa; `None` for M of 3 and more, which the path of unconfined compression does not meet.
@@ -128,8 +129,8 @@ mod tests {
             PeakState { mean_stress: lateral + q / 3.0, deviator_stress: q }
         };
         let envelope = StrengthEnvelope::through(&[state(1e3), state(4e3), state(10e3)]).unwrap();
-        assert!((envelope.friction_angle() - 30.0).abs() < 1e-9, "{envelope:?}");
-        assert!((envelope.cohesion() / 1e3 - 1.0).abs() < 1e-9, "{}", envelope.cohesion());
+        assert!((envelope.friction_angle().unwrap() - 30.0).abs() < 1e-9, "{envelope:?}");
+        assert!((envelope.cohesion().unwrap() / 1e3 - 1.0).abs() < 1e-9, "{envelope:?}");
         // c cot phi, and 2 c cos phi / (1 - sin phi).
         assert!((envelope.tensile_strength() / (1e3 * 3f64.sqrt()) - 1.0).abs() < 1e-9);
         assert!((envelope.unconfined_strength().unwrap() / (2.0 * 3f64.sqrt() * 1e3) - 1.0).abs() < 1e-9);
@@ -137,12 +138,24 @@ mod tests {
         assert_eq!(StrengthEnvelope::through(&[state(1e3), state(1.05e3)]), None, "one stress makes no line");
     }
 
+    /// A line that is steeper than any friction has a slope and a tensile strength, and nothing that is not a number.
+    #[test]
+    fn an_envelope_steeper_than_any_friction_has_no_angle() {
+        let states = [1e3, 4e3].map(|p| PeakState { mean_stress: p, deviator_stress: 3.5 * p - 5e2 });
+        let envelope = StrengthEnvelope::through(&states).unwrap();
+        assert_eq!(
+            (envelope.friction_angle(), envelope.cohesion(), envelope.unconfined_strength()),
+            (None, None, None)
+        );
+        assert!(envelope.tensile_strength().is_finite());
+    }
+
     #[test]
     fn the_peak_of_a_test_is_its_largest_deviator_stress() {
         let rows = [[0.0, 0.0, 10.0, 0.0], [0.02, -0.01, 14.0, 12.0], [0.04, -0.02, 13.0, 9.0]];
         let record = triaxial(rows.into_iter(), 0.5);
-        let found = PeakState::of_test(&record, &drained_stages()).unwrap();
-        assert!((found.deviator_stress - 12e3).abs() < 1e-9 && (found.mean_stress - 14e3).abs() < 1e-9);
+        let peak = PeakState::of_test(&record, &drained_stages()).unwrap();
+        assert!((peak.deviator_stress - 12e3).abs() < 1e-9 && (peak.mean_stress - 14e3).abs() < 1e-9);
         assert!(PeakState::of_test(&record, &undrained_stages()).is_some());
     }
 }

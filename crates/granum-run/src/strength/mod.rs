@@ -2,7 +2,7 @@
 //!
 //! Every quantity follows from the series and the stages of the test, so that it can also be found for runs of earlier versions.
 //! [`of_test`] returns all of them by name; [`MEASURES`] says what each is. [`Curves`] gives the curves of a test with what they
-//! are counted from. [`of_laboratory`] finds the same measures of the curves of a laboratory. Of several tests [`CriticalStates`] fits
+//! are counted from. [`of_laboratory`] gives the same measures of the curves of a laboratory. Of several tests [`CriticalStates`] fits
 //! a critical state line through those that are critical, and [`Envelopes`] the strength of cohesive grains.
 
 mod as_laboratory;

@@ -1,5 +1,5 @@
-//! The measures of a test of a laboratory, by the definitions that runs have: its curves become a record of the same kind, of which
-//! [`super::of_test`] finds them.
+//! The measures of a test of a laboratory, by the definitions that runs have: its curves become a record of the same kind, from which
+//! [`super::of_test`] computes them.
 
 use std::collections::BTreeMap;
 
@@ -123,9 +123,12 @@ mod tests {
             axial_strain: strain.clone(),
             ..LaboratoryTest::default()
         };
-        let found = of_laboratory(&test);
-        assert!((found["peak_friction_angle"] - 30.0).abs() < 1e-9, "{found:?}");
-        assert!(!found.contains_key("largest_dilatancy_angle") && !found.contains_key("critical_void_ratio"));
+        let measures = of_laboratory(&test);
+        assert!((measures["peak_friction_angle"] - 30.0).abs() < 1e-9, "{measures:?}");
+        assert!(
+            !measures.contains_key("largest_dilatancy_angle")
+                && !measures.contains_key("critical_void_ratio")
+        );
         let without = LaboratoryTest { mean_stress: Vec::new(), ..test.clone() };
         // Stiffness needs no mean stress, strength does.
         let names: Vec<String> = of_laboratory(&without).into_keys().collect();

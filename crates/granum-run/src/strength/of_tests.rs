@@ -205,12 +205,12 @@ mod tests {
             Tested { name: "b", case: &case, about: &good, record: &records[1] },
             Tested { name: "c", case: &case, about: &fast, record: &records[2] },
         ];
-        let found = Envelopes::of_tests(&tested).unwrap();
-        let envelope = found.envelope.unwrap();
+        let envelopes = Envelopes::of_tests(&tested).unwrap();
+        let envelope = envelopes.envelope.unwrap();
         assert!(
             (envelope.slope - 1.2).abs() < 1e-9 && envelope.intercept.abs() < 1e-6 && envelope.tests == 2
         );
-        assert!(found.tests[2].left_out.is_some());
+        assert!(envelopes.tests[2].left_out.is_some());
     }
 
     trait WithEnergy {

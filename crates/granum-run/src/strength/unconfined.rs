@@ -137,24 +137,24 @@ mod tests {
 
     #[test]
     fn strength_is_that_of_the_compression_without_lateral_stress() {
-        let found = measures(PATH, &rows(6.0), &[]);
-        assert!((found["consolidation_stress"] - 30e3).abs() < 1e-6, "{found:?}");
-        assert!((found["unconfined_yield_strength"] - 6e3).abs() < 1e-6);
-        assert!((found["flow_function_coefficient"] - 5.0).abs() < 1e-12);
-        assert!((found["axial_strain_at_failure"] - 0.01).abs() < 1e-12);
+        let measured = measures(PATH, &rows(6.0), &[]);
+        assert!((measured["consolidation_stress"] - 30e3).abs() < 1e-6, "{measured:?}");
+        assert!((measured["unconfined_yield_strength"] - 6e3).abs() < 1e-6);
+        assert!((measured["flow_function_coefficient"] - 5.0).abs() < 1e-12);
+        assert!((measured["axial_strain_at_failure"] - 0.01).abs() < 1e-12);
         // Friction is that of the pre-shear: sin phi = 20 / 40. No angle of 90 degrees of a compression without lateral stress.
-        assert!((found["peak_friction_angle"] - 30.0).abs() < 1e-9, "{found:?}");
-        assert!(!found.contains_key("tensile_strength"));
+        assert!((measured["peak_friction_angle"] - 30.0).abs() < 1e-9, "{measured:?}");
+        assert!(!measured.contains_key("tensile_strength"));
     }
 
     #[test]
     fn grains_without_cohesion_have_no_strength_and_no_ratio() {
         for peak in [0.0, 1e-4, -1e-4] {
-            let found = measures(PATH, &rows(peak), &[]);
-            assert_eq!(found["unconfined_yield_strength"], 0.0, "{found:?}");
-            assert!(found.values().all(|value| value.is_finite()), "{found:?}");
-            assert!(!found.contains_key("flow_function_coefficient"));
-            assert!((found["consolidation_stress"] - 30e3).abs() < 1e-6);
+            let measured = measures(PATH, &rows(peak), &[]);
+            assert_eq!(measured["unconfined_yield_strength"], 0.0, "{measured:?}");
+            assert!(measured.values().all(|value| value.is_finite()), "{measured:?}");
+            assert!(!measured.contains_key("flow_function_coefficient"));
+            assert!((measured["consolidation_stress"] - 30e3).abs() < 1e-6);
         }
     }
 
@@ -163,10 +163,10 @@ mod tests {
     fn a_strength_at_the_last_state_is_a_bound() {
         let mut rows = rows(6.0);
         rows.truncate(rows.len() - 2);
-        let found = measures(PATH, &rows, &[]);
-        assert!((found["unconfined_yield_strength_at_least"] - 6e3).abs() < 1e-6, "{found:?}");
-        assert!(!found.contains_key("flow_function_coefficient"));
-        assert!(!found.contains_key("unconfined_yield_strength"));
+        let measured = measures(PATH, &rows, &[]);
+        assert!((measured["unconfined_yield_strength_at_least"] - 6e3).abs() < 1e-6, "{measured:?}");
+        assert!(!measured.contains_key("flow_function_coefficient"));
+        assert!(!measured.contains_key("unconfined_yield_strength"));
     }
 
     #[test]
@@ -180,8 +180,8 @@ mod tests {
         };
         let pull = "[[stage]]\npath = 'isotropic'\nmean_stress = '-5 kPa'\n";
         let rows = [[1.0, 0.0, 10.0, 10.0], [1.0, -0.01, -1.0, -1.0], [1.0, -0.02, -0.1, -0.1]];
-        let found = measures(pull, &rows, &[end(900.0), end(1100.0)]);
-        assert_eq!(found["tensile_strength"], 1100.0);
-        assert!(found.values().all(|value| value.is_finite()), "{found:?}");
+        let measured = measures(pull, &rows, &[end(900.0), end(1100.0)]);
+        assert_eq!(measured["tensile_strength"], 1100.0);
+        assert!(measured.values().all(|value| value.is_finite()), "{measured:?}");
     }
 }

@@ -168,8 +168,8 @@ impl CaseFlags {
 
 /// What the case gives to its own path and the named one would have as well, but does not take over.
 fn dropped(case: &Case, (name, parameters): (&str, &[(&str, &str)])) -> Option<String> {
-    let given: Vec<&str> = parameters.iter().map(|(key, _)| *key).collect();
-    let change = case.path_exchange(name, &given)?;
+    let keys: Vec<&str> = parameters.iter().map(|(key, _)| *key).collect();
+    let change = case.path_exchange(name, &keys)?;
     let lost: Vec<String> = change.carried.iter().map(|(key, text)| format!("{key} = {text}")).collect();
     (!lost.is_empty()).then(|| {
         format!(

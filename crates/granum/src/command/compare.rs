@@ -291,14 +291,14 @@ fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, summary: &Table, 
             "void_ratio_error": errors.void_ratio,
         })
     };
-    let mut found = json!({
+    let mut comparison = json!({
         "runs": runs,
         "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(),
         "summary": text_table::rows(summary),
         "figure": output::path(figure),
     });
-    strength.add_to(&mut found);
-    found
+    strength.add_to(&mut comparison);
+    comparison
 }
 
 fn text(pairs: &[Pair]) -> String {

@@ -48,16 +48,16 @@ impl Strength {
     }
 
     /// Adds it to the JSON of a comparison.
-    pub fn add_to(&self, found: &mut Value) {
+    pub fn add_to(&self, comparison: &mut Value) {
         let CriticalStates { tests, line, materials_differ_in } = &self.states;
-        found["strength"] = json!(text_table::rows(&self.table));
-        found["critical_state_line"] = json!(line.map(|line| line_as_json(&line)));
-        found["not_in_critical_state_line"] = left_out_as_json(tests);
-        found["materials_differ_in"] = json!(materials_differ_in);
+        comparison["strength"] = json!(text_table::rows(&self.table));
+        comparison["critical_state_line"] = json!(line.map(|line| line_as_json(&line)));
+        comparison["not_in_critical_state_line"] = left_out_as_json(tests);
+        comparison["materials_differ_in"] = json!(materials_differ_in);
         if let Some(Envelopes { tests, envelope }) = &self.envelopes {
-            found["strength_envelope"] = json!(envelope.map(|envelope| envelope_as_json(&envelope)));
-            found["not_in_strength_envelope"] = left_out_as_json(tests);
-            found["remarks"] = json!([SECANT_REMARK]);
+            comparison["strength_envelope"] = json!(envelope.map(|envelope| envelope_as_json(&envelope)));
+            comparison["not_in_strength_envelope"] = left_out_as_json(tests);
+            comparison["remarks"] = json!([SECANT_REMARK]);
         }
     }
 
@@ -142,16 +142,18 @@ fn envelope_text(envelope: &StrengthEnvelope) -> String {
     let unconfined = envelope
         .unconfined_strength()
         .map_or(String::new(), |strength| format!(", unconfined strength {:.3} kPa", strength / 1e3));
+    let friction =
+        envelope.friction_angle().zip(envelope.cohesion()).map_or(String::new(), |(angle, cohesion)| {
+            format!("; friction angle {angle:.1} deg, cohesion {:.3} kPa", cohesion / 1e3)
+        });
     format!(
         "envelope of the strength q = M p + c through the peaks of {} runs: M {:.3}{}, c {:.3}{} kPa (standard errors), from {low:.2} to \
-         {high:.2} kPa; friction angle {:.1} deg, cohesion {:.3} kPa; extrapolated: isotropic tensile strength {:.3} kPa{unconfined}",
+         {high:.2} kPa{friction}; extrapolated: isotropic tensile strength {:.3} kPa{unconfined}",
         envelope.tests,
         envelope.slope,
         error(envelope.slope_error, 1.0),
         envelope.intercept / 1e3,
         error(envelope.intercept_error, 1e3),
-        envelope.friction_angle(),
-        envelope.cohesion() / 1e3,
         envelope.tensile_strength() / 1e3,
     )
 }

@@ -85,8 +85,8 @@ pub fn as_json(model: &FamilyModel, prediction: &FamilyPrediction) -> Value {
         .curves
         .iter()
         .map(|curve| {
-            let own = json!({ "mean": curve.mean, "lower": curve.lower, "upper": curve.upper });
-            (curve.column.clone(), own)
+            let values = json!({ "mean": curve.mean, "lower": curve.lower, "upper": curve.upper });
+            (curve.column.clone(), values)
         })
         .collect();
     let outside = prediction.outside.iter();

@@ -93,7 +93,7 @@ pub fn run(
         .outputs
         .iter()
         .map(|output| {
-            let (mut error, mut square, mut held, mut all) = (0.0, 0.0, 0.0, 0.0);
+            let (mut error, mut square, mut inside, mut all) = (0.0, 0.0, 0.0, 0.0);
             for column in model.columns_of(output) {
                 let curve = &prediction.curves[column];
                 for (k, share) in shares.iter().enumerate() {
@@ -101,8 +101,8 @@ pub fn run(
                     error += share * (curve.mean[k] - exact).powi(2);
                     square += share * exact * exact;
                     let slight = 1e-9 * (1.0 + exact.abs());
-                    let is_held = curve.lower[k] - slight <= exact && exact <= curve.upper[k] + slight;
-                    held += share * f64::from(u8::from(is_held));
+                    let is_inside = curve.lower[k] - slight <= exact && exact <= curve.upper[k] + slight;
+                    inside += share * f64::from(u8::from(is_inside));
                     all += share;
                 }
             }
@@ -110,7 +110,7 @@ pub fn run(
                 column: output.column.into(),
                 meaning: output.meaning,
                 error: (error / square).sqrt(),
-                held: held / all,
+                held: inside / all,
             }
         })
         .collect();
@@ -199,13 +199,13 @@ impl Drawn {
     /// The measured curve of each column, and the prediction for the sample that was made.
     fn curves_as_json(&self) -> Vec<(String, Value)> {
         let of_curve = |(k, curve): (usize, &granum_learn::family::FamilyCurve)| {
-            let own = json!({
+            let values = json!({
                 "measured": self.measured[k],
                 "mean": curve.mean,
                 "lower": curve.lower,
                 "upper": curve.upper,
             });
-            (curve.column.clone(), own)
+            (curve.column.clone(), values)
         };
         self.prediction.curves.iter().enumerate().map(of_curve).collect()
     }

@@ -133,13 +133,13 @@ impl FamilyFlags {
             known = of_case(context, family, &case)?;
         }
         let properties = self.numbers().map(|(flag, key, dimension, _)| (flag, key, dimension));
-        let mut given: Vec<(Property, Vec<f64>)> = Vec::new();
+        let mut values: Vec<(Property, Vec<f64>)> = Vec::new();
         for (flag, key, dimension, text) in self.numbers() {
             let Some(text) = text else { continue };
             check_used(family, flag, key, &properties)?;
-            given.push(((flag, key, dimension), values_of_flag((flag, key, dimension), text)?));
+            values.push(((flag, key, dimension), values_of_flag((flag, key, dimension), text)?));
         }
-        let asked = combinations(&known, &given)?;
+        let asked = combinations(&known, &values)?;
         match input {
             Some(path) => of_table(context, path, family, &properties, &asked),
             None => Ok(asked),
@@ -253,9 +253,9 @@ pub fn listed() -> Vec<String> {
 pub fn inputs_of(family: &FamilyDefinition, known: &KnownNumbers) -> Result<Vec<Option<f64>>, Failure> {
     let value = |key: &str| known.get(key);
     let inputs: Vec<Option<f64>> = family.inputs.iter().map(|input| input.from_numbers(&value)).collect();
-    for (input, found) in family.inputs.iter().zip(&inputs) {
+    for (input, value) in family.inputs.iter().zip(&inputs) {
         let keys: Vec<&str> = std::iter::once(input.key).chain(input.over.iter().copied()).collect();
-        if found.is_none() && keys.iter().all(|key| known.get(key).is_some()) {
+        if value.is_none() && keys.iter().all(|key| known.get(key).is_some()) {
             let each = |key: &&str| {
                 format!("{} = {}", FamilyFlags::flag_of(key), known.get(key).unwrap_or(f64::NAN))
             };

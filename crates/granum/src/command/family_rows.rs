@@ -100,21 +100,21 @@ pub fn check_used(
     if is_used(key) {
         return Ok(());
     }
-    let known: Vec<&str> =
+    let used: Vec<&str> =
         properties.iter().filter(|(_, key, _)| is_used(key)).map(|(flag, ..)| *flag).collect();
     Err(Failure::new(format!(
         "{name}: the tests of the family {} do not depend on it, so that it would be without effect; they have {}",
         family.name,
-        known.join(", ")
+        used.join(", ")
     )))
 }
 
 /// The tests of all combinations of the values, which are given before those of a case.
-pub fn combinations(base: &KnownNumbers, given: &[(Property, Vec<f64>)]) -> Result<Vec<Asked>, Failure> {
-    let count = given.iter().try_fold(1usize, |count, (_, values)| count.checked_mul(values.len()));
+pub fn combinations(base: &KnownNumbers, values: &[(Property, Vec<f64>)]) -> Result<Vec<Asked>, Failure> {
+    let count = values.iter().try_fold(1usize, |count, (_, values)| count.checked_mul(values.len()));
     refuse_many(count)?;
     let mut all = vec![Asked { known: base.clone(), varied: Vec::new() }];
-    for ((flag, key, _), values) in given {
+    for ((flag, key, _), values) in values {
         let with = |asked: &Asked| -> Vec<Asked> {
             let one = |value: &f64| {
                 let mut asked = asked.clone();
@@ -167,7 +167,7 @@ pub fn of_table(
         };
         check_used(family, &format!("column {name}"), property.1, properties)
             .map_err(|error| named(error.message()))?;
-        if columns.iter().any(|(known, ..)| known.1 == property.1) {
+        if columns.iter().any(|(other, ..)| other.1 == property.1) {
             return Err(named(format!("column {name}: this property has two columns")));
         }
         if let Some(asked) =
@@ -253,8 +253,8 @@ mod tests {
         let one = all_of(&[(FRICTION, vec![0.3])]);
         assert_eq!((one.len(), one[0].label()), (1, String::new()));
         let many: Vec<f64> = (0..40).map(f64::from).collect();
-        let told = combinations(&KnownNumbers::default(), &[(FRICTION, many.clone()), (MODULUS, many)]);
-        assert!(told.unwrap_err().message().contains("1600 tests are asked for"));
+        let refusal = combinations(&KnownNumbers::default(), &[(FRICTION, many.clone()), (MODULUS, many)]);
+        assert!(refusal.unwrap_err().message().contains("1600 tests are asked for"));
     }
 
     #[test]

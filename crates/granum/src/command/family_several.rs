@@ -120,7 +120,7 @@ impl Answers<'_> {
 
     /// The value of a flag in a test; not a number where it is not known.
     fn value(asked: &Asked, flag: &str) -> f64 {
-        asked.varied.iter().find(|(known, _)| *known == flag).map_or(f64::NAN, |(_, value)| *value)
+        asked.varied.iter().find(|(varied, _)| *varied == flag).map_or(f64::NAN, |(_, value)| *value)
     }
 
     /// A row for each test: what differs, and of each output that is a number its largest value and that at the end with its interval.
@@ -213,7 +213,7 @@ impl Answers<'_> {
         columns.push(Column::new(self.model.definition().coordinate, "", coordinate));
         let each: Vec<Vec<Column>> = self.predictions.iter().map(|one| curve_columns("", one)).collect();
         for place in 0..each.first().map_or(0, Vec::len) {
-            let values = each.iter().flat_map(|own| own[place].values.clone()).collect();
+            let values = each.iter().flat_map(|of_test| of_test[place].values.clone()).collect();
             columns.push(Column::new(each[0][place].name.clone(), "", values));
         }
         let outside = |test: usize| f64::from(u8::from(self.predictions[test].is_extrapolated()));

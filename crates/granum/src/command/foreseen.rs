@@ -34,14 +34,14 @@ pub fn tell_one(context: &Context, case: &Case) {
 
 impl Foreseen {
     fn from_cases(cases: impl Iterator<Item = (String, Case)>) -> Foreseen {
-        let mut found = Foreseen { runs: 0, failures: Vec::new() };
+        let mut foreseen = Foreseen { runs: 0, failures: Vec::new() };
         for (name, case) in cases {
-            found.runs += 1;
-            found
+            foreseen.runs += 1;
+            foreseen
                 .failures
                 .extend(foreseen_failures(&case).into_iter().map(|failure| (name.clone(), failure)));
         }
-        found
+        foreseen
     }
 
     /// Those of the tests of a queue.
@@ -54,13 +54,13 @@ impl Foreseen {
     pub fn of_campaign(campaign: &Campaign) -> Result<Foreseen, Failure> {
         let cases: Result<Vec<(String, Case)>, Failure> =
             campaign.runs().iter().map(|run| Ok((run.name.clone(), campaign.case_of(run)?))).collect();
-        let (mut found, accept) = (Foreseen::from_cases(cases?.into_iter()), campaign.accept());
-        found.failures.retain(|(_, failure)| {
+        let (mut foreseen, accept) = (Foreseen::from_cases(cases?.into_iter()), campaign.accept());
+        foreseen.failures.retain(|(_, failure)| {
             let flag =
                 FailedCheck { name: failure.check.into(), value: Some(failure.value), limit: failure.limit };
             !is_accepted(&[flag], &accept)
         });
-        Ok(found)
+        Ok(foreseen)
     }
 
     /// Warns of them, each check once; `left_out` says what becomes of runs that do not pass.

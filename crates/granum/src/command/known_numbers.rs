@@ -6,15 +6,15 @@ pub struct KnownNumbers(pub Vec<(String, f64)>);
 
 impl KnownNumbers {
     pub fn get(&self, key: &str) -> Option<f64> {
-        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| *value)
+        self.0.iter().find(|(name, _)| name == key).map(|(_, value)| *value)
     }
 
     pub fn set(&mut self, key: &str, value: f64) {
-        self.0.retain(|(known, _)| known != key);
+        self.0.retain(|(name, _)| name != key);
         self.0.push((key.into(), value));
     }
 
     pub fn forget(&mut self, key: &str) {
-        self.0.retain(|(known, _)| known != key);
+        self.0.retain(|(name, _)| name != key);
     }
 }

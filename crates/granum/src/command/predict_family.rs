@@ -39,8 +39,8 @@ pub struct Files<'a> {
 pub fn run(context: &Context, name: &str, flags: &FamilyFlags, files: Files) -> Result<(), Failure> {
     let Files { case, input, out } = files;
     let refuse_files = |of: &str| {
-        let given = [("--output", out), ("--input", input)];
-        match given.into_iter().find_map(|(flag, path)| Some((flag, path?))) {
+        let files = [("--output", out), ("--input", input)];
+        match files.into_iter().find_map(|(flag, path)| Some((flag, path?))) {
             Some((flag, path)) => {
                 Err(Failure::new(format!("{flag} {}: {of} has no use for it; leave it out", path.shown())))
             }

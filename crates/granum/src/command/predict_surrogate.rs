@@ -47,8 +47,8 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
 
 /// The unit of an input, as far as the surrogate knows it.
 fn unit_of(surrogate: &dyn Surrogate, name: &str) -> String {
-    let known = surrogate.columns().inputs.iter().find(|input| input.name == name);
-    known.map_or_else(String::new, |input| input.unit.clone())
+    let column = surrogate.columns().inputs.iter().find(|input| input.name == name);
+    column.map_or_else(String::new, |input| input.unit.clone())
 }
 
 fn as_json(output: &str, estimate: &Estimate) -> Value {

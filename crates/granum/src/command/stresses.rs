@@ -79,10 +79,10 @@ impl Stresses {
     pub fn json(&self) -> Value {
         let state = |state: &State| json!({ "mean_stress": state.mean, "stress_11": state.components[0], "stress_22": state.components[1], "stress_33": state.components[2] });
         let end = |end: &StageEndRecord| {
-            let mut found = state(&State::from_end(end));
-            found["axial_deviator_stress"] = json!(end.axial_deviator_stress);
-            found["von_mises_stress"] = json!(end.von_mises_stress);
-            found
+            let mut object = state(&State::from_end(end));
+            object["axial_deviator_stress"] = json!(end.axial_deviator_stress);
+            object["von_mises_stress"] = json!(end.von_mises_stress);
+            object
         };
         let stage = |stage: &StageStresses| {
             json!({

@@ -176,19 +176,22 @@ fn a_family_is_made_judged_and_asked_as_in_the_chapter() {
     assert_eq!(answer["outside"][0]["input"], "stress_over_modulus");
     assert_eq!(answer["curves"]["stress_ratio"]["mean"].as_array().map(Vec::len), Some(65));
     // What lacks, and what is of another kind, is told by its flag.
-    let told = refused(here, 1, &["predict", "--family", "sand.json"]);
-    assert!(told.contains("missing: --friction, --rolling-friction, --pressure, --youngs-modulus"), "{told}");
+    let message = refused(here, 1, &["predict", "--family", "sand.json"]);
+    assert!(
+        message.contains("missing: --friction, --rolling-friction, --pressure, --youngs-modulus"),
+        "{message}"
+    );
     let path = [&far[..], &["--path", "oedometer"]].concat();
     assert!(refused(here, 1, &path).contains("the tests of sand.json have the path drained-triaxial"));
     let path = ["predict", "--family", "powder", "--path", "oedometer"];
-    let told = refused(here, 1, &path);
-    assert!(told.contains("missing: --friction, --interface-energy, --pressure, --diameter"), "{told}");
-    let told = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
-    assert!(told.contains("curves.pdf: its name must end in .svg"), "{told}");
-    let told = refused(here, 1, &["predict", "--family", "sandy"]);
-    assert!(told.contains("there is no family `sandy`; did you mean sand?"), "{told}");
-    let told = refused(here, 1, &["train", "sands", "--family", "sand", "-o", "sand.json"]);
-    assert!(told.contains("sand.json"), "{told}");
+    let message = refused(here, 1, &path);
+    assert!(message.contains("missing: --friction, --interface-energy, --pressure, --diameter"), "{message}");
+    let message = refused(here, 1, &[&far[..], &["-o", "curves.pdf"]].concat());
+    assert!(message.contains("curves.pdf: its name must end in .svg"), "{message}");
+    let message = refused(here, 1, &["predict", "--family", "sandy"]);
+    assert!(message.contains("there is no family `sandy`; did you mean sand?"), "{message}");
+    let message = refused(here, 1, &["train", "sands", "--family", "sand", "-o", "sand.json"]);
+    assert!(message.contains("sand.json"), "{message}");
 }
 
 /// Every surrogate that comes with the program answers, has been scored on runs that it has not seen, and writes a table over its coordinate.

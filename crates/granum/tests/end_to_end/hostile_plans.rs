@@ -33,10 +33,10 @@ fn long_sums_and_long_chains_are_refused_by_their_limits_or_done_soon() {
     let here = base.path();
     let sum = format!("1{}", "+1".repeat(30_000));
     plan(here, &expression("a", &sum));
-    let told = refused(here, 1, &DRY);
+    let message = refused(here, 1, &DRY);
     assert!(
-        told.contains("more than 1000 numbers, names, operators and functions") && told.len() < 2000,
-        "{told}"
+        message.contains("more than 1000 numbers, names, operators and functions") && message.len() < 2000,
+        "{message}"
     );
     plan(here, "");
     let text = fs::read_to_string(here.join("plan.toml")).unwrap();
@@ -108,11 +108,11 @@ fn names_are_shown_and_obeyed_nowhere() {
     }
     // A file that is not there, and a mistake in a plan of such a name.
     let name = "\u{1b}]0;x\u{7}\u{2066}.toml";
-    let told = refused(here, 1, &["campaign", name, "--dry-run"]);
-    assert!(!told.chars().any(is_obeyed), "{told:?}");
+    let message = refused(here, 1, &["campaign", name, "--dry-run"]);
+    assert!(!message.chars().any(is_obeyed), "{message:?}");
     fs::write(here.join(name), "case = 'sand.toml'\n\u{202e} = 1\n").unwrap();
-    let told = refused(here, 1, &["campaign", name, "--dry-run"]);
-    assert!(!told.chars().any(is_obeyed), "{told:?}");
+    let message = refused(here, 1, &["campaign", name, "--dry-run"]);
+    assert!(!message.chars().any(is_obeyed), "{message:?}");
 }
 
 #[test]

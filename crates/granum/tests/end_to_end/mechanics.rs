@@ -71,15 +71,19 @@ fn an_undrained_test_ends_at_a_stress() {
     let text = std::fs::read_to_string(here.join("undrained-loose.toml")).unwrap();
     let text = format!("{text}until = {{ mean_stress = \"4 kPa\" }}\n");
     std::fs::write(here.join("undrained-loose.toml"), text).unwrap();
-    let told = run(here, "undrained-loose", "loose", &["--set", "stage.1.states=100"]);
-    let notes = told["notes"].to_string();
+    let summary = run(here, "undrained-loose", "loose", &["--set", "stage.1.states=100"]);
+    let notes = summary["notes"].to_string();
     assert!(notes.contains("mean_stress reached 4000 Pa"), "{notes}");
-    assert_eq!(measure(&told, "liquefied"), 1.0);
-    let end = &told["stresses"][1]["end"];
+    assert_eq!(measure(&summary, "liquefied"), 1.0);
+    let end = &summary["stresses"][1]["end"];
     let reached = end["mean_stress"].as_f64().unwrap();
     assert!((3.0e3..=4.1e3).contains(&reached), "{end}");
-    let cut =
-        told["quality"].as_array().unwrap().iter().find(|flag| flag["name"] == "stages_cut_short").unwrap();
+    let cut = summary["quality"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|flag| flag["name"] == "stages_cut_short")
+        .unwrap();
     assert_eq!(cut["passed"], true, "{cut}");
     assert!(
         std::fs::read_to_string(here.join("loose/case.toml"))
@@ -101,16 +105,16 @@ fn a_check_that_must_fail_is_told_before() {
         )
     };
     std::fs::write(here.join("plan.toml"), plan("")).unwrap();
-    let told = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
-    let foreseen = told["foreseen_failures"].as_array().unwrap();
-    assert_eq!(foreseen.len(), 2, "{told:#}");
-    assert!(foreseen[0]["check"] == "inertial_number" && foreseen[0]["certain"] == true, "{told:#}");
-    let warnings = told["warnings"].to_string();
+    let estimate = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
+    let foreseen = estimate["foreseen_failures"].as_array().unwrap();
+    assert_eq!(foreseen.len(), 2, "{estimate:#}");
+    assert!(foreseen[0]["check"] == "inertial_number" && foreseen[0]["certain"] == true, "{estimate:#}");
+    let warnings = estimate["warnings"].to_string();
     assert!(warnings.contains("2 of 2 runs will not pass their check of inertial number"), "{warnings}");
     assert!(warnings.contains("left out of the data set"), "{warnings}");
     std::fs::write(here.join("plan.toml"), plan("accept = [\"inertial_number < 0.02\"]\n")).unwrap();
-    let told = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
-    assert_eq!(told["foreseen_failures"], serde_json::json!([]), "the plan accepts it");
+    let estimate = done_json(here, &["campaign", "plan.toml", "--dry-run", "--pilots", "0"]);
+    assert_eq!(estimate["foreseen_failures"], serde_json::json!([]), "the plan accepts it");
     let fast = [
         "run",
         "sand.toml",

@@ -12,12 +12,12 @@ use crate::{SMALL, digest, done, done_json};
 
 /// All files below a folder.
 fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
+    let mut paths = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+        if path.is_dir() { paths.extend(files(&path)) } else { paths.push(path) }
     }
-    found
+    paths
 }
 
 /// Refuses a folder of which a file holds the path of the folder above, which the test gave as an absolute one.

@@ -53,19 +53,19 @@ fn the_stress_at_the_end_of_a_stage_is_that_which_was_reached() {
     std::fs::write(place.join("case.toml"), case() + stages).unwrap();
     let text = done(place, &["run", "case.toml", "--out", "run"]);
     assert!(text.contains("at its end") && text.contains("as the mean over its last interval"), "{text}");
-    let found = done_json(place, &["resume", "run"]);
+    let resumed = done_json(place, &["resume", "run"]);
     let record = granum_io::Run::at(place.join("run")).unwrap().record().unwrap();
     assert_eq!(record.stage_ends.len(), 2);
     for (k, (reached, snapshot)) in [(30e3, "stage-1"), (10e3, "end")].into_iter().enumerate() {
         let end = &record.stage_ends[k];
         // The engine ends at the stress with the dashpots, which are not part of the stress of the contacts.
         assert!((end.axial_deviator_stress - reached).abs() < 500.0, "{end:?}");
-        assert_eq!(found["stresses"][k]["end"]["axial_deviator_stress"], end.axial_deviator_stress);
+        assert_eq!(resumed["stresses"][k]["end"]["axial_deviator_stress"], end.axial_deviator_stress);
         let assembly = granum_io::Run::at(place.join("run")).unwrap().snapshot(snapshot).unwrap();
         let stress = granum_dem::loading::MacroState::from_assembly(&assembly).stress;
         let measured = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
         assert!((measured / end.axial_deviator_stress - 1.0).abs() < 1e-9, "{measured} {end:?}");
-        let last = &found["stresses"][k]["last_interval"];
+        let last = &resumed["stresses"][k]["last_interval"];
         // The second stage is shorter than an interval of the record.
         if k == 0 {
             let of_interval = last["stress_11"].as_f64().unwrap() - last["stress_22"].as_f64().unwrap();

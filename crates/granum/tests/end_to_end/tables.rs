@@ -109,9 +109,12 @@ fn files_of_offices_give_the_same_numbers() {
         ("tabs.txt", german.replace(';', "\t").into_bytes()),
     ] {
         std::fs::write(here.join(name), bytes).unwrap();
-        let found = compared(here, name, &map);
-        assert_eq!(found["peak_friction_angle"], wanted["peak_friction_angle"], "{name}: {found:#}");
-        assert_eq!(found["e50"], wanted["e50"], "{name}");
+        let comparison = compared(here, name, &map);
+        assert_eq!(
+            comparison["peak_friction_angle"], wanted["peak_friction_angle"],
+            "{name}: {comparison:#}"
+        );
+        assert_eq!(comparison["e50"], wanted["e50"], "{name}");
     }
     for (text, parts) in [
         (
@@ -156,8 +159,8 @@ fn designs_are_read_as_they_are_and_stay_in_their_ranges() {
         "\"friction\",\"modulus\"\n\"0.3\",\"20 GPa\"\n\"0.35\",\"21.5 GPa\"\n",
     ] {
         table(text);
-        let found = done_json(here, &planned)["runs"].clone();
-        assert_eq!(found, wanted, "{text}");
+        let planned_runs = done_json(here, &planned)["runs"].clone();
+        assert_eq!(planned_runs, wanted, "{text}");
     }
     for (text, parts) in [
         ("friction,friction\n0.1,0.2\n", &["d.csv:1:10", "two columns have the name friction"][..]),

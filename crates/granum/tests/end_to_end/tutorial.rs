@@ -73,10 +73,10 @@ fn what_the_tutorial_says_works() {
 }
 
 /// The intervals of the calibration hold the friction and the modulus with which the curves were made.
-fn truth_is_within_the_intervals(found: &serde_json::Value) {
+fn truth_is_within_the_intervals(calibration: &serde_json::Value) {
     for (k, (name, truth)) in [("friction", 0.35), ("modulus", 3e9)].into_iter().enumerate() {
-        let parameter = &found["parameters"][k];
-        assert_eq!(parameter["name"], name, "{found:#}");
+        let parameter = &calibration["parameters"][k];
+        assert_eq!(parameter["name"], name, "{calibration:#}");
         let [low, high] = ["quantile_5", "quantile_95"].map(|key| parameter[key].as_f64().unwrap());
         assert!(low < truth && truth < high, "{name}: {low} {truth} {high}");
     }

@@ -45,7 +45,7 @@ fn where_nothing_fits_there_is_no_posterior_or_it_is_said_first() {
         [("fifty.csv", "deviator stress of T1"), ("swollen.csv", "volumetric strain of T1")]
     {
         for material in ["quick.toml", "right.toml"] {
-            let told = refused(here, 1, &calibrated(material, laboratory, &["--out", "no"]));
+            let message = refused(here, 1, &calibrated(material, laboratory, &["--out", "no"]));
             for part in [
                 "nothing within the priors explains the tests",
                 part,
@@ -53,12 +53,12 @@ fn where_nothing_fits_there_is_no_posterior_or_it_is_said_first() {
                 "units and signs",
                 "curves.svg",
             ] {
-                assert!(told.contains(part), "{laboratory} {part}: {told}");
+                assert!(message.contains(part), "{laboratory} {part}: {message}");
             }
         }
     }
-    let told = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--each-alone", "--out", "no"]));
-    assert!(told.contains("nothing within the priors explains the tests"), "{told}");
+    let message = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--each-alone", "--out", "no"]));
+    assert!(message.contains("nothing within the priors explains the tests"), "{message}");
     assert!(here.join("no/curves.svg").is_file());
     for file in ["posterior.csv", "each-alone.csv", "draws.toml", "calibration.json"] {
         assert!(!here.join("no").join(file).exists(), "{file}");
@@ -75,8 +75,11 @@ fn results_of_an_earlier_call_are_set_aside(here: &Path) {
     done(here, &calibrated("quick.toml", "lab.csv", &["--out", "again"]));
     let posterior = std::fs::read(again("posterior.csv")).unwrap();
     let figure = std::fs::read(again("curves.svg")).unwrap();
-    let told = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--out", "again"]));
-    assert!(told.contains("results of an earlier call in again") && told.contains("again/earlier"), "{told}");
+    let message = refused(here, 1, &calibrated("quick.toml", "fifty.csv", &["--out", "again"]));
+    assert!(
+        message.contains("results of an earlier call in again") && message.contains("again/earlier"),
+        "{message}"
+    );
     for name in results {
         assert!(!again(name).exists() && again("earlier").join(name).is_file(), "{name}");
     }
@@ -116,10 +119,10 @@ fn numbers_beyond_reason(here: &Path) {
     std::fs::write(here.join("huge.csv"), format!("{columns}\n0.01,0.3,3e9\n1e308,1e308,1e308\n")).unwrap();
     let answer = |asked: &[&str]| {
         let output = run(here, asked);
-        let (said, told) = (stdout(&output).to_lowercase(), stderr(&output));
+        let (said, message) = (stdout(&output).to_lowercase(), stderr(&output));
         match output.status.success() {
             true => assert!(!said.contains("nan") && !said.contains("inf"), "{said}"),
-            false => assert!(told.contains("no finite value of"), "{told}"),
+            false => assert!(message.contains("no finite value of"), "{message}"),
         }
     };
     answer(&["predict", "out/surrogate.json", "--input", "huge.csv"]);
@@ -169,15 +172,15 @@ fn runs_that_never_vary_what_is_free_are_refused() {
     std::fs::write(here.join("campaign-sand.toml"), SAND.replace("3 GPa", "20 GPa")).unwrap();
     done(here, &["campaign", "plan.toml", "--out", "study"]);
     let command = ["calibrate", "material.toml", "lab.csv", "--runs", "study", "--out", "out"];
-    let told = refused(here, 1, &command);
+    let message = refused(here, 1, &command);
     for part in [
         "the runs never vary modulus",
         "grains.material.youngs_modulus is 20 GPa in all 9 of them",
         "1.12 GPa and 8.91 GPa",
         "leave --runs out",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(message.contains(part), "{part}: {message}");
     }
-    assert!(!told.contains("tell next to nothing"), "{told}");
+    assert!(!message.contains("tell next to nothing"), "{message}");
     assert!(!here.join("out/posterior.csv").exists());
 }

@@ -161,8 +161,8 @@ pub(super) fn advance<R: Real>(
     let from_base = subtract(force, base);
     let passed = square(from_base).ge(span);
     // Where a falling limit has taken the start of the curve past the force at a held displacement, the curve before it goes on.
-    let held = (stiffness * stiffness * step_square).le(least * least);
-    let overtaken = held & !loading & dot(from_base, direction).le(zero) & growth.lt(zero);
+    let stays = (stiffness * stiffness * step_square).le(least * least);
+    let overtaken = stays & !loading & dot(from_base, direction).le(zero) & growth.lt(zero);
 
     let trial_square = square(force);
     // A force that stays at the limit may be below it by a rounding error.

@@ -73,8 +73,8 @@ fn compression(values: &PathValues, name: &str, speed: Speed, lateral: Drive, st
 }
 
 fn pre_shear(values: &PathValues) -> Stage {
-    let held = Drive::Stress(Target::held(values.number(LATERAL)));
-    compression(values, "pre-shear", values.speed(), held, values.number("pre_shear_strain"))
+    let lateral = Drive::Stress(Target::held(values.number(LATERAL)));
+    compression(values, "pre-shear", values.speed(), lateral, values.number("pre_shear_strain"))
 }
 
 fn unloading(values: &PathValues) -> Stage {

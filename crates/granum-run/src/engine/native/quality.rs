@@ -194,9 +194,9 @@ pub(in crate::engine) fn mean_of_carrying(record: &Record) -> impl Fn(&str) -> f
     let carries = carry_stress(record);
     move |name: &str| {
         let values = record.series.values(name).unwrap_or(&[]);
-        let kept: Vec<f64> =
+        let carrying: Vec<f64> =
             values.iter().zip(&carries).skip(1).filter(|(_, c)| **c).map(|(v, _)| *v).collect();
-        kept.iter().sum::<f64>() / kept.len().max(1) as f64
+        carrying.iter().sum::<f64>() / carrying.len().max(1) as f64
     }
 }
 
@@ -213,9 +213,9 @@ pub(in crate::engine) fn mean_inertial_number(record: &Record, stages: &[Stage])
         }
     };
     let numbers = curves.column("inertial_number").iter().enumerate().zip(&carries).skip(1);
-    let kept: Vec<f64> =
+    let carrying: Vec<f64> =
         numbers.filter(|(_, c)| **c).map(|((row, number), _)| at_start(row, *number)).collect();
-    kept.iter().sum::<f64>() / kept.len().max(1) as f64
+    carrying.iter().sum::<f64>() / carrying.len().max(1) as f64
 }
 
 /// The quality flags of a finished test; `speed_key` is what sets its speed in the case.

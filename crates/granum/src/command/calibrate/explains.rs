@@ -59,7 +59,9 @@ impl Calibration<'_> {
         }
         let curves = all_curves(self.targets);
         let lines = |test: usize, place: usize| -> Vec<Vec<[f64; 2]>> {
-            let Some(k) = places.iter().position(|known| *known == (test, place)) else { return Vec::new() };
+            let Some(k) = places.iter().position(|of_curve| *of_curve == (test, place)) else {
+                return Vec::new();
+            };
             predicted.iter().map(|one| pairs(&curves[k].strain, &one[k].mean)).collect()
         };
         self.refuse_beyond(&self.beyond(predicted), &lines, &OF_POSTERIOR)
@@ -74,10 +76,10 @@ impl Calibration<'_> {
         if beyond.is_empty() {
             return Ok(());
         }
-        let mut told: Vec<String> = beyond.iter().map(BeyondReach::line).collect();
-        told.push(ADVICE.into());
+        let mut sentences: Vec<String> = beyond.iter().map(BeyondReach::line).collect();
+        sentences.push(ADVICE.into());
         // The figure of the readings and the simulations takes the place of that of an earlier posterior.
-        let failure = self.without_results(CalibrationError::NothingFits(told).into(), results);
+        let failure = self.without_results(CalibrationError::NothingFits(sentences).into(), results);
         let path = self.out.join(FIGURE);
         put(curves_figure(&self.without_posterior(lines)).to_svg(), &path)?;
         self.context.note(&format!("the readings and the simulations are drawn in {}", path.shown()));

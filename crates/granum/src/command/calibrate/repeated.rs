@@ -24,25 +24,25 @@ impl Calibration<'_> {
         if self.targets.len() < 2 {
             return Err(Failure::new("--leave-one-out needs two tests at least"));
         }
-        let (emulator, known) = self.learned()?;
-        self.check_reach(&emulator, &known, &FILES[..3])?;
-        let (mut predictions, mut found): (Vec<Prediction>, Vec<(String, Outcome)>) =
+        let (emulator, runs) = self.learned()?;
+        self.check_reach(&emulator, &runs, &FILES[..3])?;
+        let (mut predictions, mut outcomes): (Vec<Prediction>, Vec<(String, Outcome)>) =
             (Vec::new(), Vec::new());
         let mut not_explained = Vec::new();
         for (k, left_out) in self.targets.iter().enumerate() {
             let rest: Vec<TargetTest> =
                 self.targets.iter().filter(|target| target.name != left_out.name).cloned().collect();
             let phase = format!("without {} ({} of {})", left_out.name, k + 1, self.targets.len());
-            let (outcome, told) = self.infer_on(&emulator, &phase, &rest)?;
-            not_explained.extend(told);
+            let (outcome, against) = self.infer_on(&emulator, &phase, &rest)?;
+            not_explained.extend(against);
             let all = emulator.for_targets(self.targets);
             predictions.extend(predict(self.file, &all, self.targets, k, &outcome)?);
-            found.push((left_out.name.clone(), outcome));
+            outcomes.push((left_out.name.clone(), outcome));
         }
         let paths = FILES.map(|name| self.out.join(name));
         write_table(&paths[0], &readings_table(&predictions)?)?;
         write_table(&paths[1], &errors_table(&predictions)?)?;
-        write_table(&paths[2], &parameters_table(&found)?)?;
+        write_table(&paths[2], &parameters_table(&outcomes)?)?;
         let result = json!({ "folder": output::path(&self.out), "predictions": predictions, "not_explained": not_explained });
         output::say_complete(self.context, &self.out, &result, || {
             let mut lines = not_explained;
@@ -55,20 +55,20 @@ impl Calibration<'_> {
 
     /// Calibrates on each test alone.
     pub fn each_alone(&self) -> Result<(), Failure> {
-        let (emulator, known) = self.learned()?;
-        self.check_reach(&emulator, &known, &FILES[3..])?;
-        let (mut found, mut not_explained) = (Vec::new(), Vec::new());
+        let (emulator, runs) = self.learned()?;
+        self.check_reach(&emulator, &runs, &FILES[3..])?;
+        let (mut outcomes, mut not_explained) = (Vec::new(), Vec::new());
         for (k, target) in self.targets.iter().enumerate() {
             let phase = format!("{} alone ({} of {})", target.name, k + 1, self.targets.len());
-            let (outcome, told) = self.infer_on(&emulator, &phase, std::slice::from_ref(target))?;
-            not_explained.extend(told);
-            found.push((target.name.clone(), outcome));
+            let (outcome, against) = self.infer_on(&emulator, &phase, std::slice::from_ref(target))?;
+            not_explained.extend(against);
+            outcomes.push((target.name.clone(), outcome));
         }
-        let table = parameters_table(&found)?;
+        let table = parameters_table(&outcomes)?;
         let path = self.out.join(FILES[3]);
         write_table(&path, &table)?;
         let rows = |(test, outcome): &(String, Outcome)| json!({ "test": test, "mean": outcome.mean(), "parameters": outcome.names });
-        let each_alone: Vec<serde_json::Value> = found.iter().map(rows).collect();
+        let each_alone: Vec<serde_json::Value> = outcomes.iter().map(rows).collect();
         let result = json!({ "folder": output::path(&self.out), "each_alone": each_alone, "not_explained": not_explained });
         output::say_complete(self.context, &self.out, &result, || {
             let mut lines = not_explained;
@@ -85,12 +85,12 @@ impl Calibration<'_> {
         phase: &str,
         targets: &[TargetTest],
     ) -> Result<(Outcome, Vec<String>), Failure> {
-        let own = emulator.for_targets(targets);
-        let outcome = self.infer_for(phase, &own, targets, self.file.calibration.inadequacy)?.outcome;
-        let lines = self.fit(targets, Some(&own), &outcome, &[])?.lines();
-        let told: Vec<String> = lines.iter().map(|line| format!("{phase}: {line}")).collect();
-        told.iter().for_each(|line| self.context.warn(line));
-        Ok((outcome, told))
+        let emulator = emulator.for_targets(targets);
+        let outcome = self.infer_for(phase, &emulator, targets, self.file.calibration.inadequacy)?.outcome;
+        let lines = self.fit(targets, Some(&emulator), &outcome, &[])?.lines();
+        let against: Vec<String> = lines.iter().map(|line| format!("{phase}: {line}")).collect();
+        against.iter().for_each(|line| self.context.warn(line));
+        Ok((outcome, against))
     }
 
     /// The surrogate and the simulations from which it learned.
