@@ -115,7 +115,7 @@ impl Drop for Slurm {
 fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {
-        assert!(since.elapsed() < Duration::from_secs(90), "{what}");
+        assert!(since.elapsed() < Duration::from_secs(300), "{what}");
         std::thread::sleep(Duration::from_millis(200));
     }
 }
