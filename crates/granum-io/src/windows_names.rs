@@ -13,11 +13,24 @@ pub(crate) fn check_path(path: &Path) -> Result<()> {
     if !cfg!(windows) {
         return Ok(());
     }
+    let is_absolute = path.has_root();
     let wrong = path.components().find_map(|component| match component {
         Component::Normal(name) => refusal(&name.to_string_lossy()),
+        // `a:b` is b in the present folder of the drive a.
+        Component::Prefix(drive) if !is_absolute => {
+            Some(relative_to_drive(&drive.as_os_str().to_string_lossy()))
+        }
         _ => None,
     });
     wrong.map_or(Ok(()), |message| Err(Error::content(path, message)))
+}
+
+/// What is wrong with a path that begins with a drive and no root.
+fn relative_to_drive(drive: &str) -> String {
+    format!(
+        "cannot be written: {drive:?} at its beginning stands for a drive on Windows; choose another name, or write \"{drive}\\\" before the \
+         folders of the drive"
+    )
 }
 
 /// What is wrong with a name on Windows.
@@ -79,5 +92,9 @@ mod tests {
         let refused = check_path(Path::new("deep/CON/run.json"));
         assert_eq!(refused.is_err(), cfg!(windows));
         check_path(Path::new("../runs/./dense")).unwrap();
+        let drive = check_path(Path::new("a:b/run"));
+        assert_eq!(drive.is_err(), cfg!(windows));
+        assert!(drive.err().is_none_or(|error| error.to_string().contains("stands for a drive")));
+        check_path(Path::new("c:\\work\\run")).unwrap();
     }
 }

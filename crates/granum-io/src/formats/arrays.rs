@@ -7,6 +7,7 @@ use super::contact_table::{ContactOptions, ContactTable};
 use super::join::{connect, wrap};
 use super::result::{FileContact, FrameCell, ObservedAssembly};
 use super::rounding;
+use crate::packing::lattice::Images;
 use crate::packing::plausible::{self, Found};
 use crate::packing::{Implausible, ImplausiblePlace};
 
@@ -68,7 +69,9 @@ impl ObservedAssembly {
             let places: Vec<[usize; 2]> = contacts.iter().map(|(places, _)| *places).collect();
             let rounding = rounding::of_places(assembly.grains.iter().map(|grain| grain.position));
             let options = ContactOptions::as_given();
-            let table = ContactTable { assembly: &assembly, parts, rounding, body_of: &|_| None, options };
+            let images = Images::new(&assembly.cell);
+            let table =
+                ContactTable { assembly: &assembly, parts, images, rounding, body_of: &|_| None, options };
             let held = table.hold(pairs, places)?;
             remarks = held.remarks;
             (assembly.contacts, parts) = connect(&assembly, parts, &held.pairs, &held.places)?;

@@ -3,7 +3,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::packing::lattice::nearest_image;
 use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
@@ -14,7 +13,7 @@ use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
 use super::strain::add_strains;
 use super::{ids, places, rounding};
 use crate::error::{Error, Result, in_file};
-use crate::packing::lattice;
+use crate::packing::lattice::{self, Images};
 use crate::packing::plausible::{self, Found, Implausible, ImplausiblePlace};
 use crate::shell::ShowPath;
 
@@ -200,8 +199,9 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     let bodies = frame.bodies;
     if let Some(mut pairs) = contacts {
         let path = frame.contacts_file.as_deref().unwrap_or(path);
+        let images = Images::new(&assembly.cell);
         if frame.counts_from_one {
-            ids::count_from_one(&assembly, parts, &mut pairs, &mut remarks);
+            ids::count_from_one(&assembly, parts, &images, &mut pairs, &mut remarks);
         }
         if !centres.is_empty() {
             let corner = cell.map_or([0.0; 3], |cell| cell.origin);
@@ -209,7 +209,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         }
         let body_of = |grain: usize| bodies.get(&assembly.grains[grain].id).copied();
         let options = options.contacts;
-        let table = ContactTable { assembly: &assembly, parts, rounding, body_of: &body_of, options };
+        let table = ContactTable { assembly: &assembly, parts, images, rounding, body_of: &body_of, options };
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
         (assembly.contacts, parts) = (connected, known);
     }
@@ -305,7 +305,7 @@ fn add_contacts(
         .map_err(|found| found.of_contacts(&file, ids))
 }
 
-/// Contacts between grains at these places in the list of grains, and what is then known.
+/// Contacts between grains at these places in the list of grains, whose branches are known, and what is then known.
 ///
 /// # Errors
 /// For a contact whose grains are at one place, or whose branch is no distance of two grains that touch.
@@ -320,8 +320,7 @@ pub(super) fn connect(
     let mut contacts = Vec::with_capacity(pairs.len());
     for (k, (pair, [i, j])) in pairs.iter().zip(places.iter().copied()).enumerate() {
         let (one, two) = (&grains[i], &grains[j]);
-        let apart = || std::array::from_fn(|a| two.position[a] - one.position[a]);
-        let branch = pair.branch.unwrap_or_else(|| nearest_image(&assembly.cell, apart()));
+        let branch = pair.branch.unwrap_or_default();
         let length = dot(&branch, &branch).sqrt();
         if length == 0.0 {
             let message = "has both grains at one place";

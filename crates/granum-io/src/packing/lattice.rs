@@ -37,22 +37,33 @@ pub(crate) fn less_skewed(edges: &Matrix, largest_radius: f64) -> Option<Matrix>
     (skewness > MOST_SKEWED || narrow < 2.0 * largest_radius).then(|| reduced(edges))
 }
 
-/// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.
-pub(crate) fn nearest_image(edges: &Matrix, apart: Vector) -> Vector {
-    if invert(edges).iter().flatten().any(|x| !x.is_finite()) {
-        return apart;
+/// The images of what is in a cell.
+pub(crate) struct Images {
+    /// Edges and their inverse: of the cell and, if it is skewed, of the least skewed cell of its lattice, next to whose images the nearest
+    /// one always lies. None for a cell of zero volume, in which nothing has an image.
+    cells: Vec<(Matrix, Matrix)>,
+}
+
+impl Images {
+    /// The images of a cell with these edges.
+    pub(crate) fn new(edges: &Matrix) -> Images {
+        let inverse = invert(edges);
+        if inverse.iter().flatten().any(|x| !x.is_finite()) {
+            return Images { cells: Vec::new() };
+        }
+        let reduced = less_skewed(edges, 0.0).map(|edges| (edges, invert(&edges)));
+        Images { cells: std::iter::once((*edges, inverse)).chain(reduced).collect() }
     }
-    let nearest = nearest_in(edges, apart);
-    // In a skewed cell the shortest may be farther than the neighbouring images.
-    match less_skewed(edges, 0.0) {
-        Some(reduced) => nearest_in(&reduced, nearest),
-        None => nearest,
+
+    /// The shortest of the images of a vector between two places.
+    pub(crate) fn nearest(&self, apart: Vector) -> Vector {
+        self.cells.iter().fold(apart, |apart, (edges, inverse)| nearest_in(edges, inverse, apart))
     }
 }
 
 /// The shortest vector among the images next to the one that is nearest by fractions of the edges.
-fn nearest_in(edges: &Matrix, apart: Vector) -> Vector {
-    let middle = apply(&invert(edges), apart).map(f64::round);
+fn nearest_in(edges: &Matrix, inverse: &Matrix, apart: Vector) -> Vector {
+    let middle = apply(inverse, apart).map(f64::round);
     let mut best = (f64::INFINITY, apart);
     for n in 0..27 {
         let shift =
@@ -140,6 +151,19 @@ mod tests {
         assert!(change.iter().flatten().all(whole), "{change:?}");
         assert!((determinant(&change) - 1.0).abs() < 1e-9);
         assert!(skewness(&found) < 2.0 && skewness(&edges) > 10.0);
+    }
+
+    /// By four edges in each direction the images next to the nearest fractions do not hold the shortest vector.
+    #[test]
+    fn the_nearest_image_is_the_shortest_in_a_skewed_cell_too() {
+        let skewed = [[1.0, 40.3, 0.0], [0.0, 1.0, 17.6], [0.0, 0.0, 1.0]];
+        let cube = Images::new(&reduced(&skewed));
+        let images = Images::new(&skewed);
+        for apart in [[0.4, 0.1, 0.3], [7.3, -2.2, 0.9], [-0.6, 11.5, 3.4]] {
+            let [one, two] = [images.nearest(apart), cube.nearest(apart)].map(|v| dot(&v, &v));
+            assert!((one - two).abs() < 1e-9, "{apart:?}: {one} {two}");
+        }
+        assert_eq!(Images::new(&[[0.0; 3]; 3]).nearest([5.0, 0.0, 0.0]), [5.0, 0.0, 0.0]);
     }
 
     #[test]

@@ -6,7 +6,6 @@ use granum_core::geometry::{dot, length};
 use super::row::Row;
 use super::table::{ContactTable, Outcome, count_of};
 use crate::formats::remark::Remark;
-use crate::packing::lattice::nearest_image;
 use crate::packing::{Implausible, ImplausiblePlace};
 
 /// How far a branch may be from the distance of the centres, in sums of the radii: programs find contacts a step before they move grains.
@@ -42,13 +41,13 @@ fn check_branches(table: &ContactTable, rows: &mut [Row]) -> Result<usize, Impla
         let allowed = FARTHEST * row.radii.unwrap_or_else(|| length(&row.branch)) + table.rounding;
         let differs = |branch: &Vector| {
             let difference = std::array::from_fn(|a| branch[a] - row.branch[a]);
-            length(&nearest_image(&table.assembly.cell, difference))
+            length(&table.images.nearest(difference))
         };
         let back = given.map(|x| -x);
         if differs(&given) <= allowed || is_of_touching(table, row, &given) {
             row.branch = given;
         } else if differs(&back) <= allowed {
-            (row.branch, row.pair.branch) = (back, Some(back));
+            row.branch = back;
             turned += 1;
         } else {
             let message = format!(
@@ -76,7 +75,6 @@ fn along_the_normal(table: &ContactTable, row: &mut Row) {
         return;
     }
     row.branch = normal.map(|x| (radii - overlap) * x);
-    row.pair.branch = Some(row.branch);
 }
 
 fn check_normals(rows: &mut [Row], remarks: &mut Vec<Remark>) -> Result<(), Implausible> {

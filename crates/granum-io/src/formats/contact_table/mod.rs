@@ -22,7 +22,6 @@ use self::row::{Row, radii_of};
 use super::remark::Remark;
 use super::result::FileContact;
 use crate::packing::Implausible;
-use crate::packing::lattice::nearest_image;
 
 pub(super) use table::ContactTable;
 
@@ -48,13 +47,13 @@ impl ContactTable<'_> {
         let rows = apart::check(self, rows, &mut remarks)?;
         let rows = signs::check(self, rows, &mut remarks)?;
         let rows = missing::check(self, rows, &mut remarks)?;
-        let (pairs, places) = rows.into_iter().map(|row| (row.pair, row.grains)).unzip();
+        let (pairs, places) = rows.into_iter().map(|row| (row.with_branch(), row.grains)).unzip();
         Ok(Held { pairs, places, remarks })
     }
 
     fn row(&self, (number, (pair, grains)): (usize, (FileContact, [usize; 2]))) -> Row {
         let [one, two] = grains.map(|grain| self.assembly.grains[grain].position);
-        let branch = nearest_image(&self.assembly.cell, std::array::from_fn(|a| two[a] - one[a]));
+        let branch = self.images.nearest(std::array::from_fn(|a| two[a] - one[a]));
         let radii = self.parts.has(Part::Radii).then(|| radii_of(self.assembly, grains));
         Row { number, pair, grains, branch, radii }
     }

@@ -44,6 +44,11 @@ impl Row {
         normal.is_some() || tangential.is_some()
     }
 
+    /// The contact with its branch.
+    pub(super) fn with_branch(&self) -> FileContact {
+        FileContact { branch: Some(self.branch), ..self.pair }
+    }
+
     /// "the grains 3 and 7"
     pub(super) fn of_grains(&self) -> String {
         format!("the grains {} and {}", self.pair.first, self.pair.second)

@@ -6,6 +6,7 @@ use granum_core::{Part, Parts};
 use super::options::ContactOptions;
 use super::row::Row;
 use crate::packing::Implausible;
+use crate::packing::lattice::Images;
 
 /// A table of contacts, and what it is held against.
 pub(crate) struct ContactTable<'a> {
@@ -13,6 +14,8 @@ pub(crate) struct ContactTable<'a> {
     pub(crate) assembly: &'a Assembly,
     /// What of them is known.
     pub(crate) parts: Parts,
+    /// The images of the cell.
+    pub(crate) images: Images,
     /// Largest error of a distance by the rounding of the numbers, m.
     pub(crate) rounding: f64,
     /// The body of each grain that is part of one with others, by the place of the grain.
