@@ -183,6 +183,8 @@ fn out_of_time(slurm: &Slurm, here: &Path) {
     let script = fs::read_to_string(here.join("study/jobs/0001.sh")).unwrap();
     assert!(script.starts_with("#!/bin/sh\n#SBATCH --nice=5\ncd "), "{script}");
     assert!(script.contains("\n. ./settings\nexec "), "{script}");
+    // It says where its commands begin, and not where the campaign is.
+    assert!(!script.contains(&format!("{}", here.join("study").display())), "{script}");
     wait_for("a run begins", || count(&slurm.status(here, "study"), "running") == 1);
     let checkpoint = || {
         let runs = fs::read_dir(here.join("study/tests")).into_iter().flatten().flatten();
@@ -233,6 +235,8 @@ fn cancelled_lost_and_throttled(slurm: &Slurm, here: &Path) {
     );
     let told = stdout(&slurm.granum(here, &["campaign", "status", "study"]));
     assert!(told.contains("given to a scheduler") && told.contains("elements queued"), "{told}");
+    let script = fs::read_to_string(here.join("study/jobs/0001.sh")).unwrap();
+    assert!(script.starts_with("#!/bin/sh\nexec ") && !script.contains(here.to_str().unwrap()), "{script}");
     // Neither twice there nor here at the same time.
     slurm.granum(here, &command);
     assert!(elements(&slurm.status(here, "study")) <= 12);

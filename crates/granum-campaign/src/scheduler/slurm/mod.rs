@@ -270,7 +270,7 @@ impl Slurm {
         let mut record = JobRecord::new(&folder, KIND.name, elements.to_vec())?;
         record.write(&folder)?;
         let script = record.script(&folder);
-        let text = script::script(&self.0, &folder, &here, &record);
+        let text = script::script(&self.0, &here, &record);
         let submitted = std::fs::write(&script, text)
             .map_err(|error| Error::file("write", &script)(error).into())
             .and_then(|()| {

@@ -5,26 +5,29 @@ use std::time::Duration;
 
 use granum_io::shell::{quoted, quoted_path};
 
-use crate::scheduler::job_record::JobRecord;
+use crate::scheduler::job_record::{JOBS, JobRecord};
 use crate::scheduler::scheduler_trait::SchedulerOptions;
 
 /// The script: the header, then this program with the number of the job and of the element. It takes the place of the shell, so that
 /// signals of Slurm reach it.
-pub(super) fn script(options: &SchedulerOptions, campaign: &Path, here: &Path, record: &JobRecord) -> String {
+///
+/// It does not say where the campaign is: it is submitted from the folder of jobs, which Slurm tells it. Only commands of a header need the
+/// folder in which the user gave the command.
+pub(super) fn script(options: &SchedulerOptions, here: &Path, record: &JobRecord) -> String {
     let header = options.header.as_deref().unwrap_or_default();
     let (directives, commands) = divided(header);
     let mut text = String::from("#!/bin/sh\n");
     text += directives;
-    // Commands of the header find what they name where the user gave the command.
-    text += &format!("cd {} || exit 1\n", quoted_path(here));
-    text += commands;
+    if !commands.is_empty() {
+        text += &format!("cd {} || exit 1\n", quoted_path(here));
+        text += commands;
+    }
     let words: Vec<String> = options.arguments.iter().map(|word| quoted(&word.to_string_lossy())).collect();
     text += &format!(
-        "exec {} campaign run {} --job {} --element \"$SLURM_ARRAY_TASK_ID\" -- {}\n",
+        "exec {} campaign run {} --job {} --element \"$SLURM_ARRAY_TASK_ID\" -- \"${{SLURM_SUBMIT_DIR%/{JOBS}}}\"\n",
         quoted_path(&options.program),
         words.join(" "),
         record.number,
-        quoted_path(campaign),
     );
     text
 }
@@ -86,13 +89,16 @@ mod tests {
             account: Some("physics".into()),
             ..SchedulerOptions::default()
         };
-        let text = script(&options, Path::new("/data/it's/study"), Path::new("/home/me"), &record);
+        let text = script(&options, Path::new("/home/it's me"), &record);
         assert_eq!(
             text,
-            "#!/bin/sh\n#SBATCH --mem-per-cpu=1G\n\ncd /home/me || exit 1\n. ./modules.sh\n#SBATCH --nice\n\
+            "#!/bin/sh\n#SBATCH --mem-per-cpu=1G\n\ncd '/home/it'\\''s me' || exit 1\n. ./modules.sh\n#SBATCH --nice\n\
              exec '/opt/my tools/granum' campaign run --checkpoint-every 30 --job 1 --element \"$SLURM_ARRAY_TASK_ID\" -- \
-             '/data/it'\\''s/study'\n"
+             \"${SLURM_SUBMIT_DIR%/jobs}\"\n"
         );
+        let options = SchedulerOptions { header: Some("#SBATCH --nice\n".into()), ..options };
+        let text = script(&options, Path::new("/home/me"), &record);
+        assert!(text.starts_with("#!/bin/sh\n#SBATCH --nice\nexec "), "{text}");
         let given = arguments(&options, &record, &["12".into(), "13".into()]);
         assert_eq!(
             given[1..],
@@ -109,5 +115,22 @@ mod tests {
         );
         assert_eq!(divided("module load x\n"), ("", "module load x\n"));
         assert_eq!(divided(""), ("", ""));
+    }
+
+    /// A script that was moved or copied with its campaign names the campaign where it is now.
+    #[cfg(unix)]
+    #[test]
+    fn a_script_does_not_depend_on_where_its_campaign_is() {
+        let base = tempfile::tempdir().unwrap();
+        let record = JobRecord::new(base.path(), "slurm", vec![Vec::new()]).unwrap();
+        let options = SchedulerOptions { program: "/bin/echo".into(), ..SchedulerOptions::default() };
+        let text = script(&options, Path::new("/no such folder"), &record);
+        for place in ["/data/study", "/it's elsewhere/jobs/a $(study)"] {
+            let mut shell = std::process::Command::new("/bin/sh");
+            shell.args(["-c", &text]).env("SLURM_ARRAY_TASK_ID", "3");
+            let output = shell.env("SLURM_SUBMIT_DIR", format!("{place}/jobs")).output().unwrap();
+            let told = String::from_utf8(output.stdout).unwrap();
+            assert_eq!(told, format!("campaign run  --job 1 --element 3 -- {place}\n").replace("  ", " "));
+        }
     }
 }
