@@ -12,16 +12,18 @@ from grainlearning.dynamic_systems import DynamicSystem
 
 TRUTH = 0.1
 CASE = granum.Case(
-    grains={"count": 100},
-    preparation={"solid_fraction": "none", "friction": 0.2, "unbalanced_force": 0.05, "inertial_number": 5e-3},
-    shear={"deviator_strain": 0.05, "inertial_number": 0.02},
+    grains={"count": 300, "spread": 0.3},
+    preparation={"solid_fraction": "none", "friction": 0.2, "unbalanced_force": 5e-3, "inertial_number": 2e-3},
+    shear={"deviator_strain": 0.05, "inertial_number": 5e-4},
     recording={"states": 8},
 )
 
 
 def main() -> None:
     """Calibrates and prints what was found."""
+    # Those of other packages; what granum has to say of a run is not hidden.
     warnings.simplefilter("ignore")
+    warnings.simplefilter("default", granum.RunWarning)
 
     def curve(friction: float) -> granum.Table:
         # Proposals of later rounds may lie outside of the range.
