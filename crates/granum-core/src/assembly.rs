@@ -9,13 +9,69 @@ pub use crate::energy::EnergyBalance;
 use crate::energy::is_zero;
 use crate::geometry::determinant;
 pub use crate::geometry::{Matrix, Vector};
+pub use crate::rotation::Quaternion;
 
-/// One grain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Grain {
+/// What moves: a grain, which is rigid and has one piece or several.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Body {
     /// Its id, from 1 as in packing files.
     pub id: u64,
-    /// Position of the centre, inside the cell, m.
+    /// Its centre of mass, inside the cell, m.
+    pub position: Vector,
+    /// Fluctuating velocity v' of the centre (without the affine part `L x`), m/s.
+    pub velocity: Vector,
+    /// Spin, rad/s.
+    pub spin: Vector,
+    /// Its size: radius R of the sphere of the same volume, m. For a body of one piece this is the radius of the piece.
+    pub equivalent_radius: f64,
+    /// Mass m, kg.
+    pub mass: f64,
+    /// Sum of the contact forces on it (dashpots included), N.
+    pub force: Vector,
+    /// Sum of the contact torques on it about its centre, N m.
+    pub torque: Vector,
+    /// Its material, as an index of [`Assembly::materials`]; 0 if there is one material.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub material: u32,
+    /// Its orientation and inertia, as an index of [`Assembly::rigid`], if it has several pieces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<u32>,
+}
+
+impl Default for Body {
+    fn default() -> Body {
+        Body::from(Sphere::default())
+    }
+}
+
+/// What a body of several pieces has beyond a sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rigid {
+    /// The rotation from the principal axes of the body to those of space.
+    pub orientation: Quaternion,
+    /// Principal moments of inertia, kg m2.
+    pub inertia: Vector,
+}
+
+/// What touches: a sphere that is fixed on a body. A contact is one between two pieces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Piece {
+    /// Index (not id) of its body in [`Assembly::bodies`].
+    pub body: usize,
+    /// Its centre, inside the cell, m.
+    pub position: Vector,
+    /// Its radius, m.
+    pub radius: f64,
+    /// From the centre of its body to its own, m; zero if it is the only piece.
+    pub arm: Vector,
+}
+
+/// A body of one piece, as it is in most files: the radius is that of both.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sphere {
+    /// Its id, from 1 as in packing files.
+    pub id: u64,
+    /// Its centre, inside the cell, m.
     pub position: Vector,
     /// Fluctuating velocity v' (without the affine part `L x`), m/s.
     pub velocity: Vector,
@@ -25,13 +81,29 @@ pub struct Grain {
     pub radius: f64,
     /// Mass m, kg.
     pub mass: f64,
-    /// Sum of the contact forces on the grain (dashpots included), N.
+    /// Sum of the contact forces on it (dashpots included), N.
     pub force: Vector,
-    /// Sum of the contact torques on the grain about its centre, N m.
+    /// Sum of the contact torques on it about its centre, N m.
     pub torque: Vector,
     /// Its material, as an index of [`Assembly::materials`]; 0 if there is one material.
-    #[serde(default, skip_serializing_if = "is_first")]
     pub material: u32,
+}
+
+impl From<Sphere> for Body {
+    fn from(sphere: Sphere) -> Body {
+        Body {
+            id: sphere.id,
+            position: sphere.position,
+            velocity: sphere.velocity,
+            spin: sphere.spin,
+            equivalent_radius: sphere.radius,
+            mass: sphere.mass,
+            force: sphere.force,
+            torque: sphere.torque,
+            material: sphere.material,
+            rigid: None,
+        }
+    }
 }
 
 /// True for the first material, the only one of most assemblies.
@@ -39,14 +111,15 @@ fn is_first(material: &u32) -> bool {
     *material == 0
 }
 
-/// One contact between grains i and j that touch.
+/// One contact between pieces i and j that touch, of two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Index (not id) of grain i in [`Assembly::grains`].
+    /// Index of piece i in [`Assembly::pieces`].
     pub i: usize,
-    /// Index (not id) of grain j.
+    /// Index of piece j.
     pub j: usize,
-    /// Branch vector `l` from the centre of i to the nearest image of the centre of j, m.
+    /// Branch vector `l` from the centre of piece i to the image of piece j that it touches, m. Stress and fabric of branches take that of
+    /// the bodies ([`Assembly::branch_of_bodies`]), which is the same where both are spheres.
     pub branch: Vector,
     /// Unit normal n from i to j.
     pub normal: Vector,
@@ -112,9 +185,14 @@ pub struct Assembly {
     pub arc_length: f64,
     /// Target of the mean stress, Pa, where the servo has one.
     pub target_mean_stress: Option<f64>,
-    /// The grains, in order of their ids.
-    pub grains: Vec<Grain>,
-    /// The contacts that touch, in order of the ids of their grains.
+    /// The bodies, in order of their ids.
+    pub bodies: Vec<Body>,
+    /// The pieces, body by body in the same order. If every body is a sphere, each piece has the index of its body.
+    pub pieces: Vec<Piece>,
+    /// Orientation and inertia of the bodies of several pieces; empty if every body is a sphere.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rigid: Vec<Rigid>,
+    /// The contacts that touch, in order of their pieces.
     pub contacts: Vec<Contact>,
     /// Pairs that act on each other without touching (by liquid bridges, say), in the same order: their force has a part in the
     /// stress, but they are no contacts.
@@ -134,5 +212,79 @@ impl Assembly {
     /// Volume V of the cell, m3.
     pub fn volume(&self) -> f64 {
         determinant(&self.cell).abs()
+    }
+
+    /// The same with these spheres as its bodies and pieces.
+    pub fn with_spheres(mut self, spheres: impl IntoIterator<Item = Sphere>) -> Assembly {
+        self.bodies.clear();
+        self.pieces.clear();
+        self.rigid.clear();
+        for sphere in spheres {
+            self.push_sphere(sphere);
+        }
+        self
+    }
+
+    /// Adds a sphere as the last body.
+    pub fn push_sphere(&mut self, sphere: Sphere) {
+        let Sphere { position, radius, .. } = sphere;
+        self.pieces.push(Piece { body: self.bodies.len(), position, radius, arm: [0.0; 3] });
+        self.bodies.push(sphere.into());
+    }
+
+    /// True if every body is a sphere, so that the index of a piece is that of its body.
+    pub fn all_spheres(&self) -> bool {
+        self.rigid.is_empty()
+    }
+
+    /// The body of a piece, as its index.
+    pub fn body_of(&self, piece: usize) -> Option<usize> {
+        self.pieces.get(piece).map(|piece| piece.body)
+    }
+
+    /// The branch vector of a contact between the centres of its bodies, m: `l + c_i - c_j` with the arms c of the pieces. The force of a
+    /// contact times this vector, not that of the pieces, is its part in the stress.
+    pub fn branch_of_bodies(&self, contact: &Contact) -> Vector {
+        if self.all_spheres() {
+            return contact.branch;
+        }
+        let arm = |piece: usize| self.pieces.get(piece).map_or([0.0; 3], |piece| piece.arm);
+        let (one, two) = (arm(contact.i), arm(contact.j));
+        std::array::from_fn(|a| contact.branch[a] + (one[a] - two[a]))
+    }
+
+    /// The pairs of bodies that touch, each with the number of its contacts, in the order of the indices of the bodies. Two images of a body
+    /// that touch another are one pair.
+    pub fn pairs_of_bodies(&self) -> Vec<([usize; 2], usize)> {
+        let mut pairs: Vec<[usize; 2]> = (self.contacts.iter())
+            .filter_map(|contact| {
+                let [i, j] = [self.body_of(contact.i)?, self.body_of(contact.j)?];
+                Some([i.min(j), i.max(j)])
+            })
+            .collect();
+        pairs.sort_unstable();
+        pairs.chunk_by(|a, b| a == b).map(|equal| (equal[0], equal.len())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_branch_of_bodies_joins_their_centres_and_pairs_are_counted_once() {
+        let sphere = |id, x| Sphere { id, position: [x, 0.5, 0.5], radius: 0.25, ..Sphere::default() };
+        let mut assembly = Assembly::default().with_spheres([sphere(1, 0.0), sphere(2, 0.5)]);
+        let contact = Contact { i: 0, j: 1, branch: [0.5, 0.0, 0.0], ..Contact::default() };
+        assembly.contacts = vec![contact; 2];
+        assert!(assembly.all_spheres());
+        assert_eq!(assembly.branch_of_bodies(&contact), [0.5, 0.0, 0.0]);
+        assert_eq!(assembly.pairs_of_bodies(), [([0, 1], 2)]);
+        // The second piece is on a body whose centre is farther away.
+        assembly.rigid.push(Rigid { orientation: crate::rotation::IDENTITY, inertia: [1.0; 3] });
+        assembly.bodies[1].rigid = Some(0);
+        assembly.pieces[1].arm = [-0.125, 0.25, 0.0];
+        assert!(!assembly.all_spheres());
+        assert_eq!(assembly.branch_of_bodies(&contact), [0.625, -0.25, 0.0]);
     }
 }

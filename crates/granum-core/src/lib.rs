@@ -17,6 +17,7 @@ pub mod observer;
 pub mod parallel;
 mod parts;
 pub mod quantity;
+pub mod rotation;
 mod registration;
 mod table;
 pub mod words;

@@ -53,7 +53,7 @@ fn run(
     let assembly = simulation.assembly();
     let mut digest = Digest::new();
     digest.count(assembly.contacts.len());
-    for grain in &assembly.grains {
+    for grain in &assembly.bodies {
         for vector in [grain.position, grain.velocity, grain.spin, grain.force, grain.torque] {
             digest.numbers(&vector);
         }

@@ -1,16 +1,19 @@
 //! The assembly of a state: what sensors, reports and files see of it.
 //!
-//! Grains and contacts are in the order of the ids of the grains, whatever order the engine keeps them in.
+//! Bodies, pieces and contacts are in the order of the ids of the bodies, whatever order the engine keeps them in.
 
 use granum_core::geometry::invert;
+use granum_core::rotation::{matrix, to_space};
 use granum_simd::{LANES, Real, Row8, ScalarKernel, fused, prefetch};
 
-use crate::assembly::{Assembly, Contact, Grain, Matrix};
+use crate::assembly::{Assembly, Body, Contact, Matrix, Piece, Rigid, Sphere, Vector};
+use crate::clump::rigid_shape::equivalent_radius;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::images::{self, NO_IMAGE, image_vector};
 use crate::observed_pairs::{Observing, TOGETHER};
 use crate::state::State;
+use crate::state::bodies::BodyPlace;
 
 /// Number of grains between prefetching one and copying it.
 const GRAINS_AHEAD: usize = 12;
@@ -51,12 +54,14 @@ impl State {
     /// Makes an assembly that of this state. Its vectors are filled again: an observation of a large sample writes to megabytes of
     /// memory, and asking the system for them each time would cost as much as a sensor.
     pub(crate) fn assembly_into(&self, alike: &PairConstants<f64>, laws: &ContactModel, out: &mut Assembly) {
-        let order = self.order_of_ids();
-        let mut rank = vec![0; order.len()];
-        for (r, &g) in order.iter().enumerate() {
-            rank[g] = r;
+        let bodies = self.bodies_in_order();
+        let order = self.pieces_in_order(&bodies);
+        let rank = ranks(&order);
+        if self.has_clumps() {
+            self.add_bodies(&bodies, out);
+        } else {
+            self.add_spheres(&order, out);
         }
-        self.add_grains(&order, &mut out.grains);
         let mut observing = Observing::new(self, laws, alike);
         self.list(self.pairs.touching().collect(), &rank, &mut observing, &mut out.contacts);
         let apart = if laws.adhesion.law().acts() { self.pairs.apart().collect() } else { Vec::new() };
@@ -108,11 +113,7 @@ impl State {
     /// The slots of the contacts that touch, in the order of the contacts of the assembly, each with minus one where the grains of its pair
     /// have changed roles there, and one elsewhere.
     pub(crate) fn slots_of_contacts(&self) -> Vec<(usize, f64)> {
-        let order = self.order_of_ids();
-        let mut rank = vec![0; order.len()];
-        for (r, &g) in order.iter().enumerate() {
-            rank[g] = r;
-        }
+        let rank = ranks(&self.pieces_in_order(&self.bodies_in_order()));
         let slots: Vec<usize> = self.pairs.touching().collect();
         let Places { places, images } = self.places(&slots, &rank);
         let mut found = vec![(0, 1.0); slots.len()];
@@ -140,36 +141,64 @@ impl State {
         sign * (j + image - i)
     }
 
-    /// The grains in the order of their ids.
-    fn order_of_ids(&self) -> Vec<usize> {
-        let n = self.grains();
-        let ids = &self.ids[..n];
-        // Mostly the ids are 1..=n, and each of them is the place of its grain.
-        let mut order = vec![usize::MAX; n];
-        for (g, &id) in ids.iter().enumerate() {
-            match order.get_mut((id as usize).wrapping_sub(1)) {
-                Some(place) if *place == usize::MAX => *place = g,
-                _ => {
-                    order = (0..n).collect();
-                    order.sort_unstable_by_key(|&g| ids[g]);
-                    return order;
-                }
-            }
-        }
-        order
+    /// Spheres, in the order of their rows.
+    fn add_spheres(&self, order: &[usize], out: &mut Assembly) {
+        let inverse = invert(&self.cell.edges);
+        out.rigid.clear();
+        out.bodies.resize_with(order.len(), Body::default);
+        out.pieces.resize_with(order.len(), Piece::default);
+        fused(AddSpheres { state: self, inverse, order, bodies: &mut out.bodies, pieces: &mut out.pieces });
     }
 
-    fn add_grains(&self, order: &[usize], grains: &mut Vec<Grain>) {
+    /// Spheres and clumps, in the order of their ids.
+    fn add_bodies(&self, bodies: &[BodyPlace], out: &mut Assembly) {
         let inverse = invert(&self.cell.edges);
-        grains.resize_with(order.len(), Grain::default);
-        fused(AddGrains { state: self, inverse, order, grains });
+        out.rigid.clear();
+        out.bodies.clear();
+        out.pieces.clear();
+        for place in bodies {
+            match *place {
+                BodyPlace::Sphere(row) => {
+                    out.push_sphere(fused(OneSphere { state: self, inverse: &inverse, row }));
+                }
+                BodyPlace::Clump(k) => self.add_clump(k, &inverse, out),
+            }
+        }
+    }
+
+    fn add_clump(&self, k: usize, inverse: &Matrix, out: &mut Assembly) {
+        let clump = &self.clumps.bodies[k];
+        let pieces = self.clumps.pieces_of(clump);
+        let rotation = matrix(&clump.orientation);
+        let [x, y, z] = clump.centre;
+        let wrapped = |row: Row8| fused(OnePosition { state: self, inverse, row });
+        let [force, torque] = self.loads_of(clump);
+        let material = self.materials.get(pieces[0].row as usize).copied().unwrap_or(0);
+        for piece in pieces {
+            let row = self.particles[piece.row as usize];
+            let arm = to_space(&rotation, &piece.centre);
+            out.pieces.push(Piece { body: out.bodies.len(), position: wrapped(row), radius: row.0[3], arm });
+        }
+        out.bodies.push(Body {
+            id: clump.id,
+            position: wrapped(Row8([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0])),
+            velocity: clump.velocity,
+            spin: clump.spin(),
+            equivalent_radius: equivalent_radius(clump.volume),
+            mass: clump.mass,
+            force,
+            torque,
+            material: material.into(),
+            rigid: Some(out.rigid.len() as u32),
+        });
+        out.rigid.push(Rigid { orientation: clump.orientation, inertia: clump.inertia });
     }
 
     #[inline(always)]
-    fn grain<R: Real>(&self, g: usize, inverse: &Matrix) -> Grain {
+    fn sphere<R: Real>(&self, g: usize, inverse: &Matrix) -> Sphere {
         let total = self.resultant(g);
         let (p, w) = (&self.particles[g].0, &self.spin[g].0);
-        Grain {
+        Sphere {
             id: self.ids[g],
             position: images::wrapped::<R>(&self.cell, inverse, &self.particles[g]).0,
             velocity: [p[4], p[5], p[6]],
@@ -264,28 +293,72 @@ impl State {
     }
 }
 
-/// Copies grains, with the fused operations of the processor.
-struct AddGrains<'a> {
+/// The rank of each row: its place in an order of rows.
+fn ranks(order: &[usize]) -> Vec<usize> {
+    let mut rank = vec![0; order.len()];
+    for (r, &g) in order.iter().enumerate() {
+        rank[g] = r;
+    }
+    rank
+}
+
+/// Copies spheres, with the fused operations of the processor.
+struct AddSpheres<'a> {
     state: &'a State,
     inverse: Matrix,
     order: &'a [usize],
-    grains: &'a mut [Grain],
+    bodies: &'a mut [Body],
+    pieces: &'a mut [Piece],
 }
 
-impl ScalarKernel for AddGrains<'_> {
+impl ScalarKernel for AddSpheres<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<R: Real>(self) {
-        let AddGrains { state, inverse, order, grains } = self;
-        for (k, (&g, to)) in order.iter().zip(grains).enumerate() {
+        let AddSpheres { state, inverse, order, bodies, pieces } = self;
+        for (k, &g) in order.iter().enumerate() {
             // The order of the ids has nothing to do with the order in memory.
             if let Some(&later) = order.get(k + GRAINS_AHEAD) {
                 prefetch(&state.particles[later]);
                 prefetch(&state.spin[later]);
                 prefetch(&state.pairs.forces[later]);
             }
-            *to = state.grain::<R>(g, &inverse);
+            let sphere = state.sphere::<R>(g, &inverse);
+            pieces[k] = Piece { body: k, position: sphere.position, radius: sphere.radius, arm: [0.0; 3] };
+            bodies[k] = sphere.into();
         }
+    }
+}
+
+/// One sphere of a state, with the fused operations of the processor.
+struct OneSphere<'a> {
+    state: &'a State,
+    inverse: &'a Matrix,
+    row: usize,
+}
+
+impl ScalarKernel for OneSphere<'_> {
+    type Output = Sphere;
+
+    #[inline(always)]
+    fn run<R: Real>(self) -> Sphere {
+        self.state.sphere::<R>(self.row, self.inverse)
+    }
+}
+
+/// The position of a row inside the cell, with the fused operations of the processor.
+struct OnePosition<'a> {
+    state: &'a State,
+    inverse: &'a Matrix,
+    row: Row8,
+}
+
+impl ScalarKernel for OnePosition<'_> {
+    type Output = Vector;
+
+    #[inline(always)]
+    fn run<R: Real>(self) -> Vector {
+        images::wrapped::<R>(&self.state.cell, self.inverse, &self.row).0
     }
 }

@@ -2,7 +2,8 @@
 //! interrupted: grains, neighbour list in its order, contact histories, forces of the last step, servo, time step.
 //!
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian. The body ends with the
-//! energies in the channels of all laws where there are others than that of the normal law's first channel.
+//! energies in the channels of all laws where there are others than that of the normal law's first channel. Where grains have several pieces
+//! the version is 9, and the body ends with these energies, which are always there, and the clumps.
 
 use std::io::Write;
 
@@ -10,6 +11,7 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
+use crate::clump::clumps::Clumps;
 use crate::contact::choice::registry::Laws;
 use crate::images::IMAGES;
 use crate::pairs::{Marks, NORMAL_COLUMNS, Pairs};
@@ -21,8 +23,10 @@ use crate::state::State;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
-/// Version that this granum writes.
-pub const VERSION: u32 = 8;
+/// Newest version that this granum reads and writes: of states with grains of several pieces.
+pub const VERSION: u32 = 9;
+/// Version of states in which every grain is a sphere.
+const OF_SPHERES: u32 = 8;
 
 /// Reasons why bytes are not a usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -113,7 +117,10 @@ impl BodyOf<'_> {
     fn write(&self, out: impl Write) -> std::io::Result<(u64, u32)> {
         let mut stream = Stream { out, length: 0, sum: crc32fast::Hasher::new(), error: None };
         let mut written = postcard::serialize_with_flavor(self, &mut stream);
-        if let (Ok(()), Some(channels)) = (&written, self.state.ledger.further_channels()) {
+        let clumps = &self.state.clumps;
+        if written.is_ok() && !clumps.is_empty() {
+            written = postcard::serialize_with_flavor(&(&self.state.ledger.channels, clumps), &mut stream);
+        } else if let (Ok(()), Some(channels)) = (&written, self.state.ledger.further_channels()) {
             written = postcard::serialize_with_flavor(channels, &mut stream);
         }
         match (written, stream.error) {
@@ -138,7 +145,8 @@ impl Simulation {
         };
         let (length, sum) = body.write(std::io::sink())?;
         out.write_all(MAGIC)?;
-        out.write_all(&VERSION.to_le_bytes())?;
+        let version = if self.state().has_clumps() { VERSION } else { OF_SPHERES };
+        out.write_all(&version.to_le_bytes())?;
         out.write_all(&length.to_le_bytes())?;
         out.write_all(&sum.to_le_bytes())?;
         body.write(out).map(|_| ())
@@ -161,17 +169,21 @@ impl Simulation {
     /// The same as [`Simulation::restore`], with laws that are among those of a program.
     pub fn restore_among(bytes: &[u8], laws: &Laws) -> Result<(Simulation, String), CheckpointError> {
         let unreadable = |e: postcard::Error| CheckpointError::Inconsistent(e.to_string());
-        let (mut body, rest): (Body, &[u8]) =
-            postcard::take_from_bytes(checked_body(bytes)?).map_err(unreadable)?;
-        if !rest.is_empty() {
+        let (version, content) = checked_body(bytes)?;
+        let (mut body, rest): (Body, &[u8]) = postcard::take_from_bytes(content).map_err(unreadable)?;
+        if version == VERSION {
+            let ((channels, clumps), rest) = postcard::take_from_bytes(rest).map_err(unreadable)?;
+            no_more(rest)?;
+            body.state.ledger.channels = channels;
+            body.state.clumps = clumps;
+        } else if !rest.is_empty() {
             let (channels, rest) = postcard::take_from_bytes(rest).map_err(unreadable)?;
-            if !rest.is_empty() {
-                return Err(inconsistent("there is more than a state"));
-            }
+            no_more(rest)?;
             body.state.ledger.channels = channels;
         }
         check_numbers(&body)?;
         check_state(&body.state)?;
+        check_clumps(&body.state)?;
         let properties = body.properties.among(laws).map_err(CheckpointError::Inconsistent)?;
         let mut simulation = Simulation::from_parts(body.state, properties)?;
         let integrator = &mut simulation.integrator;
@@ -191,12 +203,17 @@ impl Simulation {
     }
 }
 
+/// Refuses bytes after the end of a state.
+fn no_more(rest: &[u8]) -> Result<(), CheckpointError> {
+    if rest.is_empty() { Ok(()) } else { Err(inconsistent("there is more than a state")) }
+}
+
 fn inconsistent(what: &str) -> CheckpointError {
     CheckpointError::Inconsistent(what.to_string())
 }
 
-/// The body, after magic bytes, version, length and checksum were found correct.
-fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+/// The version and the body, after magic bytes, version, length and checksum were found correct.
+fn checked_body(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     if bytes.len() < HEADER {
         let start = bytes.len().min(MAGIC.len());
         if bytes[..start] != MAGIC[..start] {
@@ -213,7 +230,7 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     if version > VERSION {
         return Err(CheckpointError::Newer(version));
     }
-    if version < VERSION {
+    if version < OF_SPHERES {
         return Err(CheckpointError::Older(version));
     }
     let length = number(12, 20);
@@ -225,9 +242,11 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     if crc32fast::hash(body) != number(20, 24) as u32 {
         return Err(CheckpointError::Damaged);
     }
-    Ok(body)
+    Ok((version, body))
 }
 
+/// More edges of the cell than any piece is from its body.
+const FARTHEST_IMAGE: i32 = 1000;
 /// More steps than any run can have made.
 const MOST_STEPS: u64 = 1 << 60;
 
@@ -289,6 +308,34 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     let near = |x: &f64| x.abs() < wide;
     let inside = state.particles[..n].iter().all(|row| row.0[..3].iter().all(near));
     require(inside && state.cell.edges.iter().flatten().all(near), "size of the cell")
+}
+
+/// Every piece of a clump has a row of its own, and the numbers of clumps can be those of bodies: threads write the rows concurrently.
+fn check_clumps(state: &State) -> Result<(), CheckpointError> {
+    let require = |good: bool| if good { Ok(()) } else { Err(inconsistent("grains of several pieces")) };
+    let Clumps { bodies, pieces } = &state.clumps;
+    let mut next = 0;
+    for clump in bodies {
+        let [from, to] = clump.pieces;
+        require(from == next && from < to && to as usize <= pieces.len())?;
+        next = to;
+        let vectors = [clump.centre, clump.velocity, clump.momentum, clump.inertia];
+        require(vectors.iter().flatten().chain(&clump.orientation).all(|x| x.is_finite()))?;
+        let positive = [clump.mass, clump.volume, clump.time_step_share];
+        require(clump.inertia.iter().chain(&positive).all(|x| *x > 0.0 && x.is_finite()))?;
+        let length: f64 = clump.orientation.iter().map(|x| x * x).sum();
+        require((length - 1.0).abs() < 1e-9)?;
+    }
+    require(next as usize == pieces.len())?;
+    let mut owned = vec![false; state.pieces()];
+    for piece in pieces {
+        let row = owned.get_mut(piece.row as usize);
+        let near = piece.image.iter().all(|edges| edges.abs() <= FARTHEST_IMAGE);
+        require(near && piece.centre.iter().all(|x| x.is_finite()))?;
+        require(row.as_ref().is_some_and(|owned| !**owned))?;
+        row.into_iter().for_each(|owned| *owned = true);
+    }
+    Ok(())
 }
 
 /// The second grain of a pair is a grain of the sample or the distant phantom, on which nothing acts.
@@ -422,7 +469,7 @@ pub(crate) mod tests {
     #[test]
     fn nothing_acts_on_the_phantom() {
         let found = forged(|s| {
-            let phantom = s.grains() as u32 + 1;
+            let phantom = s.pieces() as u32 + 1;
             let lanes = s
                 .pairs
                 .second
@@ -476,7 +523,7 @@ pub(crate) mod tests {
             forged[20..24].copy_from_slice(&sum.to_le_bytes());
             // An accepted checkpoint can be inspected and run; absurd numbers end in an error, never in a panic.
             if let Ok((mut s, _)) = Simulation::restore(&forged) {
-                assert_eq!(s.assembly().grains.len(), 150);
+                assert_eq!(s.assembly().bodies.len(), 150);
                 let _ = s.advance(2);
             }
         }

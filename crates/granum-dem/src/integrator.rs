@@ -5,6 +5,7 @@ use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
+use crate::clump::clumps::NO_CLUMP;
 use crate::config::MOST_CONTACTS;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
@@ -18,7 +19,7 @@ use crate::loading::measure::MeasureGoal;
 use crate::pair_table::{MaterialPair, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
 use crate::properties::Properties;
-use crate::search;
+use crate::search::{self, Near};
 use crate::servo::ServoInput;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
@@ -46,7 +47,10 @@ pub(crate) struct Integrator {
     pub(crate) time_step_factor: f64,
     pub(crate) fixed_time_step: Option<f64>,
     pub(crate) expected_force: f64,
-    /// Constants of every pair where all grains have the same size.
+    /// True where all grains have the same size, mass and material. This is not seen from the constants of pairs: there are none as long as no
+    /// grain is near another.
+    pub(crate) equal: bool,
+    /// Constants of every pair where all grains are equal.
     pub(crate) alike: PairConstants<f64>,
     /// Largest distance of the surfaces at which a contact that is torn breaks, and at which grains that do not touch act on each
     /// other, m.
@@ -55,9 +59,14 @@ pub(crate) struct Integrator {
     pub(crate) contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
+    /// The clump of each row, and the arm of each from the centre of its body; empty without clumps. Both follow from the state.
+    clump_of: Vec<u32>,
+    arms: Vec<Row4>,
+    /// Share of the time step of spheres that all clumps allow.
+    clump_share: f64,
     /// Goals that end a series of steps early.
     pub(crate) goals: Vec<MeasureGoal>,
-    /// Largest and mean radius, m.
+    /// Largest radius of a piece, and mean radius of the spheres of the volumes of the bodies, m.
     largest_radius: f64,
     mean_radius: f64,
     /// Volume of the grains of each material, m3, and how many materials there are among the grains.
@@ -75,35 +84,48 @@ impl Integrator {
             time_step_factor: 0.2,
             fixed_time_step: None,
             expected_force: 0.0,
+            equal: false,
             alike: PairConstants::from_columns(PairConstants::COUNT, |_| 0.0),
             reach: 0.0,
             range: 0.0,
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
             nearness: Vec::new(),
+            clump_of: Vec::new(),
+            arms: Vec::new(),
+            clump_share: 1.0,
             goals: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
             volumes: Vec::new(),
         };
         integrator.measure_grains();
+        integrator.clump_share = integrator.state.clumps.time_step_share();
+        integrator.find_rows_of_clumps();
         integrator
     }
 
-    /// Measures the radii, which never change. The sum runs in the order of the grain ids: the storage order changes when
+    /// Finds which rows are pieces of clumps, and where those are.
+    fn find_rows_of_clumps(&mut self) {
+        let rows = self.state.particles.len();
+        self.clump_of = self.state.clumps.of_rows(rows);
+        self.arms = self.state.clumps.arms(rows);
+    }
+
+    /// Measures the sizes, which never change. The sum runs in the order of the grain ids: the storage order changes when
     /// grains are sorted in space, and a sum in storage order would differ in its last bits after a restart.
     fn measure_grains(&mut self) {
         let state = &self.state;
-        let n = state.grains();
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_unstable_by_key(|&g| state.ids[g]);
-        let radius = |&g: &usize| state.particles[g].0[3];
-        self.largest_radius = order.iter().map(radius).fold(0.0, f64::max);
-        self.mean_radius = order.iter().map(radius).sum::<f64>() / n as f64;
+        let bodies = state.bodies_in_order();
+        let radii = bodies.iter().map(|body| state.equivalent_radius(*body));
+        let pieces = &state.particles[..state.pieces()];
+        self.largest_radius = pieces.iter().map(|row| row.0[3]).fold(0.0, f64::max);
+        self.mean_radius = radii.sum::<f64>() / bodies.len() as f64;
         self.volumes = vec![0.0; self.properties.mixture.components.len()];
-        for g in order {
-            if let Some(volume) = state.materials.get(g).and_then(|k| self.volumes.get_mut(*k as usize)) {
-                *volume += 4.0 / 3.0 * std::f64::consts::PI * state.particles[g].0[3].powi(3);
+        for body in bodies {
+            let material = state.materials.get(state.row_of(body));
+            if let Some(volume) = material.and_then(|k| self.volumes.get_mut(*k as usize)) {
+                *volume += 4.0 / 3.0 * std::f64::consts::PI * state.equivalent_radius(body).powi(3);
             }
         }
     }
@@ -136,7 +158,7 @@ impl Integrator {
     }
 
     fn all_alike(&self) -> bool {
-        let n = self.state.grains();
+        let n = self.state.pieces();
         let first = self.state.particles[0].0;
         self.table.is_one()
             && self.state.particles[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
@@ -159,19 +181,38 @@ impl Integrator {
         materials.contact.constants(&materials.pair(radii))
     }
 
+    /// Constants of a pair of pieces of given materials, radii, m, and masses of their bodies, kg, if these are not those of spheres.
+    fn constants_of_pieces(
+        &self,
+        [a, b]: [u8; 2],
+        radii: [f64; 2],
+        masses: Option<[f64; 2]>,
+    ) -> PairConstants<f64> {
+        let Some(masses) = masses else { return self.constants_of([a, b], radii) };
+        let materials = self.table.between(a, b);
+        materials.contact.constants(&materials.pair(radii).of_bodies(radii, masses))
+    }
+
+    /// The masses of the bodies of two rows, kg, if there are clumps: those of spheres follow from their radii.
+    fn masses_of(&self, rows: [u32; 2]) -> Option<[f64; 2]> {
+        self.state.has_clumps().then(|| rows.map(|row| self.state.particles[row as usize].0[7]))
+    }
+
     /// Rebuilds the neighbour list: wraps the grains into the cell, sorts them in space every [`REORDER_EVERY`] rebuilds,
     /// searches, and carries the contact histories over.
     pub(crate) fn rebuild(&mut self) {
-        let n = self.state.grains();
+        let n = self.state.pieces();
         adapt_skin(&mut self.state, 2.0 * self.largest_radius);
         let state = &mut self.state;
         let moved = images::wrap(&state.cell, &mut state.particles[..n]);
+        state.clumps.wrap(&state.cell, &moved);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
         let laws = self.properties.contact;
         self.range = self.table.range(self.largest_radius);
         let near =
             search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin + self.range);
+        let near = between_bodies(near, &state.clumps.of_rows(n));
         let [tangential, moments, adhesion, normal] = laws.history();
         let columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         let old = std::mem::take(&mut state.pairs);
@@ -187,13 +228,14 @@ impl Integrator {
         state.steps_since_rebuild = 0;
         state.rebuilds += 1;
         state.inner_list.travel = f64::NEG_INFINITY;
+        self.find_rows_of_clumps();
         self.prepare_constants();
     }
 
     pub(crate) fn prepare_constants(&mut self) {
         let radius = self.state.particles[0].0[3];
         let laws = self.properties.contact;
-        self.alike = self.constants_of([self.material_of(0); 2], [radius; 2]);
+        self.alike = self.constants_of_pieces([self.material_of(0); 2], [radius; 2], self.masses_of([0; 2]));
         self.range = self.table.range(self.largest_radius);
         self.reach = if self.table.is_one() {
             -laws.breaking_overlap(&self.alike)
@@ -201,7 +243,8 @@ impl Integrator {
             self.table.reach(self.largest_radius)
         };
         self.state.pairs.constants = Vec::new();
-        if self.all_alike() {
+        self.equal = self.all_alike();
+        if self.equal {
             return;
         }
         let count = laws.constants_kept();
@@ -213,8 +256,9 @@ impl Integrator {
                 let [i, j] = [&self.state.pairs.first, &self.state.pairs.second].map(|list| list[b][l]);
                 let materials = [self.material_of(i), self.material_of(j)];
                 let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
-                let values =
-                    known.constants(materials, radii, || self.constants_of(materials, radii).to_array());
+                let masses = self.masses_of([i, j]);
+                let make = || self.constants_of_pieces(materials, radii, masses).to_array();
+                let values = known.constants(materials, radii, masses, make);
                 for c in 0..count {
                     rows[b * count + c].0[l] = values[c];
                 }
@@ -240,7 +284,8 @@ impl Integrator {
     }
 
     fn time_step_for(&self, fastest: f64) -> f64 {
-        self.time_step_factor * self.damped_share() / fastest.max(self.expected_fastest()).sqrt()
+        self.time_step_factor * self.damped_share() * self.clump_share
+            / fastest.max(self.expected_fastest()).sqrt()
     }
 
     /// Fraction of the time step that remains with dashpots stronger than the default ones.
@@ -305,6 +350,7 @@ impl Integrator {
         }
         state.walk();
         views.gradient = state.gradient;
+        views.edges = state.cell.edges;
         views.dt = state.dt;
         views.retain = 1.0 - state.global_damping * state.dt;
         views.sampling_weight = crate::discarded::sampling_weight(state.step);
@@ -371,13 +417,18 @@ impl Integrator {
             outer: RawSlice::new(&mut s.pairs.outer),
             contact_sums: RawSlice::new(&mut self.contact_sums),
             fastest_grain: RawSlice::new(&mut self.fastest_grain),
-            equal: s.pairs.constants.is_empty(),
+            clumps: RawSlice::new(&mut s.clumps.bodies),
+            clump_pieces: RawSlice::new(&mut s.clumps.pieces),
+            clump_of: RawSlice::new(&mut self.clump_of),
+            arms: RawSlice::new(&mut self.arms),
+            equal: self.equal,
             far: (s.pairs.memory.len() + s.pairs.constants.len()) * size_of::<Row8>() > FAR,
             alike: self.alike,
             constants_kept: self.properties.contact.constants_kept(),
             laws: self.properties.contact,
             isa: self.hardware.isa,
             gradient: s.gradient,
+            edges: s.cell.edges,
             dt: s.dt,
             inner_skin: s.inner_list.inner_skin,
             onset: self.onset(),
@@ -439,9 +490,20 @@ fn adapt_skin(state: &mut State, diameter: f64) {
     state.skin = state.skin.clamp(1e-3 * diameter, 0.2 * diameter);
 }
 
+/// The pairs of pieces of different bodies: pieces of one clump do not act on each other.
+fn between_bodies(mut near: Vec<Near>, clump_of: &[u32]) -> Vec<Near> {
+    if !clump_of.is_empty() {
+        near.retain(|pair| {
+            let [one, two] = [pair.i, pair.j].map(|row| clump_of[row as usize]);
+            one == NO_CLUMP || one != two
+        });
+    }
+    near
+}
+
 /// Sorts the grains along a space-filling curve; returns the new index of each.
 fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
-    let n = state.grains();
+    let n = state.pieces();
     let order = pairs::spatial_order(&state.cell, &state.particles[..n], spacing);
     let mut new_place = vec![0u32; n];
     for (new, &old) in order.iter().enumerate() {
@@ -453,6 +515,7 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     state.particles[..n].copy_from_slice(&particles);
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
+    state.clumps.renumber(&new_place);
     if !state.films.is_empty() {
         state.films = order.iter().map(|&o| state.films[o as usize]).collect();
     }

@@ -2,10 +2,11 @@
 
 use crate::contact::evaluation::constants::PairConstants;
 
-/// Constants of pairs of materials that were found for grains of these radii: few, where all grains are of one size.
+/// Constants of pairs of materials that were found for pieces of these radii on bodies of these masses: few, where all grains are of one size.
 #[derive(Default)]
 pub(crate) struct KnownConstants {
     radii: [f64; 2],
+    masses: Option<[f64; 2]>,
     found: Vec<([u8; 2], [f64; PairConstants::COUNT])>,
 }
 
@@ -15,10 +16,11 @@ impl KnownConstants {
         &mut self,
         materials: [u8; 2],
         radii: [f64; 2],
+        masses: Option<[f64; 2]>,
         make: impl FnOnce() -> [f64; PairConstants::COUNT],
     ) -> [f64; PairConstants::COUNT] {
-        if radii != self.radii {
-            self.radii = radii;
+        if radii != self.radii || masses != self.masses {
+            (self.radii, self.masses) = (radii, masses);
             self.found.clear();
         }
         if let Some((_, values)) = self.found.iter().find(|(known, _)| *known == materials) {

@@ -5,6 +5,7 @@
 //! rate and normal force. SI units throughout.
 
 pub mod checkpoint;
+pub mod clump;
 pub mod config;
 pub mod contact;
 pub mod contact_history;

@@ -6,6 +6,9 @@ use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, Vector};
 use crate::cell::Cell;
+use crate::clump::clumps::Clumps;
+use crate::clump::placed::PlacedBodies;
+use crate::clump::rotor;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
@@ -17,9 +20,11 @@ use crate::loading::measure::MeasureGoal;
 use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
 use crate::servo::{CellControl, Servo};
+use crate::state::bodies::BodyPlace;
 use crate::state::{ServoError, State};
 use crate::{images, stepping};
 
+pub use crate::clump::rigid_shape::{InitialBody, RigidShape, ShapePiece};
 pub use crate::hardware::Hardware;
 pub use crate::initial_sphere::InitialSphere;
 pub use crate::properties::{LARGEST_REACH, Properties};
@@ -56,7 +61,36 @@ impl Simulation {
         materials: &[u8],
         properties: Properties,
     ) -> Result<Simulation, SimulationError> {
-        check_spheres(&cell, spheres)?;
+        Simulation::of_rows(cell, spheres, materials, properties, Clumps::default())
+    }
+
+    /// Grains of any shapes, spheres among them, at rest in a cell that is not strained. Each body names its shape by its place among
+    /// `shapes`, and has the material in its place of `materials`, which is empty if there is one material.
+    ///
+    /// # Errors
+    /// As [`Simulation::of_materials`]; also if a shape is impossible, or too large for the cell.
+    pub fn of_bodies(
+        cell: Cell,
+        shapes: &[RigidShape],
+        bodies: &[InitialBody],
+        materials: &[u8],
+        properties: Properties,
+    ) -> Result<Simulation, SimulationError> {
+        check_assignment(materials, bodies.len(), &properties.mixture)?;
+        let bodies = PlacedBodies::place(&cell, shapes, bodies, materials, &properties)?;
+        Simulation::of_rows(cell, &bodies.rows, &bodies.materials, properties, bodies.clumps)
+    }
+
+    /// Spheres, of which some are pieces of clumps.
+    fn of_rows(
+        cell: Cell,
+        spheres: &[InitialSphere],
+        materials: &[u8],
+        properties: Properties,
+        mut clumps: Clumps,
+    ) -> Result<Simulation, SimulationError> {
+        check_spheres(&cell, spheres, &clumps)?;
+        check_clumps(&clumps, &properties)?;
         check_assignment(materials, spheres.len(), &properties.mixture)?;
         let smallest = spheres.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
         check_properties(&properties, smallest)?;
@@ -70,7 +104,13 @@ impl Simulation {
                 Row8([x[0], x[1], x[2], s.radius, 0.0, 0.0, 0.0, mass])
             })
             .collect();
-        images::wrap(&cell, &mut particles);
+        for clump in &clumps.bodies {
+            for piece in clumps.pieces_of(clump) {
+                particles[piece.row as usize].0[7] = clump.mass;
+            }
+        }
+        let moved = images::wrap(&cell, &mut particles);
+        clumps.wrap(&cell, &moved);
         let largest = spheres.iter().fold(0.0f64, |m, s| m.max(s.radius));
         let far = 1e6 * largest;
         particles.push(Row8([0.0, 0.0, 0.0, largest, 0.0, 0.0, 0.0, 1.0]));
@@ -104,6 +144,7 @@ impl Simulation {
             global_damping: 0.0,
             servo_error: ServoError::default(),
             judge_from: 0.0,
+            clumps,
         };
         let mut simulation = Simulation { integrator: Integrator::new(state, properties) };
         simulation.integrator.rebuild();
@@ -116,7 +157,8 @@ impl Simulation {
     /// A simulation from its parts, as stored in a checkpoint.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
         check_properties(&properties, smallest(&state))?;
-        check_assignment(&state.materials, state.grains(), &properties.mixture)?;
+        check_assignment(&state.materials, state.pieces(), &properties.mixture)?;
+        check_clumps(&state.clumps, &properties)?;
         Ok(Simulation { integrator: Integrator::new(state, properties) })
     }
 
@@ -185,9 +227,10 @@ impl Simulation {
         check_properties(&properties, smallest(&self.integrator.state))?;
         check_assignment(
             &self.integrator.state.materials,
-            self.integrator.state.grains(),
+            self.integrator.state.pieces(),
             &properties.mixture,
         )?;
+        check_clumps(&self.integrator.state.clumps, &properties)?;
         let before = self.integrator.properties.contact;
         let ratio = self.integrator.density_ratio(&properties)?;
         self.integrator.scale_density(ratio);
@@ -292,20 +335,42 @@ impl Simulation {
     /// Gives fluctuating velocities and spins to the grains, in the order of their ids.
     pub fn set_velocities(&mut self, velocities: &[Vector], spins: &[Vector]) {
         let state = &mut self.integrator.state;
-        let mut order: Vec<usize> = (0..state.grains()).collect();
-        order.sort_unstable_by_key(|&g| state.ids[g]);
-        for (rank, g) in order.into_iter().enumerate() {
-            if let Some(v) = velocities.get(rank) {
-                state.particles[g].0[4..7].copy_from_slice(v);
-            }
-            if let Some(w) = spins.get(rank) {
-                state.spin[g].0[..3].copy_from_slice(w);
+        for (rank, body) in state.bodies_in_order().into_iter().enumerate() {
+            let (velocity, spin) = (velocities.get(rank), spins.get(rank));
+            match body {
+                BodyPlace::Sphere(row) => {
+                    if let Some(v) = velocity {
+                        state.particles[row].0[4..7].copy_from_slice(v);
+                    }
+                    if let Some(w) = spin {
+                        state.spin[row].0[..3].copy_from_slice(w);
+                    }
+                }
+                BodyPlace::Clump(k) => {
+                    let clump = &mut state.clumps.bodies[k];
+                    if let Some(v) = velocity {
+                        clump.velocity = *v;
+                    }
+                    if let Some(w) = spin {
+                        clump.momentum = rotor::momentum(&clump.orientation, w, &clump.inertia);
+                    }
+                }
             }
         }
+        state.clumps.move_rows(&state.gradient, &mut state.particles, &mut state.spin);
     }
 }
 
-fn check_spheres(cell: &Cell, spheres: &[InitialSphere]) -> Result<(), SimulationError> {
+/// Refuses laws that have no meaning for bodies of several pieces.
+fn check_clumps(clumps: &Clumps, properties: &Properties) -> Result<(), SimulationError> {
+    let law = properties.contact.adhesion.law();
+    if !clumps.is_empty() && law.shares_liquid() {
+        return Err(SimulationError::LiquidOfClumps { law: properties.contact.adhesion.name() });
+    }
+    Ok(())
+}
+
+fn check_spheres(cell: &Cell, spheres: &[InitialSphere], clumps: &Clumps) -> Result<(), SimulationError> {
     if spheres.is_empty() {
         return Err(SimulationError::NoGrains);
     }
@@ -322,7 +387,8 @@ fn check_spheres(cell: &Cell, spheres: &[InitialSphere]) -> Result<(), Simulatio
         if s.position.iter().any(|x| !x.is_finite()) {
             return Err(grain(format!("its position {:?} is not finite", s.position)));
         }
-        if !seen.insert(s.id) {
+        // The pieces of a clump have its id, and its own was looked at before.
+        if clumps.is_empty() && !seen.insert(s.id) {
             return Err(grain("its id occurs twice; ids must differ".into()));
         }
     }
@@ -334,15 +400,15 @@ fn check_spheres(cell: &Cell, spheres: &[InitialSphere]) -> Result<(), Simulatio
     Ok(())
 }
 
-/// Smallest radius, m.
+/// Smallest radius of a piece, m.
 fn smallest(state: &State) -> f64 {
-    state.particles[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
+    state.particles[..state.pieces()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
 }
 
 impl Integrator {
     /// Constants of the pair in a slot.
     pub(crate) fn pair_constants(&self, slot: usize) -> PairConstants<f64> {
-        if self.state.pairs.constants.is_empty() {
+        if self.equal {
             return self.alike;
         }
         let (b, l) = (slot / LANES, slot % LANES);
@@ -377,7 +443,7 @@ impl Integrator {
             return;
         }
         let state = &mut self.state;
-        let grains = state.grains();
+        let grains = state.pieces();
         let slower = 1.0 / ratio.sqrt();
         for (particle, spin) in state.particles[..grains].iter_mut().zip(&mut state.spin) {
             particle.0[7] *= ratio;
@@ -386,6 +452,7 @@ impl Integrator {
                 spin.0[k] *= slower;
             }
         }
+        state.clumps.scale(ratio, slower);
         state.sums.fastest /= ratio;
         // Half of the work in the first step uses the power of the last one, which was computed on the old time scale.
         state.sums.boundary_power *= slower;

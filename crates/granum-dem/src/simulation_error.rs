@@ -64,6 +64,26 @@ pub enum SimulationError {
         /// Time step, s.
         time_step: f64,
     },
+    /// Grains of several pieces with liquid that bridges share.
+    #[error(
+        "contact.adhesion = {law:?} keeps liquid in films on spheres, and some grains have several pieces: the film of such a grain belongs to \
+         the whole of it; take another law of adhesion, or spheres"
+    )]
+    LiquidOfClumps {
+        /// The law of adhesion.
+        law: &'static str,
+    },
+    /// The cell is too thin for grains of several pieces.
+    #[error(
+        "the cell is only {height:e} m thick, and a grain of several pieces is {diameter:e} m long: it must be at least twice as thick, so \
+         that two images of a grain never touch the same other grain"
+    )]
+    ThinForClumps {
+        /// Smallest height of the cell, m.
+        height: f64,
+        /// Largest diameter of the sphere about the centre of a grain that holds all of it, m.
+        diameter: f64,
+    },
     /// The cell became too thin for the grains.
     #[error("the cell is only {height:e} m thick, less than half of the diameter {diameter:e} m of a grain")]
     Thin {

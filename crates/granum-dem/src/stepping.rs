@@ -6,7 +6,7 @@ use granum_simd::dispatch;
 
 use crate::contact_sums::ContactSums;
 use crate::integrator::Integrator;
-use crate::kernel::{self, GrainStage, PruneStage, Views, larger};
+use crate::kernel::{self, ClumpStage, GrainStage, PruneStage, Views, larger};
 use crate::pairs::Block;
 use crate::simulation_error::SimulationError;
 use crate::team::{Guard, Work};
@@ -25,6 +25,8 @@ struct Moved {
 enum StepStage {
     /// The grains sum their forces and move.
     Grains,
+    /// The clumps sum the forces on their pieces and move.
+    Clumps,
     /// The neighbour lists are pruned again, after the grains moved.
     Prune(Moved),
     /// The contacts are evaluated, after the grains moved.
@@ -59,7 +61,11 @@ impl Team<'_> {
                 let (views, stage) = unsafe { (&*self.views.get(), *self.stage.get()) };
                 let (count, all) = (blocks.len(), views.blocks.len());
                 match stage {
-                    StepStage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
+                    StepStage::Grains if views.clumps.len() == 0 => {
+                        dispatch(self.isa, GrainStage::<false> { views, blocks });
+                    }
+                    StepStage::Grains => dispatch(self.isa, GrainStage::<true> { views, blocks }),
+                    StepStage::Clumps => dispatch(self.isa, ClumpStage { views, blocks }),
                     StepStage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
                     StepStage::Contacts(_) => (self.contacts)(views, blocks),
                 }
@@ -89,7 +95,8 @@ impl Team<'_> {
         unsafe {
             let integrator = &mut *self.integrator.get();
             match stage {
-                StepStage::Grains => {
+                StepStage::Grains if integrator.state.has_clumps() => self.open(StepStage::Clumps),
+                StepStage::Grains | StepStage::Clumps => {
                     let views = &mut *self.views.get();
                     let fastest = views.fastest_grain.read().iter().copied().fold(0.0, larger);
                     let renewed = integrator.list_is_stale(views, fastest);
@@ -162,7 +169,7 @@ fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::R
 /// The contact stage of an integrator.
 fn contact_stage(integrator: &Integrator) -> kernel::ContactStageFunction {
     let stages = integrator.stages;
-    if integrator.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
+    if integrator.equal { stages.alike } else { stages.by_batch }
 }
 
 /// Advances by `steps` steps with the hardware settings of the integrator.

@@ -34,9 +34,12 @@ fn wet(damping: f64) -> ContactModel {
 fn stored(assembly: &Assembly) -> f64 {
     let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
     let kinetic: f64 = assembly
-        .grains
+        .bodies
         .iter()
-        .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+        .map(|g| {
+            0.5 * g.mass
+                * (square(&g.velocity) + 0.4 * g.equivalent_radius * g.equivalent_radius * square(&g.spin))
+        })
         .sum();
     let pairs = assembly.contacts.iter().chain(&assembly.apart);
     kinetic + pairs.map(|c| c.normal_energy + c.attraction_energy).sum::<f64>()
@@ -87,7 +90,7 @@ fn grains_that_part_lose_the_energy_of_their_bridge() {
     let end = s.assembly();
     assert!((end.energy.attraction_loss / energy - 1.0).abs() < 1e-3, "{:e}", end.energy.attraction_loss);
     assert!(end.apart.is_empty() && end.contacts.is_empty());
-    let out = end.grains[1].velocity[0] - end.grains[0].velocity[0];
+    let out = end.bodies[1].velocity[0] - end.bodies[0].velocity[0];
     assert!((out / speed - 0.75f64.sqrt()).abs() < 2e-3, "{}", out / speed);
     // Grains that only come near have no bridge.
     let mut near = meeting(contact, 0.0);

@@ -133,12 +133,12 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
     let energy = |s: &Simulation| {
         let a = s.assembly();
         let kinetic: f64 =
-            a.grains.iter().map(|g| 0.5 * g.mass * g.velocity.iter().map(|v| v * v).sum::<f64>()).sum();
+            a.bodies.iter().map(|g| 0.5 * g.mass * g.velocity.iter().map(|v| v * v).sum::<f64>()).sum();
         kinetic + a.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
     };
     let momentum = |s: &Simulation| -> [f64; 3] {
         let a = s.assembly();
-        std::array::from_fn(|k| a.grains.iter().map(|g| g.mass * g.velocity[k]).sum())
+        std::array::from_fn(|k| a.bodies.iter().map(|g| g.mass * g.velocity[k]).sum())
     };
     let (start, push) = (energy(&s), momentum(&s));
     let mut worst = 0.0f64;
@@ -147,7 +147,7 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
         worst = worst.max((energy(&s) / start - 1.0).abs());
     }
     assert!(worst < 3e-3, "energy off by {worst}");
-    let scale = s.assembly().grains[0].mass * 10.0;
+    let scale = s.assembly().bodies[0].mass * 10.0;
     for (a, b) in momentum(&s).iter().zip(push) {
         assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");
     }
@@ -157,7 +157,7 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
 fn forces_are_in_balance_with_torques() {
     let s = small_sample(Hardware::default(), 0.1);
     let a = s.assembly();
-    let mut force = vec![[0.0; 3]; a.grains.len()];
+    let mut force = vec![[0.0; 3]; a.bodies.len()];
     for c in &a.contacts {
         let f = c.force();
         for k in 0..3 {
@@ -167,7 +167,7 @@ fn forces_are_in_balance_with_torques() {
     }
     // The resultants of the engine include the dashpot forces, which are tiny at rest.
     let mean = a.contacts.iter().map(|c| c.normal_force).sum::<f64>() / a.contacts.len() as f64;
-    for (g, f) in a.grains.iter().zip(&force) {
+    for (g, f) in a.bodies.iter().zip(&force) {
         for k in 0..3 {
             assert!((g.force[k] - f[k]).abs() < 0.05 * mean, "grain {}", g.id);
         }
@@ -308,4 +308,28 @@ fn a_control_that_changes_to_itself_changes_nothing() {
     };
     assert_eq!(after(Simulation::change_control), after(|_, _| ()));
     assert_ne!(after(Simulation::set_control), after(|_, _| ()));
+}
+
+/// Grains of different sizes that are far from each other at the start have no pairs, and the constants of their pairs must not be taken for
+/// those of equal grains when they meet later.
+#[test]
+fn unequal_grains_that_meet_later_collide_as_what_they_are() {
+    let run = |parts: &[u64]| {
+        let sphere = |id, x: f64, radius: f64| InitialSphere { id, position: [x, 5e-4, 5e-4], radius };
+        let spheres = [sphere(1, 3e-4, 5e-5), sphere(2, 6e-4, 1e-4)];
+        let mut s = Simulation::new(
+            Cell::cuboid([1e-3; 3]),
+            &spheres,
+            properties(NormalKind::HERTZ, TangentialKind::NO_SLIP),
+        )
+        .unwrap();
+        s.set_velocities(&[[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]], &[]);
+        s.fix_time_step(Some(2e-9));
+        parts.iter().for_each(|steps| s.advance(*steps).unwrap());
+        assert!(s.state().contacts() > 0 || parts.len() < 2, "they touch at the end of the second part");
+        s.assembly()
+    };
+    let at_once = run(&[76_000]);
+    let in_parts = run(&[75_500, 500]);
+    assert_eq!(at_once, in_parts);
 }

@@ -70,11 +70,11 @@ fn like_materials_are_one() {
         let two = compressed(mixture, spread, Hardware::default());
         let stripped = |mut assembly: Assembly| {
             assembly.materials.clear();
-            assembly.grains.iter_mut().for_each(|grain| grain.material = 0);
+            assembly.bodies.iter_mut().for_each(|grain| grain.material = 0);
             assembly
         };
         assert_eq!(two.assembly().materials, ["a", "b"]);
-        assert_eq!(two.assembly().grains.iter().filter(|grain| grain.material == 0).count(), 60);
+        assert_eq!(two.assembly().bodies.iter().filter(|grain| grain.material == 0).count(), 60);
         assert!(stripped(two.assembly()) == stripped(one.assembly()), "spread {spread}");
     }
 }
@@ -99,9 +99,9 @@ fn contacts_follow_their_pair_of_materials() {
     assert_eq!(names, &["hard", "soft"]);
     let mut seen = [0; 3];
     for contact in &assembly.contacts {
-        let [i, j] = [contact.i, contact.j].map(|grain| &assembly.grains[grain]);
+        let [i, j] = [contact.i, contact.j].map(|grain| &assembly.bodies[grain]);
         let of = [i, j].map(|grain| names[grain.material as usize].as_str());
-        let pair = s.properties().pair(of, [i.radius, j.radius]).unwrap();
+        let pair = s.properties().pair(of, [i.equivalent_radius, j.equivalent_radius]).unwrap();
         let radius = (pair.effective_radius * contact.approach).sqrt();
         let force = 4.0 / 3.0 * pair.effective_modulus * radius * contact.approach;
         assert!((contact.normal_force / force - 1.0).abs() < 1e-9, "{of:?}");
@@ -110,12 +110,12 @@ fn contacts_follow_their_pair_of_materials() {
         seen[(i.material + j.material) as usize] += 1;
     }
     assert!(seen.iter().all(|count| *count > 10), "{seen:?}");
-    for grain in &assembly.grains {
-        let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.radius.powi(3));
+    for grain in &assembly.bodies {
+        let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.equivalent_radius.powi(3));
         let wanted = [2650.0, 1200.0][grain.material as usize];
         assert!((density / wanted - 1.0).abs() < 1e-12);
     }
-    let soft = assembly.grains.iter().filter(|grain| grain.material == 1).count();
+    let soft = assembly.bodies.iter().filter(|grain| grain.material == 1).count();
     assert_eq!(soft, 67);
 }
 

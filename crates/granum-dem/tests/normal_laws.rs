@@ -87,9 +87,12 @@ fn sample(properties: Properties, spread: f64, steps: u64, hardware: Hardware) -
 fn stored(assembly: &Assembly) -> f64 {
     let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
     let kinetic: f64 = assembly
-        .grains
+        .bodies
         .iter()
-        .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+        .map(|g| {
+            0.5 * g.mass
+                * (square(&g.velocity) + 0.4 * g.equivalent_radius * g.equivalent_radius * square(&g.spin))
+        })
         .sum();
     let pairs = assembly.contacts.iter().chain(&assembly.apart);
     kinetic + pairs.map(|c| c.normal_energy + c.attraction_energy).sum::<f64>()

@@ -1,19 +1,20 @@
-//! The grain stage: sums the forces on every grain and advances it by kick and drift.
+//! The grain stage: sums the forces on every sphere and advances it by kick and drift. The pieces of clumps are left to the stage of clumps.
 
 use std::ops::Range;
 
 use granum_simd::{Kernel, Lanes, Real, Row4, Row8};
 
 use super::views::Views;
+use crate::clump::clumps::NO_CLUMP;
 use crate::pairs::resultant;
 
-/// The grain stage for a range of blocks: force sums, kicks and drifts.
-pub(crate) struct GrainStage<'a> {
+/// The grain stage for a range of blocks: force sums, kicks and drifts. With `CLUMPS`, rows of clumps are passed over.
+pub(crate) struct GrainStage<'a, const CLUMPS: bool> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
 }
 
-impl Kernel for GrainStage<'_> {
+impl<const CLUMPS: bool> Kernel for GrainStage<'_, CLUMPS> {
     type Output = ();
 
     #[inline(always)]
@@ -37,6 +38,10 @@ impl Kernel for GrainStage<'_> {
             let mut fastest = 0.0f64;
             let equal = v.equal.then(|| kicks(v, &particles[0]));
             for (n, g) in range.enumerate() {
+                // SAFETY: never written during a step.
+                if CLUMPS && unsafe { v.clump_of.read()[g] } != NO_CLUMP {
+                    continue;
+                }
                 if v.far {
                     fetch_ahead(v, outer, offsets[g] as usize, g + AHEAD);
                 }

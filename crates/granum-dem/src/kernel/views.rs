@@ -3,6 +3,7 @@
 use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
+use crate::clump::clumps::{Clump, ClumpPiece};
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
@@ -36,6 +37,13 @@ pub(crate) struct Views {
     pub(crate) outer: RawSlice<u32>,
     pub(crate) contact_sums: RawSlice<ContactSums>,
     pub(crate) fastest_grain: RawSlice<f64>,
+    /// Clumps and their pieces; empty without clumps, as are the next two.
+    pub(crate) clumps: RawSlice<Clump>,
+    pub(crate) clump_pieces: RawSlice<ClumpPiece>,
+    /// The clump of each row.
+    pub(crate) clump_of: RawSlice<u32>,
+    /// The arm of each row from the centre of its body, m.
+    pub(crate) arms: RawSlice<Row4>,
     /// True where all grains have the same mass and radius.
     pub(crate) equal: bool,
     /// True where the contact data do not fit into the caches.
@@ -47,6 +55,8 @@ pub(crate) struct Views {
     pub(crate) isa: Isa,
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
+    /// Edges of the cell, m.
+    pub(crate) edges: Matrix,
     pub(crate) dt: f64,
     /// Pairs with a gap below this belong to the inner list, m.
     pub(crate) inner_skin: f64,

@@ -178,7 +178,7 @@ impl Integrator {
             let radius = self.state.particles[grain].0[3];
             law.film(radius, &contact.parameters.resolved(law.description().parameters))
         };
-        law.shares_liquid().then(|| (0..self.state.grains()).map(film).collect())
+        law.shares_liquid().then(|| (0..self.state.pieces()).map(film).collect())
     }
 
     /// Gives the grains their initial films if the law shares liquid and they have had no films so far. If the initial films

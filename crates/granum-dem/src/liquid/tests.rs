@@ -69,7 +69,8 @@ fn liquid_is_conserved() {
     for (spread, content) in [(0.0, 0.01), (0.3, 2e-4)] {
         let s = sheared(&properties(content, 0.01), spread, Hardware::default(), 8);
         let assembly = s.assembly();
-        let wanted: f64 = content * assembly.grains.iter().map(|grain| volume(grain.radius)).sum::<f64>();
+        let wanted: f64 =
+            content * assembly.bodies.iter().map(|grain| volume(grain.equivalent_radius)).sum::<f64>();
         let liquid = assembly.liquid.unwrap();
         assert!((total(&assembly) / wanted - 1.0).abs() < 1e-12, "{:e}", total(&assembly) / wanted - 1.0);
         assert!(liquid.count > 100 && liquid.bridges > 0.0, "{liquid:?}");
@@ -177,7 +178,7 @@ fn dry_grains_stay_dry() {
     assert!(s.rebuilds() > 64, "the grains were not sorted again: {} lists", s.rebuilds());
     let assembly = s.assembly();
     let films = films(&s);
-    let is_dry = |grain: usize| assembly.materials[assembly.grains[grain].material as usize] == "dry";
+    let is_dry = |grain: usize| assembly.materials[assembly.bodies[grain].material as usize] == "dry";
     assert!((0..films.len()).all(|grain| (films[grain] == 0.0) == is_dry(grain)), "{films:?}");
     let pairs = || assembly.contacts.iter().chain(&assembly.apart);
     let bridged = |c: &&crate::assembly::Contact| c.attraction_energy != 0.0;
@@ -240,8 +241,12 @@ fn the_energy_is_in_balance() {
     s.reset_phase(0.0);
     let stored = |assembly: &Assembly| {
         let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
-        let kinetic: f64 = (assembly.grains.iter())
-            .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+        let kinetic: f64 = (assembly.bodies.iter())
+            .map(|g| {
+                0.5 * g.mass
+                    * (square(&g.velocity)
+                        + 0.4 * g.equivalent_radius * g.equivalent_radius * square(&g.spin))
+            })
             .sum();
         let pairs = assembly.contacts.iter().chain(&assembly.apart);
         kinetic + pairs.map(|c| c.normal_energy + c.attraction_energy).sum::<f64>()

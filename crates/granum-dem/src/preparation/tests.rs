@@ -310,6 +310,6 @@ fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     let assembly = sample.simulation.assembly();
     let [smallest, largest] = grains.size_range().unwrap();
     assert!(largest > 8.0 * smallest);
-    let near = assembly.grains.iter().map(|g| g.radius).fold(0.0, f64::max);
+    let near = assembly.pieces.iter().map(|piece| piece.radius).fold(0.0, f64::max);
     assert!((2.0 * near / largest - 1.0).abs() < 1e-12);
 }

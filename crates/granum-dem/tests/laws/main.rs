@@ -56,9 +56,12 @@ fn constant(damping: f64, friction: f64, stiffness: f64, viscosity: f64) -> Cont
 fn stored(assembly: &Assembly) -> [f64; 4] {
     let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
     let kinetic = assembly
-        .grains
+        .bodies
         .iter()
-        .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+        .map(|g| {
+            0.5 * g.mass
+                * (square(&g.velocity) + 0.4 * g.equivalent_radius * g.equivalent_radius * square(&g.spin))
+        })
         .sum();
     let sum = |of: fn(&granum_dem::assembly::Contact) -> f64| assembly.contacts.iter().map(of).sum();
     [kinetic, sum(|c| c.normal_energy), sum(|c| c.tangential_energy), sum(|c| c.rolling_energy)]
@@ -98,15 +101,15 @@ fn check_rocking(contact: ContactModel, stiffness: f64) {
         // The spin is known at the middle of the last step.
         let phase = std::f64::consts::TAU * (f64::from(quarter) / 4.0 - 0.5 / f64::from(steps));
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            let off = a.grains[k].spin[2] - sign * spin * phase.cos();
+            let off = a.bodies[k].spin[2] - sign * spin * phase.cos();
             assert!(
                 off.abs() < 2e-3 * spin,
                 "quarter {quarter}: {} {}",
-                a.grains[k].spin[2],
+                a.bodies[k].spin[2],
                 spin * phase.cos()
             );
         }
-        assert!(a.grains.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-6 * spin * r)));
+        assert!(a.bodies.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-6 * spin * r)));
         let now = stored(&a);
         let (all, first) = (now[0] + now[3], start[0]);
         assert!((all / first - 1.0).abs() < 2e-3, "quarter {quarter}: {all:e} {first:e}");

@@ -53,4 +53,11 @@ impl PairProperties {
             },
         }
     }
+
+    /// The properties of the same spheres as pieces of bodies of given masses, kg: those of a sphere's own mass are replaced. `radii` are
+    /// those of the pieces, m.
+    pub(crate) fn of_bodies(self, radii: [f64; 2], [a, b]: [f64; 2]) -> Self {
+        let [i, j] = [1.4 * a * radii[0] * radii[0], 1.4 * b * radii[1] * radii[1]];
+        PairProperties { effective_mass: a * b / (a + b), rolling_inertia: i * j / (i + j), ..self }
+    }
 }

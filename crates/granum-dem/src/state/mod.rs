@@ -1,10 +1,14 @@
 //! The complete state of a simulation at one instant: the content of a checkpoint, and what sensors observe.
 
+pub(crate) mod bodies;
+
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{EnergyBalance, Matrix};
+use crate::assembly::{EnergyBalance, Matrix, Vector};
 use crate::cell::Cell;
+use crate::clump::clumps::{Clump, Clumps, NO_CLUMP};
+use crate::clump::rigid_shape::equivalent_radius;
 use crate::contact_sums::ContactSums;
 use crate::images::{NO_IMAGE, image_vector};
 use crate::inner_list::InnerList;
@@ -17,15 +21,15 @@ use crate::{invariants, rows};
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Grains in spatial order, then two phantoms: x, y, z, R, v'_x, v'_y, v'_z, m.
+    /// Pieces in spatial order, then two phantoms: x, y, z, R, v'_x, v'_y, v'_z, and the mass m of the body.
     #[serde(with = "rows::eight")]
     pub(crate) particles: Vec<Row8>,
     /// Spins: x, y, z, unused.
     #[serde(with = "rows::four")]
     pub(crate) spin: Vec<Row4>,
-    /// Id of each grain.
+    /// Id of the body of each piece.
     pub(crate) ids: Vec<u64>,
-    /// Material of each grain, as its place in the mixture; empty where there is one material.
+    /// Material of each piece, as its place in the mixture; empty where there is one material.
     pub(crate) materials: Vec<u8>,
     /// Volume of the liquid film of each grain, m3; empty as long as no law has shared liquid.
     pub(crate) films: Vec<f64>,
@@ -61,6 +65,9 @@ pub struct State {
     /// Relative errors of the controlled stresses from the arc length `judge_from` on.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
+    /// Bodies of several pieces. A checkpoint has them at its end, if there are any.
+    #[serde(skip)]
+    pub(crate) clumps: Clumps,
 }
 
 /// Length of the strain chords that are added up to the arc length: shorter movements to and fro, caused by the servo, do
@@ -110,9 +117,31 @@ impl ServoError {
 }
 
 impl State {
-    /// Number of grains.
+    /// Number of grains: of bodies, whether they have one piece or several.
     pub fn grains(&self) -> usize {
+        self.ids.len() - self.clumps.pieces.len() + self.clumps.bodies.len()
+    }
+
+    /// Number of pieces: as many as grains, if all grains are spheres.
+    pub fn pieces(&self) -> usize {
         self.ids.len()
+    }
+
+    /// True if some grain has several pieces.
+    pub fn has_clumps(&self) -> bool {
+        !self.clumps.is_empty()
+    }
+
+    /// Sum over the bodies of a number of each: the spheres in their order in memory, then the clumps.
+    fn sum(&self, of_sphere: impl Fn(&Row8) -> f64, of_clump: impl Fn(&Clump) -> f64) -> f64 {
+        let rows = &self.particles[..self.pieces()];
+        if !self.has_clumps() {
+            return rows.iter().map(of_sphere).sum();
+        }
+        let clump_of = self.clumps.of_rows(rows.len());
+        let spheres = rows.iter().zip(&clump_of).filter(|(_, clump)| **clump == NO_CLUMP);
+        spheres.map(|(row, _)| of_sphere(row)).sum::<f64>()
+            + self.clumps.bodies.iter().map(of_clump).sum::<f64>()
     }
 
     /// Stress tensor from the elastic contact forces, Pa, compression positive.
@@ -128,9 +157,10 @@ impl State {
 
     /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is not a part of p.
     pub fn kinetic_mean_stress(&self) -> f64 {
-        let twice: f64 = (self.particles[..self.grains()].iter())
-            .map(|row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]))
-            .sum();
+        let twice = self.sum(
+            |row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]),
+            |clump| clump.mass * granum_core::geometry::dot(&clump.velocity, &clump.velocity),
+        );
         twice / (3.0 * self.cell.volume())
     }
 
@@ -141,7 +171,7 @@ impl State {
 
     /// Volume of the grains over that of the cell.
     pub fn solid_fraction(&self) -> f64 {
-        let cubes: f64 = self.particles[..self.grains()].iter().map(|row| row.0[3].powi(3)).sum();
+        let cubes = self.sum(|row| row.0[3].powi(3), |clump| equivalent_radius(clump.volume).powi(3));
         4.0 / 3.0 * std::f64::consts::PI * cubes / self.cell.volume()
     }
 
@@ -183,7 +213,7 @@ impl State {
     /// Stress, Pa, that the magnitudes of the normal forces make: `sum |N| d / (3 V)` with the mean diameter d. It is close to p
     /// without adhesion; with adhesion it remains where tension and compression balance and p is zero.
     pub fn contact_stress(&self) -> f64 {
-        let radii: f64 = self.particles[..self.grains()].iter().map(|row| row.0[3]).sum();
+        let radii = self.sum(|row| row.0[3], |clump| equivalent_radius(clump.volume));
         let diameter = 2.0 * radii / self.grains().max(1) as f64;
         self.sums.normal_force * diameter / (3.0 * self.cell.volume())
     }
@@ -302,23 +332,48 @@ impl State {
         self.servo_error = ServoError::default();
     }
 
-    /// Force on grain g (entries 0..3) and torque over radius (4..7).
+    /// Force on a piece (entries 0..3) and torque over its radius (4..7).
     #[inline(always)]
     pub(crate) fn resultant(&self, g: usize) -> [f64; 8] {
         let p = &self.pairs;
         resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)
     }
 
+    /// Force on a clump, N, and moment about its centre, N m.
+    pub(crate) fn loads_of(&self, clump: &Clump) -> [Vector; 2] {
+        let rotation = granum_core::rotation::matrix(&clump.orientation);
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for piece in self.clumps.pieces_of(clump) {
+            let row = piece.row as usize;
+            let total = self.resultant(row);
+            let arm = granum_core::rotation::to_space(&rotation, &piece.centre);
+            let lever = granum_core::geometry::cross(&arm, &[total[0], total[1], total[2]]);
+            for a in 0..3 {
+                force[a] += total[a];
+                moment[a] += self.particles[row].0[3] * total[4 + a] + lever[a];
+            }
+        }
+        [force, moment]
+    }
+
     /// Mean resultant force on the grains that touch at least one other, over the mean normal force of the contacts.
     pub fn unbalanced_force(&self) -> f64 {
         let (mut resultants, mut loaded) = (0.0, 0u64);
-        for g in 0..self.grains() {
-            let f = self.resultant(g);
+        let mut count = |f: &[f64]| {
             let size = (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt();
             if size > 0.0 {
                 resultants += size;
                 loaded += 1;
             }
+        };
+        let clump_of = self.clumps.of_rows(self.pieces());
+        for g in 0..self.pieces() {
+            if clump_of.get(g).is_none_or(|clump| *clump == NO_CLUMP) {
+                count(&self.resultant(g));
+            }
+        }
+        for clump in &self.clumps.bodies {
+            count(&self.loads_of(clump)[0]);
         }
         let contacts = self.contacts();
         if loaded == 0 || contacts == 0 || self.sums.normal_force == 0.0 {
