@@ -10,6 +10,7 @@ use crate::energy::is_zero;
 use crate::geometry::determinant;
 pub use crate::geometry::{Matrix, Vector};
 pub use crate::rotation::Quaternion;
+use crate::rotation::{matrix, to_body};
 
 /// What moves: a grain, which is rigid and has one piece or several.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -242,15 +243,37 @@ impl Assembly {
         self.pieces.get(piece).map(|piece| piece.body)
     }
 
+    /// The bodies of a contact, as their indices; `None` if a piece does not exist.
+    #[inline]
+    pub fn bodies_of(&self, contact: &Contact) -> Option<[usize; 2]> {
+        Some([self.pieces.get(contact.i)?.body, self.pieces.get(contact.j)?.body])
+    }
+
+    /// Twice the energy of rotation of a body, J: `2/5 m R^2 omega^2` of a sphere, `sum I_k omega_k^2` in the principal axes of others.
+    pub fn rotation_doubled(&self, body: &Body) -> f64 {
+        let Some(rigid) = body.rigid.and_then(|rigid| self.rigid.get(rigid as usize)) else {
+            let square: f64 = body.spin.iter().map(|w| w * w).sum();
+            return 0.4 * body.mass * body.equivalent_radius * body.equivalent_radius * square;
+        };
+        let spin = to_body(&matrix(&rigid.orientation), &body.spin);
+        (0..3).map(|k| rigid.inertia[k] * spin[k] * spin[k]).sum()
+    }
+
     /// The branch vector of a contact between the centres of its bodies, m: `l + c_i - c_j` with the arms c of the pieces. The force of a
     /// contact times this vector, not that of the pieces, is its part in the stress.
+    #[inline(always)]
     pub fn branch_of_bodies(&self, contact: &Contact) -> Vector {
         if self.all_spheres() {
             return contact.branch;
         }
-        let arm = |piece: usize| self.pieces.get(piece).map_or([0.0; 3], |piece| piece.arm);
-        let (one, two) = (arm(contact.i), arm(contact.j));
-        std::array::from_fn(|a| contact.branch[a] + (one[a] - two[a]))
+        let (one, two) = (self.arm(contact.i), self.arm(contact.j));
+        let [x, y, z] = contact.branch;
+        [x + (one[0] - two[0]), y + (one[1] - two[1]), z + (one[2] - two[2])]
+    }
+
+    /// From the centre of its body to that of a piece, m; zero for a piece that does not exist.
+    pub fn arm(&self, piece: usize) -> Vector {
+        self.pieces.get(piece).map_or([0.0; 3], |piece| piece.arm)
     }
 
     /// The pairs of bodies that touch, each with the number of its contacts, in the order of the indices of the bodies. Two images of a body

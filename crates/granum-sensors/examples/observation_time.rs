@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Contact, Sphere, Vector};
 use granum_dem::config::Recording;
 use granum_sensors::{Recorder, SensorError, Sensors};
 
@@ -13,7 +13,7 @@ fn main() -> Result<(), SensorError> {
     let assembly = disordered(11);
     println!(
         "{} grains, {} contacts; milliseconds an observation",
-        assembly.grains.len(),
+        assembly.bodies.len(),
         assembly.contacts.len()
     );
     let sensors = Sensors::standard();
@@ -64,8 +64,8 @@ fn disordered(n: usize) -> Assembly {
         let shift = [part(k, 0.618_034), part(k, 0.754_878), part(k, 0.569_84)];
         std::array::from_fn(|a| (corner[a] as f64 + offset[a]) * edge + 5e-6 * shift[a])
     };
-    let grains: Vec<Grain> = (0..4 * n * n * n)
-        .map(|k| Grain {
+    let grains: Vec<Sphere> = (0..4 * n * n * n)
+        .map(|k| Sphere {
             id: k as u64 + 1,
             position: place(k),
             radius: 5e-5,
@@ -96,5 +96,5 @@ fn disordered(n: usize) -> Assembly {
         }
     }
     let cell = [[length, 0.0, 0.0], [0.0, length, 0.0], [0.0, 0.0, length]];
-    Assembly { cell, grains, contacts, ..Default::default() }
+    Assembly { cell, contacts, ..Default::default() }.with_spheres(grains)
 }

@@ -92,7 +92,7 @@ fn inner_angle(assembly: &Assembly, [first, middle, last]: [usize; 3]) -> Option
         return None;
     }
     let inverse = invert(cell);
-    let centre = |grain: usize| assembly.grains.get(grain).map(|grain| grain.position);
+    let centre = |grain: usize| assembly.bodies.get(grain).map(|grain| grain.position);
     let middle = centre(middle)?;
     let arm = |end: Vector| -> Vector {
         let place = apply(&inverse, std::array::from_fn(|a| end[a] - middle[a]));
@@ -125,7 +125,7 @@ mod tests {
             arc_length += 0.01;
             if wraps {
                 assembly
-                    .grains
+                    .bodies
                     .iter_mut()
                     .filter(|grain| grain.position[1] > 100.0)
                     .for_each(|grain| grain.position[1] -= 100.0);

@@ -53,14 +53,19 @@ impl Sensor for ContactMotion {
 
 /// Squares of the velocities of rolling and sliding at a contact; `None` for a grain that does not exist.
 fn squares(assembly: &Assembly, contact: &Contact) -> Option<[f64; 2]> {
-    let (i, j) = (assembly.grains.get(contact.i)?, assembly.grains.get(contact.j)?);
+    let [one, two] = [assembly.pieces.get(contact.i)?, assembly.pieces.get(contact.j)?];
+    let (i, j) = (assembly.bodies.get(one.body)?, assembly.bodies.get(two.body)?);
     let n = &contact.normal;
-    let affine = apply(&assembly.velocity_gradient, contact.branch);
-    let centres: Vector = std::array::from_fn(|a| j.velocity[a] - i.velocity[a] + affine[a]);
+    let affine = apply(&assembly.velocity_gradient, assembly.branch_of_bodies(contact));
+    let mut centres: Vector = std::array::from_fn(|a| j.velocity[a] - i.velocity[a] + affine[a]);
+    if !assembly.all_spheres() {
+        let (of_i, of_j) = (cross(&i.spin, &one.arm), cross(&j.spin, &two.arm));
+        centres = std::array::from_fn(|a| centres[a] + of_j[a] - of_i[a]);
+    }
     let along = dot(&centres, n);
-    let spins = cross(&std::array::from_fn(|a| i.radius * i.spin[a] + j.radius * j.spin[a]), n);
+    let spins = cross(&std::array::from_fn(|a| one.radius * i.spin[a] + two.radius * j.spin[a]), n);
     let slide: Vector = std::array::from_fn(|a| centres[a] - along * n[a] - spins[a]);
-    let reduced = ratio(i.radius * j.radius, i.radius + j.radius);
+    let reduced = ratio(one.radius * two.radius, one.radius + two.radius);
     let roll = cross(&std::array::from_fn(|a| i.spin[a] - j.spin[a]), n).map(|x| reduced * x);
     Some([dot(&roll, &roll), dot(&slide, &slide)])
 }
@@ -69,11 +74,11 @@ fn squares(assembly: &Assembly, contact: &Contact) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::sensor::measured;
-    use granum_core::assembly::Grain;
+    use granum_core::assembly::Sphere;
 
     /// Two grains of radii 2 and 1 along x, each with a velocity along y and a spin about z.
     fn pair(velocities: [f64; 2], spins: [f64; 2]) -> Assembly {
-        let grain = |k: usize| Grain {
+        let grain = |k: usize| Sphere {
             radius: [2.0, 1.0][k],
             velocity: [0.0, velocities[k], 0.0],
             spin: [0.0, 0.0, spins[k]],
@@ -81,7 +86,7 @@ mod tests {
         };
         let contact =
             Contact { i: 0, j: 1, normal: [1.0, 0.0, 0.0], branch: [3.0, 0.0, 0.0], ..Default::default() };
-        Assembly { grains: vec![grain(0), grain(1)], contacts: vec![contact], ..Default::default() }
+        Assembly { contacts: vec![contact], ..Default::default() }.with_spheres(vec![grain(0), grain(1)])
     }
 
     #[test]

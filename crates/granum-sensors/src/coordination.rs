@@ -11,7 +11,6 @@
 //! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
 
 use granum_core::Part;
-use granum_core::assembly::Contact;
 
 use crate::ratio::mean;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
@@ -81,17 +80,17 @@ pub struct Coordination {
 impl Coordination {
     /// Computes the coordination numbers; 0 where there is no grain to divide by.
     pub fn from_observation(observation: &Observation) -> Self {
-        let grains = observation.assembly.grains.len();
-        // A contact with a grain that does not exist (in a file of another code) is not counted.
-        let of_grains = |contact: &&Contact| contact.i.max(contact.j) < grains;
+        let grains = observation.assembly.bodies.len();
         let mut degree = vec![0u32; grains];
         let mut contacts = Vec::with_capacity(observation.assembly.contacts.len());
         let mut compressive = 0;
-        for contact in observation.assembly.contacts.iter().filter(of_grains) {
-            degree[contact.i] += 1;
-            degree[contact.j] += 1;
+        for contact in &observation.assembly.contacts {
+            // A contact with a grain that does not exist (in a file of another code) is not counted.
+            let Some([i, j]) = observation.assembly.bodies_of(contact) else { continue };
+            degree[i] += 1;
+            degree[j] += 1;
             compressive += usize::from(contact.normal_force > 0.0);
-            contacts.push([contact.i as u32, contact.j as u32]);
+            contacts.push([i as u32, j as u32]);
         }
         let count = contacts.len();
         let alone = degree.iter().filter(|&&d| d == 0).count();
@@ -131,7 +130,7 @@ fn backbone(mut left: Vec<[u32; 2]>, mut degree: Vec<u32>) -> f64 {
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_core::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Contact, Sphere};
 
     #[test]
     fn lattices_have_six_and_twelve() {
@@ -150,14 +149,14 @@ mod tests {
     /// A ring of three grains with a tail of two, and one isolated grain.
     #[test]
     fn rattlers_are_counted_by_each_definition() {
-        let grains = vec![Grain { radius: 1.0, ..Default::default() }; 6];
+        let grains = vec![Sphere { radius: 1.0, ..Default::default() }; 6];
         let contacts = [(0, 1), (1, 2), (0, 2), (2, 3), (3, 4)].map(|(i, j)| Contact {
             i,
             j,
             normal_force: if j == 4 { -1.0 } else { 2.0 },
             ..Default::default()
         });
-        let assembly = Assembly { grains, contacts: contacts.to_vec(), ..Default::default() };
+        let assembly = Assembly { contacts: contacts.to_vec(), ..Default::default() }.with_spheres(grains);
         let c = Coordination::from_observation(&Observation::new(&assembly));
         assert!((c.all - 10.0 / 6.0).abs() < 1e-15);
         assert!((c.mechanical - 9.0 / 4.0).abs() < 1e-15, "grains 0 to 3 have 2, 2, 3 and 2 contacts");

@@ -38,19 +38,22 @@ impl Sensor for CoordinationBySize {
 
 /// Mean number of contacts of the grains of each class, the smallest first; 0 for a class without grains.
 pub fn coordination_by_size(observation: &Observation) -> [f64; CLASSES] {
-    let grains = &observation.assembly.grains;
+    let grains = &observation.assembly.bodies;
     let mut degree = vec![0u32; grains.len()];
     for contact in &observation.assembly.contacts {
-        for end in [contact.i, contact.j] {
+        for piece in [contact.i, contact.j] {
+            let Some(end) = observation.assembly.body_of(piece) else { continue };
             if let Some(degree) = degree.get_mut(end) {
                 *degree += 1;
             }
         }
     }
     let mut order: Vec<usize> = (0..grains.len()).collect();
-    order.sort_by(|&a, &b| grains[a].radius.total_cmp(&grains[b].radius).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        grains[a].equivalent_radius.total_cmp(&grains[b].equivalent_radius).then(a.cmp(&b))
+    });
     let mut contacts = Vec::with_capacity(order.len());
-    for equal in order.chunk_by(|&a, &b| grains[a].radius == grains[b].radius) {
+    for equal in order.chunk_by(|&a, &b| grains[a].equivalent_radius == grains[b].equivalent_radius) {
         let sum: f64 = equal.iter().map(|&grain| f64::from(degree[grain])).sum();
         contacts.extend(equal.iter().map(|_| mean(sum, equal.len())));
     }
@@ -65,7 +68,7 @@ pub fn coordination_by_size(observation: &Observation) -> [f64; CLASSES] {
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_core::assembly::{Assembly, Contact, Grain};
+    use granum_core::assembly::{Assembly, Contact, Sphere};
 
     #[test]
     fn every_fifth_of_a_lattice_has_six() {
@@ -76,10 +79,10 @@ mod tests {
     /// A chain of ten grains of two sizes: its ends, which have one contact, do not decide about the classes.
     #[test]
     fn grains_of_equal_size_count_alike() {
-        let grain = |radius: f64| Grain { radius, ..Default::default() };
-        let grains = (0..10).map(|k| grain(if k < 6 { 1.0 } else { 2.0 })).collect();
+        let grain = |radius: f64| Sphere { radius, ..Default::default() };
+        let grains = (0..10).map(|k| grain(if k < 6 { 1.0 } else { 2.0 }));
         let contacts = (1..10).map(|j| Contact { i: j - 1, j, ..Default::default() }).collect();
-        let chain = Assembly { grains, contacts, ..Default::default() };
+        let chain = Assembly { contacts, ..Default::default() }.with_spheres(grains);
         let [small, large] = [11.0 / 6.0, 7.0 / 4.0];
         let found = coordination_by_size(&Observation::new(&chain));
         for (found, expected) in found.into_iter().zip([small, small, small, large, large]) {
@@ -90,11 +93,11 @@ mod tests {
     /// A star: the largest of five grains touches all others, the smallest none but it.
     #[test]
     fn a_large_grain_has_the_contacts() {
-        let grain = |radius: f64| Grain { radius, ..Default::default() };
+        let grain = |radius: f64| Sphere { radius, ..Default::default() };
         let grains = vec![grain(3.0), grain(9.0), grain(1.0), grain(2.0), grain(4.0)];
         let to = |j: usize| Contact { i: 1, j, ..Default::default() };
         let contacts = vec![to(0), to(2), to(3), to(4), Contact { i: 0, j: 4, ..Default::default() }];
-        let star = Assembly { grains, contacts, ..Default::default() };
+        let star = Assembly { contacts, ..Default::default() }.with_spheres(grains);
         assert_eq!(coordination_by_size(&Observation::new(&star)), [1.0, 1.0, 2.0, 2.0, 4.0]);
     }
 }

@@ -45,14 +45,19 @@ impl Sensor for D2Min {
     }
 
     fn reach(&self, assembly: &Assembly) -> f64 {
-        REACH * assembly.grains.iter().fold(0.0, |largest: f64, grain| largest.max(2.0 * grain.radius))
+        REACH
+            * assembly
+                .bodies
+                .iter()
+                .fold(0.0, |largest: f64, grain| largest.max(2.0 * grain.equivalent_radius))
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        let (cell, grains) = (&observation.assembly.cell, &observation.assembly.grains);
+        let (cell, grains) = (&observation.assembly.cell, &observation.assembly.bodies);
         let now: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
-        let diameter = 2.0 * mean(grains.iter().map(|grain| grain.radius).sum(), grains.len());
-        let largest = grains.iter().fold(0.0, |largest: f64, grain| largest.max(2.0 * grain.radius));
+        let diameter = 2.0 * mean(grains.iter().map(|grain| grain.equivalent_radius).sum(), grains.len());
+        let largest =
+            grains.iter().fold(0.0, |largest: f64, grain| largest.max(2.0 * grain.equivalent_radius));
         let found = match memory.len() == 9 + 3 * now.len() {
             true => {
                 let old_cell = std::array::from_fn(|i| std::array::from_fn(|j| memory[3 * i + j]));
@@ -138,12 +143,12 @@ mod tests {
         let gradient = [[0.9, 0.2, 0.0], [0.0, 1.05, 0.0], [0.0, 0.1, 1.0]];
         let mut second = first.clone();
         second.cell = multiply(&gradient, &first.cell);
-        second.grains.iter_mut().for_each(|grain| grain.position = apply(&gradient, grain.position));
+        second.bodies.iter_mut().for_each(|grain| grain.position = apply(&gradient, grain.position));
         assert!(observe(&mut memory, &second)[0] < 1e-24);
         // All grains move along, some of them out of the cell and in at the other side.
         let mut third = second.clone();
         let edge: Vector = std::array::from_fn(|a| second.cell[a][0]);
-        for (k, grain) in third.grains.iter_mut().enumerate() {
+        for (k, grain) in third.bodies.iter_mut().enumerate() {
             grain.position =
                 std::array::from_fn(|a| grain.position[a] + 0.3e-4 - if k % 3 == 0 { edge[a] } else { 0.0 });
         }
@@ -157,7 +162,7 @@ mod tests {
         let first = lattice::simple_cubic(5, 1.0, 0.0, 0.0);
         let mut second = first.clone();
         let u = 1e-3;
-        second.grains[7].position[0] += u;
+        second.bodies[7].position[0] += u;
         let mut memory = Memory::new();
         observe(&mut memory, &first);
         let [found, participation] = observe(&mut memory, &second);

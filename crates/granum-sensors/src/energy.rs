@@ -65,16 +65,21 @@ pub(crate) fn mechanism_columns(group: MechanismGroup) -> impl Iterator<Item = S
     })
 }
 
-/// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.
+/// Kinetic energy of the fluctuating motion and the spins (of spheres with the inertia 2/5 m R^2, of other bodies with their principal moments), J.
 pub fn kinetic_energy(observation: &Observation) -> f64 {
     let square = |v| dot(v, v);
     observation
         .assembly
-        .grains
+        .bodies
         .iter()
-        .map(|grain| {
-            0.5 * grain.mass
-                * (square(&grain.velocity) + 0.4 * grain.radius * grain.radius * square(&grain.spin))
+        .map(|body| match body.rigid {
+            None => {
+                let radius = body.equivalent_radius;
+                0.5 * body.mass * (square(&body.velocity) + 0.4 * radius * radius * square(&body.spin))
+            }
+            Some(_) => {
+                0.5 * (body.mass * square(&body.velocity) + observation.assembly.rotation_doubled(body))
+            }
         })
         .sum()
 }
@@ -82,18 +87,18 @@ pub fn kinetic_energy(observation: &Observation) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_core::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Sphere};
 
     #[test]
     fn a_rolling_sphere_has_seven_tenths_m_v_squared() {
-        let grain = Grain {
+        let grain = Sphere {
             mass: 2.0,
             radius: 0.5,
             velocity: [3.0, 0.0, 0.0],
             spin: [0.0, 6.0, 0.0],
             ..Default::default()
         };
-        let assembly = Assembly { grains: vec![grain], ..Default::default() };
+        let assembly = Assembly { ..Default::default() }.with_spheres(vec![grain]);
         assert!((kinetic_energy(&Observation::new(&assembly)) - 0.7 * 2.0 * 9.0).abs() < 1e-12);
     }
 }

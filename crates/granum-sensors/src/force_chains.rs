@@ -8,7 +8,7 @@
 //! its grains. A chain has three grains or more.
 
 use granum_core::Part;
-use granum_core::assembly::{Contact, Matrix, Vector};
+use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::dot;
 
 use crate::ratio::{mean, ratio};
@@ -42,7 +42,7 @@ impl Sensor for ForceChains {
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let found = Chains::from_observation(observation);
-        let grains = observation.assembly.grains.len();
+        let grains = observation.assembly.bodies.len();
         let members: usize = found.chains.iter().map(Vec::len).sum();
         values.extend([
             found.chains.len() as f64,
@@ -80,17 +80,18 @@ impl Chains {
         // On each side of each grain the link nearest to its direction: the other grain and the cosine.
         let mut best: Vec<[Option<(usize, f64)>; 2]> = vec![[None; 2]; major.len()];
         for contact in &observation.assembly.contacts {
-            let Contact { i, j, branch, .. } = contact;
-            if !(is_high(*i) && is_high(*j)) {
+            let Some([i, j]) = observation.assembly.bodies_of(contact) else { continue };
+            if !(is_high(i) && is_high(j)) {
                 continue;
             }
+            let branch = &observation.assembly.branch_of_bodies(contact);
             let length = branch.iter().map(|x| x * x).sum::<f64>().sqrt();
             let cosine = |grain: usize| ratio(dot(branch, &major[grain].1), length);
-            if cosine(*i).abs() < ALIGNED || cosine(*j).abs() < ALIGNED {
+            if cosine(i).abs() < ALIGNED || cosine(j).abs() < ALIGNED {
                 continue;
             }
-            keep(&mut best[*i], *j, cosine(*i));
-            keep(&mut best[*j], *i, -cosine(*j));
+            keep(&mut best[i], j, cosine(i));
+            keep(&mut best[j], i, -cosine(j));
         }
         let partners: Vec<[Option<usize>; 2]> = (0..best.len())
             .map(|grain| {
@@ -136,18 +137,26 @@ fn follow(partners: &[[Option<usize>; 2]]) -> Vec<Vec<usize>> {
 
 /// Stress of each grain, compression positive, Pa.
 fn grain_stresses(observation: &Observation) -> Vec<Matrix> {
-    let grains = &observation.assembly.grains;
+    let assembly = observation.assembly;
+    let (grains, pieces) = (&assembly.bodies, &assembly.pieces);
     let mut sums = vec![[[0.0; 3]; 3]; grains.len()];
-    for contact in &observation.assembly.contacts {
-        let (Some(i), Some(j)) = (grains.get(contact.i), grains.get(contact.j)) else { continue };
+    for contact in &assembly.contacts {
+        let (Some(i), Some(j)) = (pieces.get(contact.i), pieces.get(contact.j)) else { continue };
         let force = contact.force();
-        // The arms divide the branch as the radii do; on j both force and arm are opposite.
-        for (grain, radius) in [(contact.i, i.radius), (contact.j, j.radius)] {
-            add_dyad(&mut sums[grain], -ratio(radius, i.radius + j.radius), &force, &contact.branch);
+        // The arms divide the branch of the pieces as the radii do; on j both force and arm are opposite.
+        for (piece, side) in [(i, -1.0), (j, 1.0)] {
+            let sum = &mut sums[piece.body];
+            add_dyad(sum, -ratio(piece.radius, i.radius + j.radius), &force, &contact.branch);
+            if !assembly.all_spheres() {
+                add_dyad(sum, side, &force, &piece.arm);
+            }
         }
     }
     let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
-    sums.iter().zip(grains).map(|(sum, grain)| scaled(sum, ratio(1.0, volume(grain.radius)))).collect()
+    sums.iter()
+        .zip(grains)
+        .map(|(sum, grain)| scaled(sum, ratio(1.0, volume(grain.equivalent_radius))))
+        .collect()
 }
 
 #[cfg(test)]
@@ -155,13 +164,13 @@ pub(crate) mod tests {
     use super::*;
     use crate::lattice;
     use crate::sensor::measured;
-    use granum_core::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Contact, Sphere};
 
     /// Grains of radius 1 at these places, which touch where they are nearer than 2.1, with a force for each pair.
     pub(crate) fn grains_at(places: &[Vector], force: impl Fn(usize, usize) -> f64) -> Assembly {
-        let grains: Vec<Grain> = places
+        let grains: Vec<Sphere> = places
             .iter()
-            .map(|&position| Grain { position, radius: 1.0, mass: 1.0, ..Default::default() })
+            .map(|&position| Sphere { position, radius: 1.0, mass: 1.0, ..Default::default() })
             .collect();
         let mut contacts = Vec::new();
         for i in 0..places.len() {
@@ -182,7 +191,7 @@ pub(crate) mod tests {
             }
         }
         let cell = [[100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0, 0.0, 100.0]];
-        Assembly { cell, grains, contacts, ..Default::default() }
+        Assembly { cell, contacts, ..Default::default() }.with_spheres(grains)
     }
 
     /// A loaded row of five grains next to a weakly loaded row of five, with weak contacts between them.
@@ -225,7 +234,7 @@ pub(crate) mod tests {
         let mut assembly = lattice::simple_cubic(4, 1e-4, 0.0, 1.0);
         for contact in &mut assembly.contacts {
             // Half of the rows bear twice as much.
-            let in_row = assembly.grains[contact.i].position[0] < 2e-4;
+            let in_row = assembly.pieces[contact.i].position[0] < 2e-4;
             contact.normal_force = if contact.normal[1].abs() < 0.5 {
                 0.1
             } else if in_row {

@@ -5,7 +5,7 @@
 //! and the mean diameter d), is the ratio of the fluctuating motion to the mean shear; in slow flow it tends to a constant.
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Grain, Vector};
+use granum_core::assembly::{Assembly, Body, Vector};
 
 use crate::ratio::{mean, ratio};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
@@ -31,19 +31,25 @@ impl Sensor for GranularTemperature {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let Assembly { grains, velocity_gradient, .. } = observation.assembly;
-        let drift: Vector = std::array::from_fn(|a| average(grains, |grain| grain.velocity[a]));
-        let fluctuation = |grain: &Grain| square(&std::array::from_fn(|a| grain.velocity[a] - drift[a]));
-        let temperature = average(grains, fluctuation) / 3.0;
-        let rotational = average(grains, |grain| grain.radius * grain.radius * square(&grain.spin)) / 3.0;
+        let Assembly { bodies, velocity_gradient, .. } = observation.assembly;
+        let drift: Vector = std::array::from_fn(|a| average(bodies, |body| body.velocity[a]));
+        let fluctuation = |body: &Body| square(&std::array::from_fn(|a| body.velocity[a] - drift[a]));
+        let temperature = average(bodies, fluctuation) / 3.0;
+        let assembly = observation.assembly;
+        let of_spin = |body: &Body| match body.rigid {
+            None => body.equivalent_radius * body.equivalent_radius * square(&body.spin),
+            // R^2 omega^2 of the sphere of this mass with this energy of rotation.
+            Some(_) => ratio(2.5 * assembly.rotation_doubled(body), body.mass),
+        };
+        let rotational = average(bodies, of_spin) / 3.0;
         let rate = velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let diameter = 2.0 * average(grains, |grain| grain.radius);
+        let diameter = 2.0 * average(bodies, |body| body.equivalent_radius);
         values.extend([temperature, rotational, ratio(temperature.sqrt(), rate * diameter)]);
     }
 }
 
-fn average(grains: &[Grain], value: impl Fn(&Grain) -> f64) -> f64 {
-    mean(grains.iter().map(value).sum::<f64>() + 0.0, grains.len())
+fn average(bodies: &[Body], value: impl Fn(&Body) -> f64) -> f64 {
+    mean(bodies.iter().map(value).sum::<f64>() + 0.0, bodies.len())
 }
 
 fn square(v: &Vector) -> f64 {
@@ -60,7 +66,7 @@ mod tests {
     #[test]
     fn a_drift_is_no_temperature() {
         let mut assembly = lattice::simple_cubic(4, 2.0, 0.0, 0.0);
-        for (k, grain) in assembly.grains.iter_mut().enumerate() {
+        for (k, grain) in assembly.bodies.iter_mut().enumerate() {
             grain.velocity = [if k % 2 == 0 { 3.0 } else { 1.0 }, 0.0, 4.0];
             grain.spin = [0.0, 3.0, 0.0];
         }

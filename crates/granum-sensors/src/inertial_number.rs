@@ -36,14 +36,15 @@ impl Sensor for InertialNumber {
 
 /// The inertial number.
 pub fn inertial_number(observation: &Observation) -> f64 {
-    let grains = &observation.assembly.grains;
+    let grains = &observation.assembly.bodies;
     let p = observation.stress.mean();
     let volume = grain_volume(observation);
     if grains.is_empty() || volume == 0.0 || p.is_nan() || p <= 0.0 {
         return 0.0;
     }
     let rate = observation.assembly.velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let diameter = 2.0 * grains.iter().map(|grain| grain.radius).sum::<f64>() / grains.len() as f64;
+    let diameter =
+        2.0 * grains.iter().map(|grain| grain.equivalent_radius).sum::<f64>() / grains.len() as f64;
     let density = grains.iter().map(|grain| grain.mass).sum::<f64>() / volume;
     rate * diameter * (density / p).sqrt()
 }
@@ -63,7 +64,7 @@ mod tests {
         }
         let volume = 4.0 / 3.0 * std::f64::consts::PI * 0.5e-4f64.powi(3);
         for (scaling, rate) in [(1e12, 1e-5), (1.0, 10.0)] {
-            for grain in &mut assembly.grains {
+            for grain in &mut assembly.bodies {
                 grain.mass = 2650.0 * scaling * volume;
             }
             assembly.velocity_gradient = [[-rate, 0.0, 0.0], [0.0, 0.5 * rate, 0.0], [0.0, 0.0, 0.5 * rate]];

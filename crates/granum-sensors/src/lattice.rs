@@ -1,6 +1,6 @@
 //! Simple assemblies for the tests of the sensors.
 
-use granum_core::assembly::{Assembly, Contact, Grain, Matrix, Vector};
+use granum_core::assembly::{Assembly, Contact, Matrix, Sphere, Vector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -22,7 +22,7 @@ fn build(n: usize, edge: f64, basis: &[Vector], d: f64, neighbour: f64, force: f
     for cell in 0..n * n * n {
         let corner = [cell % n, cell / n % n, cell / (n * n)];
         for offset in basis {
-            grains.push(Grain {
+            grains.push(Sphere {
                 id: grains.len() as u64 + 1,
                 position: std::array::from_fn(|a| (corner[a] as f64 + offset[a] + 0.25) * edge),
                 radius: 0.5 * d,
@@ -53,7 +53,7 @@ fn build(n: usize, edge: f64, basis: &[Vector], d: f64, neighbour: f64, force: f
             }
         }
     }
-    Assembly { cell: diagonal(length), grains, contacts, ..Default::default() }
+    Assembly { cell: diagonal(length), contacts, ..Default::default() }.with_spheres(grains)
 }
 
 fn diagonal(length: f64) -> Matrix {
@@ -64,8 +64,8 @@ fn diagonal(length: f64) -> Matrix {
 pub(crate) fn random_contacts(count: usize, seed: u64) -> Assembly {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut uniform = move || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    let grains: Vec<Grain> = (0..count)
-        .map(|k| Grain {
+    let grains: Vec<Sphere> = (0..count)
+        .map(|k| Sphere {
             id: k as u64 + 1,
             position: std::array::from_fn(|_| uniform()),
             velocity: std::array::from_fn(|_| uniform() - 0.5),
@@ -95,7 +95,7 @@ pub(crate) fn random_contacts(count: usize, seed: u64) -> Assembly {
             }
         })
         .collect();
-    Assembly { cell: diagonal(1.0), grains, contacts, ..Default::default() }
+    Assembly { cell: diagonal(1.0), contacts, ..Default::default() }.with_spheres(grains)
 }
 
 /// A direction, uniform on the sphere.
@@ -125,7 +125,7 @@ pub(crate) fn rotated(assembly: &Assembly, q: &Matrix) -> Assembly {
     let mut out = assembly.clone();
     out.cell =
         std::array::from_fn(|i| std::array::from_fn(|k| (0..3).map(|j| q[i][j] * assembly.cell[j][k]).sum()));
-    for grain in &mut out.grains {
+    for grain in &mut out.bodies {
         grain.position = turn(grain.position);
         grain.velocity = turn(grain.velocity);
     }

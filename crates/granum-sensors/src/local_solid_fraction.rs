@@ -49,22 +49,22 @@ impl Sensor for LocalSolidFraction {
 
     /// The first reach; the search widens where much of the cell is empty, and gives up where that takes too long.
     fn reach(&self, assembly: &Assembly) -> f64 {
-        FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest))
+        FIRST_REACH * assembly.pieces.iter().fold(0.0, |largest, piece| piece.radius.max(largest))
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let grains = &observation.assembly.grains;
-        let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
-        let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
-        let mut work = Work(most_work(grains.len()));
+        let Assembly { bodies, pieces, .. } = observation.assembly;
+        let positions: Vec<Vector> = pieces.iter().map(|piece| piece.position).collect();
+        let radii: Vec<f64> = pieces.iter().map(|piece| piece.radius).collect();
+        let mut work = Work(most_work(pieces.len()));
         let Some(cells) = tessellation(&observation.assembly.cell, &positions, &radii, &mut work) else {
             return values.give_up(TOO_MUCH_WORK);
         };
         let solid = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
         // A small grain amid large ones may have no cell at all.
-        let fractions: Vec<f64> = (cells.iter().zip(&radii))
-            .filter(|(cell, _)| cell.volume > 0.0)
-            .map(|(cell, radius)| solid(*radius) / cell.volume)
+        let fractions: Vec<f64> = (of_bodies(observation.assembly, &cells).iter().zip(bodies))
+            .filter(|(volume, _)| **volume > 0.0)
+            .map(|(volume, body)| solid(body.equivalent_radius) / volume)
             .collect();
         let of = |sum: f64| mean(sum + 0.0, fractions.len());
         let average = of(fractions.iter().sum());
@@ -77,7 +77,16 @@ impl Sensor for LocalSolidFraction {
     }
 }
 
-/// The cell of a grain.
+/// The volume that belongs to each body, m3: that of the cells of its pieces.
+fn of_bodies(assembly: &Assembly, cells: &[VoronoiCell]) -> Vec<f64> {
+    let mut volumes = vec![0.0; if cells.is_empty() { 0 } else { assembly.bodies.len() }];
+    for (piece, cell) in assembly.pieces.iter().zip(cells) {
+        volumes[piece.body] += cell.volume;
+    }
+    volumes
+}
+
+/// The cell of a sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoronoiCell {
     /// Its volume, m3.
@@ -296,7 +305,7 @@ mod tests {
     fn clusters_in_empty_cells_end_with_their_work() {
         let cell = [[0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.3]];
         let block: Vec<Vector> =
-            lattice::simple_cubic(10, 1e-3, 0.0, 0.0).grains.iter().map(|grain| grain.position).collect();
+            lattice::simple_cubic(10, 1e-3, 0.0, 0.0).bodies.iter().map(|grain| grain.position).collect();
         let row =
             |k: usize| std::array::from_fn(|axis| if axis == k % 3 { 9e-4 * (k / 3) as f64 } else { 0.15 });
         let rows: Vec<Vector> = (0..1000).map(row).collect();
@@ -306,7 +315,7 @@ mod tests {
             assert!(work.0 > -1e5, "{}", work.0);
         }
         let lattice = lattice::simple_cubic(10, 1e-3, 0.0, 0.0);
-        let positions: Vec<Vector> = lattice.grains.iter().map(|grain| grain.position).collect();
+        let positions: Vec<Vector> = lattice.bodies.iter().map(|grain| grain.position).collect();
         let mut work = Work(20_000.0 * 1000.0);
         assert!(tessellation(&lattice.cell, &positions, &[5e-4; 1000], &mut work).is_some());
         // The limit is several times what equal grains need.
@@ -353,7 +362,7 @@ mod tests {
         let mut assembly = lattice::random_contacts(30, 4);
         assembly.cell = [[1.0, 0.4, -0.2], [0.0, 0.9, 0.3], [0.0, 0.0, 1.2]];
         let centres: Vec<Vector> =
-            assembly.grains.iter().map(|grain| apply(&assembly.cell, grain.position)).collect();
+            assembly.bodies.iter().map(|grain| apply(&assembly.cell, grain.position)).collect();
         let radii: Vec<f64> = (0..30).map(|k| 0.05 + 0.01 * f64::from(k % 10)).collect();
         let cells = radical_voronoi(&assembly.cell, &centres, &radii);
         let steps = 40;
@@ -396,7 +405,7 @@ mod tests {
         ) {
             let assembly = lattice::random_contacts(count, seed);
             let cell = [[edges[0], skew[0], skew[1]], [0.0, edges[1], skew[2]], [0.0, 0.0, edges[2]]];
-            let centres: Vec<Vector> = assembly.grains.iter().map(|grain| apply(&cell, grain.position)).collect();
+            let centres: Vec<Vector> = assembly.bodies.iter().map(|grain| apply(&cell, grain.position)).collect();
             let radii: Vec<f64> = (0..count).map(|k| 0.02 + scatter * (k as f64 * 0.618).fract()).collect();
             let cells = radical_voronoi(&cell, &centres, &radii);
             let sum: f64 = cells.iter().map(|cell| cell.volume).sum();

@@ -139,7 +139,7 @@ mod tests {
     fn shells_of_a_lattice_are_found_in_a_large_and_in_a_tiny_cell() {
         for n in [1, 2, 5] {
             let lattice = lattice::simple_cubic(n, 1.0, 0.0, 0.0);
-            let positions: Vec<Vector> = lattice.grains.iter().map(|grain| grain.position).collect();
+            let positions: Vec<Vector> = lattice.bodies.iter().map(|grain| grain.position).collect();
             // Up to a distance of 2.1 there are shells of 6, 12, 8 and 6.
             let neighbours = Neighbours::new(&lattice.cell, &positions, 2.1).unwrap();
             for i in 0..positions.len() {
@@ -156,7 +156,7 @@ mod tests {
         let mut assembly = lattice::random_contacts(40, 9);
         assembly.cell = [[1.0, 0.6, -0.3], [0.0, 0.8, 0.5], [0.0, 0.0, 1.1]];
         let positions: Vec<Vector> = assembly
-            .grains
+            .bodies
             .iter()
             .map(|grain| apply(&assembly.cell, grain.position).map(|x| x + 3.0))
             .collect();
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn the_work_is_known_before_it_is_done() {
         let lattice = lattice::simple_cubic(6, 1.0, 0.0, 0.0);
-        let positions: Vec<Vector> = lattice.grains.iter().map(|grain| grain.position).collect();
+        let positions: Vec<Vector> = lattice.bodies.iter().map(|grain| grain.position).collect();
         // Five bins along each edge, of which the reach spans two on both sides: each grain visits every bin and every grain once.
         let neighbours = Neighbours::new(&lattice.cell, &positions, 2.1).unwrap();
         let all = |most| neighbours.work(0..positions.len(), most);

@@ -64,7 +64,7 @@ impl Sensor for Networks {
         values.extend([
             ratio(trace(&strong), trace(&stress.tensor())),
             ratio(contract(&deviator(&strong), &whole), contract(&whole, &whole)),
-            mean(2.0 * count as f64, observation.assembly.grains.len()),
+            mean(2.0 * count as f64, observation.assembly.bodies.len()),
             anisotropy(&|contact| observation.is_strong(contact)),
             anisotropy(&|contact| !observation.is_strong(contact)),
         ]);

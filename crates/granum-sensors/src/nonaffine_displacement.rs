@@ -42,14 +42,15 @@ impl Sensor for NonaffineDisplacement {
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
         let assembly = observation.assembly;
-        let (cell, grains) = (&assembly.cell, &assembly.grains);
+        let (cell, grains) = (&assembly.cell, &assembly.bodies);
         let regular = determinant(cell) != 0.0;
         let inverse = if regular { invert(cell) } else { [[0.0; 3]; 3] };
         let places: Vec<Vector> = grains.iter().map(|grain| apply(&inverse, grain.position)).collect();
         // The last number is the arc length, those before it are the reduced positions.
         let step = match memory.split_last() {
             Some((arc_length, before)) if before.len() == 3 * places.len() && regular => {
-                let diameter = 2.0 * mean(grains.iter().map(|grain| grain.radius).sum(), grains.len());
+                let diameter =
+                    2.0 * mean(grains.iter().map(|grain| grain.equivalent_radius).sum(), grains.len());
                 let displacement = root_mean_square(cell, before, &places);
                 [ratio(displacement, diameter), assembly.arc_length - arc_length]
             }
@@ -102,7 +103,7 @@ mod tests {
             let edge = map(std::array::from_fn(|row| assembly.cell[row][column]));
             (0..3).for_each(|row| out.cell[row][column] = edge[row]);
         }
-        out.grains.iter_mut().for_each(|grain| grain.position = map(grain.position));
+        out.bodies.iter_mut().for_each(|grain| grain.position = map(grain.position));
         out.arc_length = arc_length;
         out
     }
@@ -119,8 +120,8 @@ mod tests {
         // Two grains move towards each other by a quarter of a diameter, one of them out of the cell and in at the other side.
         let edge: f64 = second.cell[0][0];
         second.arc_length = 0.4;
-        second.grains[0].position[0] += edge - 0.25e-4;
-        second.grains[1].position[0] += 0.25e-4;
+        second.bodies[0].position[0] += edge - 0.25e-4;
+        second.bodies[1].position[0] += 0.25e-4;
         let [jump, step] = observe(&mut memory, &second);
         let exact = 0.25 * (2.0 / 27.0f64).sqrt();
         assert!((jump / exact - 1.0).abs() < 1e-9 && (step - 0.3).abs() < 1e-15, "{jump} {exact}");

@@ -26,13 +26,13 @@ impl Sensor for Overlap {
 
 /// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension whose grains no longer overlap.
 pub fn largest_overlap(observation: &Observation) -> f64 {
-    let grains = &observation.assembly.grains;
+    let pieces = &observation.assembly.pieces;
     observation
         .assembly
         .contacts
         .iter()
         .filter_map(|contact| {
-            let radii = grains.get(contact.i)?.radius + grains.get(contact.j)?.radius;
+            let radii = pieces.get(contact.i)?.radius + pieces.get(contact.j)?.radius;
             Some(ratio(contact.approach, radii))
         })
         .fold(0.0, f64::max)

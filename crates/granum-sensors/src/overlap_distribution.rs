@@ -36,10 +36,10 @@ impl Sensor for OverlapDistribution {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let grains = &observation.assembly.grains;
+        let pieces = &observation.assembly.pieces;
         let pressed = || observation.assembly.contacts.iter().filter(|contact| contact.approach > 0.0);
         let relative = |contact: &Contact| {
-            let radii = grains.get(contact.i)?.radius + grains.get(contact.j)?.radius;
+            let radii = pieces.get(contact.i)?.radius + pieces.get(contact.j)?.radius;
             Some(ratio(contact.approach, radii))
         };
         let count = pressed().count();

@@ -43,13 +43,13 @@ impl Sensor for RadialDistribution {
     }
 
     fn reach(&self, assembly: &Assembly) -> f64 {
-        let radii: f64 = assembly.grains.iter().map(|grain| grain.radius).sum();
-        FARTHEST * 2.0 * mean(radii, assembly.grains.len())
+        let radii: f64 = assembly.bodies.iter().map(|grain| grain.equivalent_radius).sum();
+        FARTHEST * 2.0 * mean(radii, assembly.bodies.len())
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let grains = &observation.assembly.grains;
-        let diameter = 2.0 * mean(grains.iter().map(|grain| grain.radius).sum(), grains.len());
+        let grains = &observation.assembly.bodies;
+        let diameter = 2.0 * mean(grains.iter().map(|grain| grain.equivalent_radius).sum(), grains.len());
         values.push(ratio(observation.volume, diameter * diameter * diameter));
         values.push(grains.len() as f64);
         let Some(histogram) = values.histogram(0) else { return };
@@ -127,7 +127,7 @@ mod tests {
             // A little strained, so that no shell lies on the edge of a bin.
             let assembly = lattice::face_centred_cubic(n, 1.0, 0.01, 0.0);
             let (row, histogram) = counted(&assembly);
-            let grains = assembly.grains.len() as f64;
+            let grains = assembly.bodies.len() as f64;
             assert_eq!(row[1], grains);
             for (shell, pairs) in [(1.0f64, 6.0), (2.0, 3.0), (3.0, 12.0), (4.0, 6.0), (5.0, 12.0)] {
                 let bin = (0.99 * shell.sqrt() / WIDTH).floor() as usize;
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn points_without_order_have_one_everywhere() {
         let mut assembly = lattice::random_contacts(3000, 12);
-        assembly.grains.iter_mut().for_each(|grain| grain.radius = 0.04);
+        assembly.bodies.iter_mut().for_each(|grain| grain.equivalent_radius = 0.04);
         let (row, histogram) = counted(&assembly);
         for (r, g) in
             radial_distribution(&histogram, 1.0, row[1], row[0]).into_iter().filter(|(r, _)| *r > 1.0)

@@ -149,8 +149,8 @@ pub type Memory = Vec<f64>;
 ///         vec![Bins::new("radii", "radius", "m").width(1e-5).range(0.0, largest)]
 ///     }
 ///     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-///         let radii = || observation.assembly.grains.iter().map(|grain| grain.radius);
-///         let count = observation.assembly.grains.len() as f64;
+///         let radii = || observation.assembly.bodies.iter().map(|grain| grain.equivalent_radius);
+///         let count = observation.assembly.bodies.len() as f64;
 ///         values.push(radii().fold(0.0, f64::max));
 ///         values.push(memory.first().map_or(0.0, |before| count - before));
 ///         values.count(0, radii());

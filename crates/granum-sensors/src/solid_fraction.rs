@@ -26,7 +26,7 @@ impl Sensor for SolidFraction {
 /// Volume of all grains, m3.
 pub fn grain_volume(observation: &Observation) -> f64 {
     let cubes: f64 =
-        observation.assembly.grains.iter().map(|grain| grain.radius * grain.radius * grain.radius).sum();
+        observation.assembly.bodies.iter().map(|body| body.equivalent_radius).map(|r| r * r * r).sum();
     4.0 / 3.0 * std::f64::consts::PI * cubes
 }
 

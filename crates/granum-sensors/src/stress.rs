@@ -117,9 +117,9 @@ mod tests {
         let tensor = stress(&assembly).tensor();
         let scale = trace(&tensor).abs();
         let mut by_grain = [[0.0; 3]; 3];
-        for (g, grain) in assembly.grains.iter().enumerate() {
+        for (g, grain) in assembly.pieces.iter().enumerate() {
             for contact in &assembly.contacts {
-                let total = assembly.grains[contact.i].radius + assembly.grains[contact.j].radius;
+                let total = assembly.pieces[contact.i].radius + assembly.pieces[contact.j].radius;
                 let arm = contact.branch.map(|l| l * grain.radius / total);
                 let force = contact.force();
                 if contact.i == g {
@@ -147,7 +147,7 @@ mod tests {
             let edge = assembly.cell[axis][axis];
             let area = assembly.volume() / edge;
             for contact in &assembly.contacts {
-                let start = assembly.grains[contact.i].position[axis] / edge * planes as f64;
+                let start = assembly.pieces[contact.i].position[axis] / edge * planes as f64;
                 let end = start + contact.branch[axis] / edge * planes as f64;
                 // Planes at integer coordinates, since the cell is periodic.
                 let crossed = end.floor() - start.floor();

@@ -35,11 +35,12 @@ impl Stress {
             #[inline(always)]
             || {
                 for contact in &assembly.contacts {
+                    let branch = assembly.branch_of_bodies(contact);
                     // An index instead of a branch, which no processor could predict.
                     let [normal, tangential] =
                         &mut sums[usize::from(contact.normal_force > mean_normal_force)];
-                    add_dyad(normal, contact.normal_force, &contact.normal, &contact.branch);
-                    add_dyad(tangential, -1.0, &contact.tangential_force, &contact.branch);
+                    add_dyad(normal, contact.normal_force, &contact.normal, &branch);
+                    add_dyad(tangential, -1.0, &contact.tangential_force, &branch);
                 }
             },
         );
@@ -48,10 +49,16 @@ impl Stress {
         [stress.strong_normal, stress.strong_tangential] = strong;
         // Pairs that act on each other without touching: tension, and so weak.
         for pair in &assembly.apart {
-            add_dyad(&mut stress.weak_normal, pair.normal_force, &pair.normal, &pair.branch);
+            add_dyad(
+                &mut stress.weak_normal,
+                pair.normal_force,
+                &pair.normal,
+                &assembly.branch_of_bodies(pair),
+            );
         }
-        for grain in &assembly.grains {
-            add_dyad(&mut stress.kinetic, grain.mass, &grain.velocity, &grain.velocity);
+        // Rotation has no part in it: inside a rigid body the centripetal stress balances it.
+        for body in &assembly.bodies {
+            add_dyad(&mut stress.kinetic, body.mass, &body.velocity, &body.velocity);
         }
         let per_volume = 1.0 / volume;
         Stress {

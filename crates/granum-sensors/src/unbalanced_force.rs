@@ -39,7 +39,7 @@ impl Sensor for UnbalancedForce {
 
 /// The unbalanced force; 0 without contact forces.
 pub fn unbalanced_force(observation: &Observation) -> f64 {
-    let grains = &observation.assembly.grains;
+    let grains = &observation.assembly.bodies;
     let contacts = &observation.assembly.contacts;
     let resultant: f64 = grains.iter().map(|grain| length(&grain.force)).sum();
     let contact: f64 = contacts.iter().map(|contact| length(&contact.force())).sum();
@@ -55,7 +55,7 @@ mod tests {
     fn one_free_push_among_equal_contacts() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
         assert_eq!(unbalanced_force(&Observation::new(&assembly)), 0.0);
-        assembly.grains[4].force = [0.0, -3e-4, 4e-4];
+        assembly.bodies[4].force = [0.0, -3e-4, 4e-4];
         let value = unbalanced_force(&Observation::new(&assembly));
         assert!((value - 5e-4 / 27.0 / 2e-4).abs() < 1e-12, "{value}");
     }

@@ -199,7 +199,7 @@ fn a_sensor_that_would_take_too_long_records_no_number() {
     });
     let mut recorder = recorder(&recording, 0.3);
     let mut assembly = at(0.0);
-    assembly.grains[0].radius = 1e3;
+    assembly.bodies[0].equivalent_radius = 1e3;
     recorder.observe(&assembly);
     let series = recorder.record().series;
     let first = |column: &str| series.column(column).unwrap()[0];
@@ -223,7 +223,7 @@ fn a_resumed_recorder_goes_on_with_the_same_bits() {
     let moving = |strain: f64| {
         let mut assembly = at(strain);
         assembly.arc_length = strain;
-        for (k, grain) in assembly.grains.iter_mut().enumerate() {
+        for (k, grain) in assembly.bodies.iter_mut().enumerate() {
             grain.position[k % 3] += 1e-5 * (strain * (k + 1) as f64).sin();
         }
         assembly

@@ -77,7 +77,7 @@ impl Known {
 
     /// The reason if the sensor would have to look at too many neighbours.
     pub(crate) fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
-        let (grains, reach) = (&assembly.grains, self.sensor.reach(assembly));
+        let (grains, reach) = (&assembly.bodies, self.sensor.reach(assembly));
         if reach <= 0.0 {
             return None;
         }

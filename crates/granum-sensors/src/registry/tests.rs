@@ -59,7 +59,7 @@ fn a_sensor_needs_what_it_says_and_nothing_else() {
     whole.velocity_gradient = [[-1.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     whole.target_mean_stress = Some(1.0);
     whole.energy.boundary_work = 1.0;
-    for (k, grain) in whole.grains.iter_mut().enumerate() {
+    for (k, grain) in whole.bodies.iter_mut().enumerate() {
         grain.force = [1.0, 0.0, k as f64];
         grain.spin = [0.0, 0.3, 0.0];
     }
@@ -98,13 +98,17 @@ fn with_only(whole: &Assembly, parts: Parts) -> Assembly {
     unless(Part::Time, &mut || a.time = 0.0);
     unless(Part::TargetMeanStress, &mut || a.target_mean_stress = None);
     unless(Part::EnergyBalance, &mut || a.energy = Default::default());
-    for g in &mut a.grains {
+    for g in &mut a.bodies {
         unless(Part::Positions, &mut || g.position = [0.0; 3]);
-        unless(Part::Radii, &mut || g.radius = 0.0);
+        unless(Part::Radii, &mut || g.equivalent_radius = 0.0);
         unless(Part::Masses, &mut || g.mass = 0.0);
         unless(Part::Velocities, &mut || g.velocity = [0.0; 3]);
         unless(Part::Spins, &mut || g.spin = [0.0; 3]);
         unless(Part::ResultantForces, &mut || (g.force, g.torque) = ([0.0; 3], [0.0; 3]));
+    }
+    for piece in &mut a.pieces {
+        unless(Part::Positions, &mut || piece.position = [0.0; 3]);
+        unless(Part::Radii, &mut || piece.radius = 0.0);
     }
     for c in &mut a.contacts {
         unless(Part::Overlaps, &mut || c.approach = 0.0);
