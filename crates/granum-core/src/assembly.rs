@@ -233,6 +233,28 @@ impl Assembly {
         self.bodies.push(sphere.into());
     }
 
+    /// The bodies as spheres, if all of them are.
+    pub fn spheres(&self) -> Option<Vec<Sphere>> {
+        let sphere = |(body, piece): (&Body, &Piece)| Sphere {
+            id: body.id,
+            position: body.position,
+            velocity: body.velocity,
+            spin: body.spin,
+            radius: piece.radius,
+            mass: body.mass,
+            force: body.force,
+            torque: body.torque,
+            material: body.material,
+        };
+        self.all_spheres().then(|| self.bodies.iter().zip(&self.pieces).map(sphere).collect())
+    }
+
+    /// Moves every position, of bodies and pieces.
+    pub fn move_positions(&mut self, place: impl Fn(&Vector) -> Vector) {
+        self.bodies.iter_mut().for_each(|body| body.position = place(&body.position));
+        self.pieces.iter_mut().for_each(|piece| piece.position = place(&piece.position));
+    }
+
     /// True if every body is a sphere, so that the index of a piece is that of its body.
     pub fn all_spheres(&self) -> bool {
         self.rigid.is_empty()

@@ -17,8 +17,8 @@ pub mod observer;
 pub mod parallel;
 mod parts;
 pub mod quantity;
-pub mod rotation;
 mod registration;
+pub mod rotation;
 mod table;
 pub mod words;
 

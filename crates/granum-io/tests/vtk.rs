@@ -40,7 +40,7 @@ fn stress(observation: &ObservedAssembly) -> Matrix {
 fn the_stress_of_a_recorded_sample_without_friction_is_yades() {
     let found = &recorded(&["smooth-125200.vtm"])[0];
     let theirs = printed("STRESS 0.0");
-    assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len() as f64), (24, theirs[9]));
+    assert_eq!((found.assembly.bodies.len(), found.assembly.contacts.len() as f64), (24, theirs[9]));
     let parts = [
         Part::Cell,
         Part::Masses,
@@ -70,14 +70,14 @@ fn of_a_recorded_sample_with_friction_the_normal_forces_are_known() {
     assert!(found.parts.has(Part::NormalForces) && !found.parts.has(Part::TangentialForces));
     // FrictMat of this modulus: k_n = 2 E R_1 R_2 / (R_1 + R_2).
     for contact in &found.assembly.contacts {
-        let [one, two] = [contact.i, contact.j].map(|k| found.assembly.grains[k].radius);
+        let [one, two] = [contact.i, contact.j].map(|k| found.assembly.pieces[k].radius);
         let wanted = 2e7 * one * two / (one + two) * contact.approach;
         assert!((contact.normal_force - wanted).abs() < 1e-4 * wanted + 1e-6, "{contact:?} {wanted}");
     }
     let body = printed("BODY5 0.4");
-    let grain = found.assembly.grains[5];
+    let grain = found.assembly.bodies[5];
     assert!(
-        (0..3).all(|a| (grain.position[a] - body[a]).abs() < 1e-9) && grain.radius == body[3],
+        (0..3).all(|a| (grain.position[a] - body[a]).abs() < 1e-9) && grain.equivalent_radius == body[3],
         "{grain:?}"
     );
     assert!((0..3).all(|a| (grain.velocity[a] - body[5 + a]).abs() < 1e-15));
@@ -179,12 +179,12 @@ fn granums_own_vtp_is_read_again() {
     let after = &try_read(std::slice::from_ref(&path)).unwrap()[0];
     assert_eq!((after.assembly.cell, after.origin), (before.assembly.cell, before.origin));
     assert_eq!((after.assembly.time, after.assembly.step), (before.assembly.time, before.assembly.step));
-    assert_eq!(after.assembly.grains.len(), before.assembly.grains.len());
+    assert_eq!(after.assembly.bodies.len(), before.assembly.bodies.len());
     let edge = before.assembly.cell[0][0];
-    for (one, two) in before.assembly.grains.iter().zip(&after.assembly.grains) {
+    for (one, two) in before.assembly.bodies.iter().zip(&after.assembly.bodies) {
         assert_eq!(
-            (one.id, one.radius, one.mass, one.spin, one.force),
-            (two.id, two.radius, two.mass, two.spin, two.force)
+            (one.id, one.equivalent_radius, one.mass, one.spin, one.force),
+            (two.id, two.equivalent_radius, two.mass, two.spin, two.force)
         );
         assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-15 * edge), "{one:?} {two:?}");
     }

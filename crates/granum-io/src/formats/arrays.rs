@@ -1,6 +1,6 @@
 //! Assemblies of what a program has in memory, by the rules for files.
 
-use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::assembly::{Assembly, Matrix, Sphere, Vector};
 use granum_core::{Part, Parts};
 
 use super::contact_table::{ContactOptions, ContactTable};
@@ -35,19 +35,20 @@ impl ObservedAssembly {
         };
         let found: Vec<Found> = (1..).zip(grains).map(found).collect();
         plausible::find(cell.map(|edges| ([0.0; 3], edges)), &found)?;
-        let grain = |found: &Found| Grain {
+        let grain = |found: &Found| Sphere {
             id: found.id,
             position: found.position,
             radius: found.radius.unwrap_or_default(),
-            ..Grain::default()
+            ..Sphere::default()
         };
-        let mut placed: Vec<Grain> = found.iter().map(grain).collect();
+        let mut placed: Vec<Sphere> = found.iter().map(grain).collect();
         let mut parts = Parts::new(&[Part::Positions, Part::Radii]);
         if let Some(edges) = cell {
             wrap(&mut placed, &FrameCell { origin: [0.0; 3], edges });
             parts = parts.with(Part::Cell);
         }
-        let mut assembly = Assembly { cell: cell.unwrap_or_default(), grains: placed, ..Assembly::default() };
+        let mut assembly =
+            Assembly { cell: cell.unwrap_or_default(), ..Assembly::default() }.with_spheres(placed);
         let mut remarks = Vec::new();
         if let Some(contacts) = contacts {
             let count = grains.len();
@@ -67,7 +68,7 @@ impl ObservedAssembly {
             };
             let pairs: Vec<FileContact> = contacts.iter().map(pair).collect();
             let places: Vec<[usize; 2]> = contacts.iter().map(|(places, _)| *places).collect();
-            let rounding = rounding::of_places(assembly.grains.iter().map(|grain| grain.position));
+            let rounding = rounding::of_places(assembly.bodies.iter().map(|grain| grain.position));
             let options = ContactOptions::as_given();
             let images = Images::new(&assembly.cell);
             let table =
@@ -99,11 +100,11 @@ mod tests {
         let made = ObservedAssembly::of_arrays(&grains(), Some(CELL), Some(&[([1, 0], force)])).unwrap();
         let mut frame = Frame { cell: Some(FrameCell::between([0.0; 3], [4.0; 3])), ..Frame::default() };
         frame.knows(&[Part::Positions, Part::Radii]);
-        let grain = |(id, (position, radius)): (u64, (Vector, f64))| Grain {
+        let grain = |(id, (position, radius)): (u64, (Vector, f64))| Sphere {
             id,
             position,
             radius,
-            ..Grain::default()
+            ..Sphere::default()
         };
         frame.grains = (1..).zip(grains()).map(grain).collect();
         frame.contacts = Some(vec![FileContact { first: 2, second: 1, force, ..FileContact::default() }]);
@@ -111,7 +112,7 @@ mod tests {
         assert_eq!(read, std::slice::from_ref(&made));
         // Across the boundary, and the third grain in the cell.
         assert!((made.assembly.contacts[0].branch[0] - 1.0).abs() < 1e-12);
-        assert_eq!(made.assembly.grains[2].position, [2.0, 1.0, 2.0]);
+        assert_eq!(made.assembly.bodies[2].position, [2.0, 1.0, 2.0]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Contacts of grains whose data have none: those that overlap touch.
 
 use granum_core::Part;
-use granum_core::assembly::{Contact, Vector};
+use granum_core::assembly::{Assembly, Contact, Vector};
 use granum_core::geometry::length;
 
 use super::remark::Remark;
@@ -15,12 +15,15 @@ impl ObservedAssembly {
         if self.parts.has(Part::Contacts) || !self.parts.missing(&[Part::Positions, Part::Radii]).is_empty() {
             return self;
         }
-        let grains = &self.assembly.grains;
-        let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
-        let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
+        let Assembly { bodies, pieces, .. } = &self.assembly;
+        let positions: Vec<Vector> = pieces.iter().map(|piece| piece.position).collect();
+        let radii: Vec<f64> = pieces.iter().map(|piece| piece.radius).collect();
         let cell = self.parts.has(Part::Cell).then_some(&self.assembly.cell);
-        let touching = NearGrains::new(cell, &positions, &radii).touching(0.0);
-        let body = |grain: usize| self.bodies.get(&grains[grain].id);
+        let mut touching = NearGrains::new(cell, &positions, &radii).touching(0.0);
+        if !self.assembly.all_spheres() {
+            touching.retain(|(at, near)| pieces[*at].body != pieces[near.grain].body);
+        }
+        let body = |piece: usize| self.bodies.get(&bodies[pieces[piece].body].id);
         let inside =
             touching.iter().filter(|(at, near)| body(*at).is_some() && body(*at) == body(near.grain)).count();
         if inside > 0 {
@@ -45,16 +48,19 @@ fn contact((i, near): (usize, Neighbour)) -> Contact {
 
 #[cfg(test)]
 mod tests {
-    use granum_core::assembly::{Assembly, Grain};
+    use granum_core::assembly::Sphere;
     use granum_core::{Part, Parts};
 
     use super::*;
 
     fn three(cell: bool) -> ObservedAssembly {
-        let grain = |id, x| Grain { id, position: [x, 1.0, 1.0], radius: 0.5, ..Grain::default() };
+        let grain = |id, x| Sphere { id, position: [x, 1.0, 1.0], radius: 0.5, ..Sphere::default() };
         let mut parts = Parts::new(&[Part::Positions, Part::Radii]);
-        let mut assembly =
-            Assembly { grains: vec![grain(1, 0.2), grain(2, 1.1), grain(3, 3.4)], ..Assembly::default() };
+        let mut assembly = Assembly { ..Assembly::default() }.with_spheres(vec![
+            grain(1, 0.2),
+            grain(2, 1.1),
+            grain(3, 3.4),
+        ]);
         if cell {
             assembly.cell = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
             parts = parts.with(Part::Cell);

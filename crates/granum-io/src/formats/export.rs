@@ -68,7 +68,10 @@ impl Formats {
                 let format = format.name().to_string();
                 return Err(Error::Instants { path: path.to_path_buf(), format, count });
             }
-            AssemblyFile::Results(format) => format.write(path, &all)?,
+            AssemblyFile::Results(format) => {
+                all.iter().try_for_each(|observation| observation.check_spheres(path))?;
+                format.write(path, &all)?;
+            }
         }
         Ok(file)
     }
@@ -81,8 +84,8 @@ impl Formats {
     pub fn write_grains(&self, path: &Path, observation: ObservedAssembly) -> Result<usize> {
         let mut own = observation.numbered_from_one();
         let origin = own.origin;
-        for grain in own.assembly.grains.iter_mut().filter(|_| origin != [0.0; 3]) {
-            grain.position = std::array::from_fn(|a| origin[a] + grain.position[a]);
+        if origin != [0.0; 3] {
+            own.assembly.move_positions(|place| std::array::from_fn(|a| origin[a] + place[a]));
         }
         self.write_in_cell(path, &own.grains_table()?, own.frame_cell())
     }
@@ -109,7 +112,7 @@ impl Formats {
 
 #[cfg(test)]
 mod tests {
-    use granum_core::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Sphere};
     use granum_core::{Part, Parts};
 
     use super::*;
@@ -118,10 +121,9 @@ mod tests {
     /// Two grains in a sheared cell with a corner away from the origin, and their contact.
     fn observation() -> ObservedAssembly {
         let grain =
-            |id: u64, x: f64| Grain { id, position: [x, 0.25, 0.5], radius: 0.25, ..Grain::default() };
+            |id: u64, x: f64| Sphere { id, position: [x, 0.25, 0.5], radius: 0.25, ..Sphere::default() };
         let assembly = Assembly {
             cell: [[2.0, 0.25, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
-            grains: vec![grain(3, 0.5), grain(8, 1.0)],
             contacts: vec![granum_core::assembly::Contact {
                 i: 0,
                 j: 1,
@@ -131,7 +133,8 @@ mod tests {
                 ..Default::default()
             }],
             ..Assembly::default()
-        };
+        }
+        .with_spheres(vec![grain(3, 0.5), grain(8, 1.0)]);
         let parts =
             Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::NormalForces]);
         ObservedAssembly::new(assembly, parts, [-1.0, 0.5, 4.0])
@@ -151,7 +154,7 @@ mod tests {
         assert!(matches!(file, AssemblyFile::Grains));
         let found = read(&path);
         assert_eq!((found.origin, found.assembly.cell), (written.origin, written.assembly.cell));
-        assert_eq!(found.assembly.grains, written.assembly.grains);
+        assert_eq!(found.assembly.bodies, written.assembly.bodies);
         // A table of the grains alone, in their own places.
         assert_eq!(formats.read_table(&path, None).unwrap().column("position_x").unwrap(), [-0.5, 0.0]);
         // The contacts have it as well, for grains from a table without.

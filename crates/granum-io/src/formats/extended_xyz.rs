@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 
 use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
@@ -169,9 +169,9 @@ impl Layout {
         })
     }
 
-    fn grain(&self, words: &Words, number: u64) -> Result<Grain> {
+    fn grain(&self, words: &Words, number: u64) -> Result<Sphere> {
         let vector = |at: Option<usize>, what: &str| at.map_or(Ok([0.0; 3]), |at| words.vector(at, what));
-        Ok(Grain {
+        Ok(Sphere {
             id: self.id.map_or(Ok(number), |at| words.whole(at, "id"))?,
             position: words.vector(self.position, "a coordinate")?,
             radius: self
@@ -181,7 +181,7 @@ impl Layout {
             velocity: vector(self.velocity, "a velocity")?,
             spin: vector(self.spin, "an angular velocity")?,
             force: vector(self.force, "a force")?,
-            ..Grain::default()
+            ..Sphere::default()
         })
     }
 }
@@ -197,7 +197,7 @@ fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io
         (Part::ResultantForces, ":force:R:3"),
     ];
     columns.iter().filter(|(part, _)| parts.has(*part)).for_each(|(_, text)| properties.push_str(text));
-    writeln!(file, "{}", assembly.grains.len())?;
+    writeln!(file, "{}", assembly.bodies.len())?;
     if parts.has(Part::Cell) {
         let h = &assembly.cell;
         let edges: Vec<String> = (0..9).map(|n| format!("{:?}", h[n % 3][n / 3])).collect();
@@ -210,7 +210,7 @@ fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io
         write!(file, "Time={:?} ", assembly.time)?;
     }
     writeln!(file, "Properties={properties}")?;
-    for grain in &assembly.grains {
+    for grain in &assembly.bodies {
         let place: Vector = std::array::from_fn(|a| observation.origin[a] + grain.position[a]);
         let species = match assembly.materials.get(grain.material as usize) {
             Some(name) => name.as_str(),
@@ -218,7 +218,7 @@ fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io
             None => "X",
         };
         write!(file, "{species} {} {}", grain.id, vector_text(&place))?;
-        let scalars = [(Part::Radii, grain.radius), (Part::Masses, grain.mass)];
+        let scalars = [(Part::Radii, grain.equivalent_radius), (Part::Masses, grain.mass)];
         for (_, value) in scalars.iter().filter(|(part, _)| parts.has(*part)) {
             write!(file, " {value:?}")?;
         }

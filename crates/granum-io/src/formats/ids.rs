@@ -19,7 +19,7 @@ pub(super) fn count_from_one(
 ) {
     let ids = || pairs.iter().flat_map(|pair| [pair.first, pair.second]);
     let (Some(lowest), Some(highest)) = (ids().min(), ids().max()) else { return };
-    let count = assembly.grains.len() as u64;
+    let count = assembly.bodies.len() as u64;
     let from_zero = lowest == 0
         || (highest < count
             && parts.has(Part::Radii)
@@ -32,7 +32,7 @@ pub(super) fn count_from_one(
 
 /// How many pairs touch if the first grain has this number.
 fn touching(assembly: &Assembly, images: &Images, pairs: &[FileContact], first: u64) -> usize {
-    let grain = |id: u64| assembly.grains.get(usize::try_from(id.checked_sub(first)?).ok()?);
+    let grain = |id: u64| assembly.pieces.get(usize::try_from(id.checked_sub(first)?).ok()?);
     let touches = |pair: &&FileContact| {
         let (Some(one), Some(two)) = (grain(pair.first), grain(pair.second)) else { return false };
         let apart = std::array::from_fn(|a| two.position[a] - one.position[a]);

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Contact, Sphere, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
@@ -186,10 +186,10 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         step: step.unwrap_or(0),
         time_step: options.time_step.unwrap_or(0.0),
         cell: cell.map_or([[0.0; 3]; 3], |cell| cell.edges),
-        grains,
         materials,
         ..Assembly::default()
-    };
+    }
+    .with_spheres(grains);
     let mut remarks = frame.remarks;
     if frame.cell.is_some() && options.cell.is_some() {
         remarks.push(Remark::set_right(
@@ -207,7 +207,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
             let corner = cell.map_or([0.0; 3], |cell| cell.origin);
             pairs = places::identify(path, &assembly, corner, &centres, pairs)?;
         }
-        let body_of = |grain: usize| bodies.get(&assembly.grains[grain].id).copied();
+        let body_of = |grain: usize| bodies.get(&assembly.bodies[grain].id).copied();
         let options = options.contacts;
         let table = ContactTable { assembly: &assembly, parts, images, rounding, body_of: &body_of, options };
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
@@ -226,22 +226,23 @@ fn right_handed(cell: FrameCell) -> FrameCell {
 fn take_usual_cell(observed: &mut ObservedAssembly) {
     let assembly = &mut observed.assembly;
     let known = observed.parts.has(Part::Cell);
-    let largest = assembly.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+    let largest = assembly.pieces.iter().map(|piece| piece.radius).fold(0.0, f64::max);
     if let Some(edges) = lattice::less_skewed(&assembly.cell, largest).filter(|_| known) {
         assembly.cell = edges;
-        wrap(&mut assembly.grains, &FrameCell { origin: [0.0; 3], edges });
+        let place = wrapping(&FrameCell { origin: [0.0; 3], edges });
+        assembly.move_positions(place);
     }
 }
 
 /// The check that all readers of grains share.
 fn check_plausible(
     path: &Path,
-    grains: &[Grain],
+    grains: &[Sphere],
     lines: &[usize],
     cell: Option<&FrameCell>,
     parts: Parts,
 ) -> Result<()> {
-    let found = |(k, grain): (usize, &Grain)| Found {
+    let found = |(k, grain): (usize, &Sphere)| Found {
         id: grain.id,
         position: grain.position,
         radius: parts.has(Part::Radii).then_some(grain.radius),
@@ -253,10 +254,10 @@ fn check_plausible(
 }
 
 /// The grains in the order of their ids, and the line of each; every id must be there once.
-fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(Vec<Grain>, Vec<usize>)> {
+fn in_order(path: &Path, grains: Vec<Sphere>, mut lines: Vec<usize>) -> Result<(Vec<Sphere>, Vec<usize>)> {
     let has_lines = lines.len() == grains.len();
     lines.resize(grains.len(), 0);
-    let mut rows: Vec<(Grain, usize)> = grains.into_iter().zip(lines).collect();
+    let mut rows: Vec<(Sphere, usize)> = grains.into_iter().zip(lines).collect();
     rows.sort_by_key(|(grain, line)| (grain.id, *line));
     if let Some([(first, line), (_, second)]) = rows.windows(2).find(|rows| rows[0].0.id == rows[1].0.id) {
         let file = path.shown();
@@ -264,20 +265,25 @@ fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(V
         let message = format!("grain {} is already given{where_first}", first.id);
         return Err(in_file(&file, *second, message, "each grain has an id of its own"));
     }
-    let (grains, lines): (Vec<Grain>, Vec<usize>) = rows.into_iter().unzip();
+    let (grains, lines): (Vec<Sphere>, Vec<usize>) = rows.into_iter().unzip();
     Ok((grains, if has_lines { lines } else { Vec::new() }))
 }
 
 /// Moves the grains so that a corner of the cell is at the origin and each of them is inside.
-pub(super) fn wrap(grains: &mut [Grain], cell: &FrameCell) {
-    let inverse = invert(&cell.edges);
-    for grain in grains {
-        let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - cell.origin[a]);
+pub(super) fn wrap(grains: &mut [Sphere], cell: &FrameCell) {
+    let place = wrapping(cell);
+    grains.iter_mut().for_each(|grain| grain.position = place(&grain.position));
+}
+
+/// The place inside a cell whose corner is at the origin of a place in a file.
+fn wrapping(cell: &FrameCell) -> impl Fn(&Vector) -> Vector + use<> {
+    let (inverse, FrameCell { origin, edges }) = (invert(&cell.edges), *cell);
+    move |position| {
+        let from_corner: Vector = std::array::from_fn(|a| position[a] - origin[a]);
         let shift = apply(&inverse, from_corner).map(f64::floor);
-        let moved = apply(&cell.edges, shift);
+        let moved = apply(&edges, shift);
         // A grain inside keeps the bits of its place.
-        grain.position =
-            if shift == [0.0; 3] { from_corner } else { std::array::from_fn(|a| from_corner[a] - moved[a]) };
+        if shift == [0.0; 3] { from_corner } else { std::array::from_fn(|a| from_corner[a] - moved[a]) }
     }
 }
 
@@ -288,7 +294,7 @@ fn add_contacts(
     pairs: Vec<FileContact>,
     remarks: &mut Vec<Remark>,
 ) -> Result<(Vec<Contact>, Parts)> {
-    let grains = &table.assembly.grains;
+    let grains = &table.assembly.bodies;
     let index = |id: u64| {
         grains.binary_search_by_key(&id, |grain| grain.id).map_err(|_| {
             Error::content(path, format!("a contact names the grain {id}, which is not among the grains"))
@@ -315,11 +321,11 @@ pub(super) fn connect(
     pairs: &[FileContact],
     places: &[[usize; 2]],
 ) -> std::result::Result<(Vec<Contact>, Parts), Implausible> {
-    let grains = &assembly.grains;
+    let pieces = &assembly.pieces;
     let radii = parts.has(Part::Radii);
     let mut contacts = Vec::with_capacity(pairs.len());
     for (k, (pair, [i, j])) in pairs.iter().zip(places.iter().copied()).enumerate() {
-        let (one, two) = (&grains[i], &grains[j]);
+        let (one, two) = (&pieces[i], &pieces[j]);
         let branch = pair.branch.unwrap_or_default();
         let length = dot(&branch, &branch).sqrt();
         if length == 0.0 {
@@ -368,11 +374,11 @@ mod tests {
     use super::*;
 
     fn frame(step: u64, places: &[Vector]) -> Frame {
-        let grain = |(k, position): (usize, &Vector)| Grain {
+        let grain = |(k, position): (usize, &Vector)| Sphere {
             id: 10 - k as u64,
             position: *position,
             radius: 0.5,
-            ..Grain::default()
+            ..Sphere::default()
         };
         let mut frame = Frame { step: Some(step), ..Frame::default() };
         frame.grains = places.iter().enumerate().map(grain).collect();
@@ -404,7 +410,7 @@ mod tests {
         assert!((total[0] + 3.0).abs() < 1e-12 && (total[1] - 0.5).abs() < 1e-12 && total[2].abs() < 1e-12);
         assert!(dot(&contact.tangential_force, &contact.normal).abs() < 1e-12);
         // Grains are wrapped, and the corner of the cell is the origin.
-        assert!((found[1].assembly.grains[0].position[2]).abs() < 1e-12);
+        assert!((found[1].assembly.bodies[0].position[2]).abs() < 1e-12);
         assert_eq!(found[0].origin, [-1.0; 3]);
     }
 

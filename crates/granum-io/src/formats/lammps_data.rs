@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
 use granum_core::geometry::{apply, cross, determinant, length, multiply};
 
 use super::meanings::{self, Meanings};
@@ -177,12 +177,12 @@ fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
         let density = words.positive(3, "density")?;
         into.lines.push(words.line_number());
         meanings.push(Meanings { kind: Some(words.word(1).to_string()), body: None });
-        into.grains.push(Grain {
+        into.grains.push(Sphere {
             id: words.whole(0, "id")?,
             position: words.vector(4, "a coordinate")?,
             radius,
             mass: density * 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius,
-            ..Grain::default()
+            ..Sphere::default()
         });
     }
     meanings::note(into, &meanings, ("", 0.0), "type");
@@ -190,7 +190,7 @@ fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
 }
 
 /// Rows `id vx vy vz wx wy wz`.
-fn read_velocities(words: &mut Words, grains: &mut [Grain]) -> Result<()> {
+fn read_velocities(words: &mut Words, grains: &mut [Sphere]) -> Result<()> {
     let mut places: Vec<(u64, usize)> = grains.iter().enumerate().map(|(k, grain)| (grain.id, k)).collect();
     places.sort_unstable();
     let mut left = grains.len();
@@ -223,7 +223,7 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
     let (turn, edges) = restricted(&assembly.cell);
     let origin = apply(&turn, observation.origin);
     write_atomically(path, |file| {
-        writeln!(file, "grains written by granum\n\n{} atoms", assembly.grains.len())?;
+        writeln!(file, "grains written by granum\n\n{} atoms", assembly.bodies.len())?;
         writeln!(file, "{} atom types\n", assembly.materials.len().max(1))?;
         for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
             writeln!(file, "{:?} {:?} {axis}lo {axis}hi", origin[a], origin[a] + edges[a][a])?;
@@ -232,16 +232,16 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
             writeln!(file, "{:?} {:?} {:?} xy xz yz", edges[0][1], edges[0][2], edges[1][2])?;
         }
         writeln!(file, "\nAtoms # sphere\n")?;
-        for grain in &assembly.grains {
-            let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.radius.powi(3));
+        for grain in &assembly.bodies {
+            let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.equivalent_radius.powi(3));
             let place = apply(&turn, grain.position);
             let [x, y, z]: Vector = std::array::from_fn(|a| origin[a] + place[a]);
-            let (id, kind, diameter) = (grain.id, grain.material + 1, 2.0 * grain.radius);
+            let (id, kind, diameter) = (grain.id, grain.material + 1, 2.0 * grain.equivalent_radius);
             writeln!(file, "{id} {kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
         }
         if observation.parts.has(Part::Velocities) {
             writeln!(file, "\nVelocities\n")?;
-            for grain in &assembly.grains {
+            for grain in &assembly.bodies {
                 let [vx, vy, vz] = apply(&turn, whole_velocity(assembly, grain));
                 let [wx, wy, wz] = apply(&turn, grain.spin);
                 writeln!(file, "{} {vx:?} {vy:?} {vz:?} {wx:?} {wy:?} {wz:?}", grain.id)?;
@@ -252,7 +252,7 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
 }
 
 /// The velocity of a grain with the homogeneous part `L x`, m/s.
-fn whole_velocity(assembly: &Assembly, grain: &Grain) -> Vector {
+fn whole_velocity(assembly: &Assembly, grain: &Body) -> Vector {
     let affine = apply(&assembly.velocity_gradient, grain.position);
     std::array::from_fn(|a| grain.velocity[a] + affine[a])
 }

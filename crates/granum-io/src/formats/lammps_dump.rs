@@ -14,7 +14,7 @@
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 use granum_core::geometry::apply;
 
 use super::column_names;
@@ -320,8 +320,8 @@ impl GrainLayout {
         parts
     }
 
-    fn grain(&self, words: &Words, cell: Option<&FrameCell>) -> Result<Grain> {
-        let mut grain = Grain { id: words.whole(self.id, "id")?, ..Grain::default() };
+    fn grain(&self, words: &Words, cell: Option<&FrameCell>) -> Result<Sphere> {
+        let mut grain = Sphere { id: words.whole(self.id, "id")?, ..Sphere::default() };
         grain.position = vector(words, self.position, "a coordinate")?;
         if self.scaled {
             let Some(cell) = cell else { return Err(words.error("scaled places need ITEM: BOX BOUNDS")) };

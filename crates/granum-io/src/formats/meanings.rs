@@ -68,12 +68,12 @@ fn note_bodies(frame: &mut Frame, meanings: &[Meanings], column: &str, no_body: 
 
 #[cfg(test)]
 mod tests {
-    use granum_core::assembly::Grain;
+    use granum_core::assembly::Sphere;
 
     use super::*;
 
     fn noted(bodies: &[f64], kinds: &[f64]) -> Frame {
-        let grains = (1..=bodies.len() as u64).map(|id| Grain { id, ..Grain::default() }).collect();
+        let grains = (1..=bodies.len() as u64).map(|id| Sphere { id, ..Sphere::default() }).collect();
         let mut frame = Frame { grains, ..Frame::default() };
         let meaning =
             |(body, kind): (&f64, &f64)| Meanings { body: Some(*body), kind: Some(kind.to_string()) };

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::Grain;
+use granum_core::assembly::Sphere;
 
 use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ReadOptions, ResultFormat};
@@ -80,13 +80,13 @@ fn frame(words: &mut Words) -> Result<Frame> {
             let message = format!("the particle has {} columns; {COLUMNS} are needed", words.len());
             return Err(words.error(message));
         }
-        frame.grains.push(Grain {
+        frame.grains.push(Sphere {
             id: id as u64,
             position: words.vector(0, "a coordinate")?,
             velocity: words.vector(3, "a velocity")?,
             radius: words.positive(6, "radius")?,
             spin: words.vector(10, "an angular velocity")?,
-            ..Grain::default()
+            ..Sphere::default()
         });
         frame.lines.push(words.line_number());
         meanings.push(Meanings { body: None, kind: Some(words.word(COLUMNS - 1).to_string()) });

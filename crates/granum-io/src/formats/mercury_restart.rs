@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 
 use super::meanings::{self, Meanings};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
@@ -98,14 +98,14 @@ fn periodic(words: &Words, low: &mut Vector, high: &mut Vector) -> Result<usize>
     Ok(axis)
 }
 
-fn grain(words: &Words) -> Result<Grain> {
+fn grain(words: &Words) -> Result<Sphere> {
     let after = |name: &str| words.words().position(|word| word == name).map(|at| at + 1);
     let vector = |name: &'static str| after(name).map_or(Ok([0.0; 3]), |at| words.vector(at, name));
     let (Some(id), Some(position), Some(radius)) = (after("id"), after("position"), after("radius")) else {
         return Err(words.error("the particle has no id, position and radius"));
     };
     let inverse = after("invMass").map_or(Ok(0.0), |at| words.number(at, "invMass"))?;
-    Ok(Grain {
+    Ok(Sphere {
         id: words.whole(id, "id")?,
         position: words.vector(position, "position")?,
         velocity: vector("velocity")?,
@@ -114,7 +114,7 @@ fn grain(words: &Words) -> Result<Grain> {
         mass: if inverse > 0.0 { 1.0 / inverse } else { 0.0 },
         force: vector("force")?,
         torque: vector("torque")?,
-        ..Grain::default()
+        ..Sphere::default()
     })
 }
 

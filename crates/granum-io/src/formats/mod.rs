@@ -319,6 +319,7 @@ impl Formats {
         name: Option<&str>,
         observations: &[ObservedAssembly],
     ) -> Result<()> {
+        observations.iter().try_for_each(|observation| observation.check_spheres(path))?;
         self.written_format(path, name)?.write(path, observations)
     }
 

@@ -43,8 +43,8 @@ pub(super) fn identify(
             );
             Error::content(path, message)
         })?;
-        ids[at] = Some(assembly.grains[found].id);
-        Ok(assembly.grains[found].id)
+        ids[at] = Some(assembly.bodies[found].id);
+        Ok(assembly.bodies[found].id)
     };
     let mut seen = HashSet::new();
     let mut found = Vec::with_capacity(pairs.len());
@@ -63,7 +63,7 @@ fn space(assembly: &Assembly, is_cell: bool) -> f64 {
         return determinant(&assembly.cell).abs();
     }
     let extent = |axis: usize| {
-        let places = assembly.grains.iter().map(|grain| grain.position[axis]);
+        let places = assembly.bodies.iter().map(|grain| grain.position[axis]);
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         (high - low).max(0.0)
     };
@@ -83,9 +83,9 @@ impl<'a> Grid<'a> {
     fn new(assembly: &'a Assembly) -> Grid<'a> {
         let inverse = invert(&assembly.cell);
         let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
-        let largest = assembly.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        let largest = assembly.pieces.iter().map(|piece| piece.radius).fold(0.0, f64::max);
         // About one grain in a bin, however large the largest of them is; what is searched lies within the tolerance.
-        let spacing = libm::cbrt(space(assembly, is_cell) / assembly.grains.len().max(1) as f64);
+        let spacing = libm::cbrt(space(assembly, is_cell) / assembly.bodies.len().max(1) as f64);
         let width = spacing.max(TOLERANCE * largest);
         let width = if width > 0.0 { width } else { 1.0 };
         let bins = if is_cell {
@@ -95,7 +95,7 @@ impl<'a> Grid<'a> {
             [1.0 / width; 3]
         };
         let mut grid = Grid { assembly, inverse, bins, is_cell, grains: HashMap::new() };
-        for (k, grain) in assembly.grains.iter().enumerate() {
+        for (k, grain) in assembly.bodies.iter().enumerate() {
             grid.grains.entry(grid.bin(grid.place(grain.position))).or_default().push(k);
         }
         grid
@@ -127,11 +127,11 @@ impl<'a> Grid<'a> {
                 }
             }
         }
-        best.1.filter(|k| best.0 <= TOLERANCE * self.assembly.grains[*k].radius)
+        best.1.filter(|k| best.0 <= TOLERANCE * self.assembly.pieces[*k].radius)
     }
 
     fn distance(&self, place: Vector, k: usize) -> f64 {
-        let other = self.place(self.assembly.grains[k].position);
+        let other = self.place(self.assembly.bodies[k].position);
         let apart: Vector = std::array::from_fn(|a| other[a] - place[a]);
         let vector =
             if self.is_cell { apply(&self.assembly.cell, apart.map(|s| s - libm::round(s))) } else { apart };
@@ -142,15 +142,16 @@ impl<'a> Grid<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_core::assembly::Grain;
+    use granum_core::assembly::Sphere;
 
     fn assembly() -> Assembly {
-        let grain = |id, position| Grain { id, position, radius: 0.5, ..Grain::default() };
-        Assembly {
-            cell: [[4.0, 1.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]],
-            grains: vec![grain(3, [0.01, 1.0, 1.0]), grain(8, [1.0, 1.0, 1.0]), grain(9, [4.2, 3.0, 1.0])],
-            ..Assembly::default()
-        }
+        let grain = |id, position| Sphere { id, position, radius: 0.5, ..Sphere::default() };
+        Assembly { cell: [[4.0, 1.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]], ..Assembly::default() }
+            .with_spheres(vec![
+                grain(3, [0.01, 1.0, 1.0]),
+                grain(8, [1.0, 1.0, 1.0]),
+                grain(9, [4.2, 3.0, 1.0]),
+            ])
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
 use granum_core::geometry::dot;
 use granum_core::{Part, Parts, Table};
 
@@ -131,7 +131,7 @@ pub struct Frame {
     /// The periodic cell; none where the file has none, or where its boundaries are not all periodic.
     pub cell: Option<FrameCell>,
     /// The grains with the ids of the file, in any order; empty for a file of contacts.
-    pub grains: Vec<Grain>,
+    pub grains: Vec<Sphere>,
     /// The line of each grain in the file, from 1, for messages; empty for files without lines.
     pub lines: Vec<usize>,
     /// The contacts, by the ids of their grains; none where the file has no list of them.
@@ -160,9 +160,10 @@ impl Frame {
     pub(crate) fn of_packing(packing: &crate::Packing) -> Frame {
         let ObservedAssembly { assembly, parts, origin, .. } = ObservedAssembly::of_packing(packing);
         let cell = FrameCell { origin, edges: assembly.cell };
-        let mut frame = Frame { cell: Some(cell), parts, materials: assembly.materials, ..Frame::default() };
+        let materials = assembly.materials.clone();
+        let mut frame = Frame { cell: Some(cell), parts, materials, ..Frame::default() };
         // Places in a file count from its own origin.
-        frame.grains = assembly.grains;
+        frame.grains = assembly.spheres().unwrap_or_default();
         for (grain, packed) in frame.grains.iter_mut().zip(&packing.grains) {
             grain.position = packed.position;
         }
@@ -250,7 +251,7 @@ impl ObservedAssembly {
 
     /// The same with ids from 1, where a program numbers its grains from 0.
     pub fn numbered_from_one(mut self) -> ObservedAssembly {
-        let grains = &mut self.assembly.grains;
+        let grains = &mut self.assembly.bodies;
         if grains.first().is_some_and(|grain| grain.id == 0) {
             grains.iter_mut().for_each(|grain| grain.id += 1);
         }
@@ -297,12 +298,13 @@ impl ObservedAssembly {
             };
             return Err(Error::content(path, format!("has no {}; {help}", missing.name())));
         }
-        let grain = |(k, grain): (usize, &Grain)| {
+        self.check_spheres(path)?;
+        let grain = |(k, grain): (usize, &Body)| {
             let position = std::array::from_fn(|a| self.origin[a] + grain.position[a]);
             let line = self.lines.get(k).copied().unwrap_or(0);
-            (crate::packing::PackedGrain { id: grain.id, position, radius: grain.radius }, line)
+            (crate::packing::PackedGrain { id: grain.id, position, radius: grain.equivalent_radius }, line)
         };
-        let grains = self.assembly.grains.iter().enumerate().map(grain).collect();
+        let grains = self.assembly.bodies.iter().enumerate().map(grain).collect();
         let file = path.shown();
         let packing = crate::Packing::numbered_from_one(&file, self.origin, self.assembly.cell, grains)?;
         let packing = crate::Packing { remarks: self.remarks.clone(), ..packing };
@@ -310,25 +312,38 @@ impl ObservedAssembly {
             return Ok(packing);
         }
         let names = self.assembly.materials.clone();
-        let of = self.assembly.grains.iter().map(|grain| grain.material as u8).collect();
+        let of = self.assembly.bodies.iter().map(|grain| grain.material as u8).collect();
         Ok(crate::Packing { materials: crate::packing::PackedMaterials { names, of }, ..packing })
+    }
+
+    /// Refuses grains of several pieces for a file whose grains are spheres: written as spheres they would be other grains.
+    ///
+    /// # Errors
+    /// If some grain has several pieces.
+    pub fn check_spheres(&self, path: &Path) -> Result<()> {
+        if self.assembly.all_spheres() {
+            return Ok(());
+        }
+        let message = "the grains of this file would be spheres, and some of those to be written have several pieces; a snapshot of granum \
+                       holds them";
+        Err(Error::content(path, message))
     }
 
     /// A packing, of which cell, places and radii are known.
     pub fn of_packing(packing: &crate::Packing) -> ObservedAssembly {
-        let grains = packing.grains.iter().enumerate().map(|(k, grain)| Grain {
+        let spheres = packing.grains.iter().enumerate().map(|(k, grain)| Sphere {
             id: grain.id,
             position: packing.from_corner(grain),
             radius: grain.radius,
             material: packing.materials.of.get(k).map_or(0, |material| u32::from(*material)),
-            ..Grain::default()
+            ..Sphere::default()
         });
         let assembly = Assembly {
             cell: packing.cell,
-            grains: grains.collect(),
             materials: packing.materials.names.clone(),
             ..Assembly::default()
-        };
+        }
+        .with_spheres(spheres);
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         ObservedAssembly::new(assembly, parts, packing.origin)
     }
@@ -364,10 +379,11 @@ mod tests {
 
     #[test]
     fn a_table_has_no_column_of_what_is_not_known() {
-        let assembly = Assembly {
-            grains: vec![Grain { id: 1, radius: 0.5, ..Grain::default() }],
-            ..Assembly::default()
-        };
+        let assembly = Assembly { ..Assembly::default() }.with_spheres(vec![Sphere {
+            id: 1,
+            radius: 0.5,
+            ..Sphere::default()
+        }]);
         let known = Parts::new(&[Part::Positions, Part::Radii]);
         let observed = ObservedAssembly::new(assembly.clone(), known, [0.0; 3]);
         let names: Vec<String> = observed.grains_table().unwrap().names().map(String::from).collect();

@@ -33,7 +33,7 @@ impl ResultFormat for SnapshotJson {
             Some(run) => run.snapshot(&name.to_string_lossy())?,
             None => read_snapshot(folder, &name.to_string_lossy())?,
         };
-        let id = |index: usize| assembly.grains.get(index).map_or(0, |grain| grain.id);
+        let id = |index: usize| assembly.bodies.get(index).map_or(0, |grain| grain.id);
         let contact = |contact: &granum_core::assembly::Contact| FileContact {
             first: id(contact.i),
             second: id(contact.j),
@@ -57,7 +57,9 @@ impl ResultFormat for SnapshotJson {
             Part::Spins,
             Part::ResultantForces,
         ]);
-        frame.grains = assembly.grains;
+        frame.grains = assembly.spheres().ok_or_else(|| {
+            Error::content(path, "has grains of several pieces, which are not read as spheres")
+        })?;
         frame.materials = assembly.materials;
         Ok(vec![frame])
     }

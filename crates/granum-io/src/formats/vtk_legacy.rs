@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 
 use super::meanings::{self, Meanings};
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
@@ -110,7 +110,7 @@ impl Content {
         let count = self.points.len();
         let radii = self.scalar(path, "radius", count)?;
         let grain =
-            |k| Grain { id: k as u64, position: self.points[k], radius: radii[k], ..Grain::default() };
+            |k| Sphere { id: k as u64, position: self.points[k], radius: radii[k], ..Sphere::default() };
         let mut frame = Frame { grains: (0..count).map(grain).collect(), ..Frame::default() };
         frame.lines = std::mem::take(&mut self.lines);
         if let Some(k) = radii.iter().position(|radius| *radius <= 0.0) {

@@ -12,7 +12,7 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Body, Contact, Vector};
 use granum_core::geometry::{apply, invert};
 
 use super::result::{Frame, ObservedAssembly, ReadOptions, ResultFormat};
@@ -70,7 +70,7 @@ pub fn pieces(assembly: &Assembly) -> Vec<Piece> {
     let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
     let mut found = Vec::new();
     for (k, contact) in assembly.contacts.iter().enumerate() {
-        let Some(grain) = assembly.grains.get(contact.i) else { continue };
+        let Some(grain) = assembly.bodies.get(contact.i) else { continue };
         if is_cell {
             cut(k, grain.position, contact, assembly, &inverse, &mut found);
         } else {
@@ -118,11 +118,11 @@ fn cut(
 }
 
 /// A vector of each grain.
-type OfGrain = fn(&Grain) -> Vector;
+type OfGrain = fn(&Body) -> Vector;
 
 fn text(observation: &ObservedAssembly) -> String {
     let assembly = &observation.assembly;
-    let (grains, contacts) = (&assembly.grains, &assembly.contacts);
+    let (grains, contacts) = (&assembly.bodies, &assembly.contacts);
     let pieces = pieces(assembly);
     let origin = observation.origin;
     let moved = |v: &Vector| -> Vector { std::array::from_fn(|a| v[a] + origin[a]) };
@@ -153,7 +153,7 @@ fn text(observation: &ObservedAssembly) -> String {
     };
     let of_points =
         |grain: Vec<f64>, contact: Vec<f64>| grain.into_iter().chain(contact).collect::<Vec<f64>>();
-    let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
+    let radii: Vec<f64> = grains.iter().map(|grain| grain.equivalent_radius).collect();
     array(&mut xml, "radius", 1, &of_points(radii.clone(), vec![0.0; 2 * lines]));
     array(&mut xml, "normal_force", 1, &of_points(vec![0.0; n], ends(&|contact| contact.normal_force)));
     xml.push_str("</PointData>\n<CellData>\n");

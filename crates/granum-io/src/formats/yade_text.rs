@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::Grain;
+use granum_core::assembly::Sphere;
 
 use super::column_names;
 use super::meanings::{self, Meanings};
@@ -94,7 +94,7 @@ fn meaning(words: &Words, columns: &[String]) -> Meanings {
     }
 }
 
-fn grain(words: &Words, columns: &[String], number: u64) -> Result<Grain> {
+fn grain(words: &Words, columns: &[String], number: u64) -> Result<Sphere> {
     let place = |name: &str| columns.iter().position(|known| known == name);
     let (Some(x), Some(y), Some(z), Some(r)) = (place("x"), place("y"), place("z"), place("r")) else {
         let message = format!("the columns {} have no x, y, z and r", columns.join("_"));
@@ -105,10 +105,10 @@ fn grain(words: &Words, columns: &[String], number: u64) -> Result<Grain> {
         Some(at) => words.whole(at, "id")?,
         None => number,
     };
-    Ok(Grain {
+    Ok(Sphere {
         id,
         position: [words.number(x, "x")?, words.number(y, "y")?, words.number(z, "z")?],
         radius: words.positive(r, "r")?,
-        ..Grain::default()
+        ..Sphere::default()
     })
 }

@@ -9,7 +9,7 @@ mod repeat;
 
 use std::path::Path;
 
-use granum_core::assembly::{Assembly, Matrix, Vector};
+use granum_core::assembly::{Assembly, Body, Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 use granum_dem::mixture::MOST_MATERIALS;
 
@@ -85,21 +85,22 @@ impl Packing {
         Packing { origin, cell, grains, materials: PackedMaterials::default(), remarks: Vec::new() }
     }
 
-    /// The grains and cell of an assembly, whose cell has a corner at the origin.
+    /// The grains and cell of an assembly, whose cell has a corner at the origin. A packing holds spheres: of a body of several pieces it has the
+    /// sphere of equal volume.
     pub fn from_assembly(assembly: &Assembly) -> Packing {
-        let grain = |g: &granum_core::assembly::Grain| PackedGrain {
-            id: g.id,
-            position: g.position,
-            radius: g.radius,
+        let grain = |body: &Body| PackedGrain {
+            id: body.id,
+            position: body.position,
+            radius: body.equivalent_radius,
         };
         let materials = match assembly.materials.as_slice() {
             [] => PackedMaterials::default(),
             names => PackedMaterials {
                 names: names.to_vec(),
-                of: assembly.grains.iter().map(|g| g.material.min(u32::from(u8::MAX)) as u8).collect(),
+                of: assembly.bodies.iter().map(|g| g.material.min(u32::from(u8::MAX)) as u8).collect(),
             },
         };
-        let grains = assembly.grains.iter().map(grain).collect();
+        let grains = assembly.bodies.iter().map(grain).collect();
         Packing { materials, ..Packing::new([0.0; 3], assembly.cell, grains) }
     }
 

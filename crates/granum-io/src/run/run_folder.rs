@@ -198,7 +198,9 @@ impl RunFolder {
     /// As for [`snapshot::write_snapshot`]; [`Error::Value`] if the name is not a plain word.
     pub fn write_snapshot(&self, name: &str, assembly: &Assembly) -> Result<()> {
         check_name("snapshot", name)?;
-        let files = snapshot::PARTS.map(|end| format!("{name}.{end}"));
+        let further = (!assembly.all_spheres()).then_some(snapshot::pieces::FILE);
+        let parts = snapshot::PARTS.into_iter().chain(further);
+        let files: Vec<String> = parts.map(|end| format!("{name}.{end}")).collect();
         self.put(Some(SNAPSHOTS), &files, |staging| snapshot::write_snapshot(staging, name, assembly))
     }
 

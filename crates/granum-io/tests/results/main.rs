@@ -80,8 +80,8 @@ fn a_series_of_dumps_has_strains_and_the_parts_that_it_has() {
         found[2].assembly.strain
     );
     assert!(last[0][1] != 0.0 && last[1][0] == 0.0, "the box is tilted");
-    let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * found[0].assembly.grains[0].radius.powi(3);
-    assert!((found[0].assembly.grains[0].mass / mass - 1.0).abs() < 1e-12);
+    let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * found[0].assembly.pieces[0].radius.powi(3);
+    assert!((found[0].assembly.bodies[0].mass / mass - 1.0).abs() < 1e-12);
     let options = JoinOptions::new(None, None, Some(1e-6));
     let timed = Formats::standard().read_results(&[plain("lammps/grains.dump")], &options).unwrap();
     assert!((timed[1].assembly.time - 0.0195).abs() < 1e-12 && timed[1].parts.has(Part::StrainRate));
@@ -100,15 +100,18 @@ fn contacts_whose_columns_are_not_named_are_refused_with_the_line() {
 fn a_lammps_data_file_is_the_last_state_of_the_dump_and_a_packing() {
     let data = &read(&[plain("lammps/end.data")])[0];
     let dump = &lammps(COLUMNS)[2];
-    assert_eq!(data.assembly.grains.len(), 24);
+    assert_eq!(data.assembly.bodies.len(), 24);
     for a in 0..3 {
         for b in 0..3 {
             assert!((data.assembly.cell[a][b] - dump.assembly.cell[a][b]).abs() < 1e-15);
         }
     }
-    for (one, two) in data.assembly.grains.iter().zip(&dump.assembly.grains) {
+    for (one, two) in data.assembly.bodies.iter().zip(&dump.assembly.bodies) {
         assert_eq!(one.id, two.id);
-        assert!((one.radius / two.radius - 1.0).abs() < 1e-12 && (one.mass / two.mass - 1.0).abs() < 1e-12);
+        assert!(
+            (one.equivalent_radius / two.equivalent_radius - 1.0).abs() < 1e-12
+                && (one.mass / two.mass - 1.0).abs() < 1e-12
+        );
         assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-12), "{one:?} {two:?}");
     }
     // These soft spheres overlap by more than a packing of grains may.
@@ -121,12 +124,13 @@ fn a_lammps_data_file_is_the_last_state_of_the_dump_and_a_packing() {
     assert!(lines[16].starts_with("1 1 ") && lines[30].starts_with("19 1 "), "{} {}", lines[16], lines[30]);
     // The same grains with smaller radii are a packing.
     let mut smaller = data.clone();
-    smaller.assembly.grains.iter_mut().for_each(|grain| grain.radius *= 0.9);
+    smaller.assembly.bodies.iter_mut().for_each(|grain| grain.equivalent_radius *= 0.9);
+    smaller.assembly.pieces.iter_mut().for_each(|piece| piece.radius *= 0.9);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("smaller.data");
     Formats::standard().write_results(&path, None, std::slice::from_ref(&smaller)).unwrap();
     let packing = granum_io::read_packing(&path).unwrap();
-    let volume: f64 = smaller.assembly.grains.iter().map(|grain| grain.radius.powi(3)).sum::<f64>() * 4.0
+    let volume: f64 = smaller.assembly.pieces.iter().map(|piece| piece.radius.powi(3)).sum::<f64>() * 4.0
         / 3.0
         * std::f64::consts::PI;
     assert!((packing.solid_fraction() / (volume / smaller.assembly.volume()) - 1.0).abs() < 1e-12);
@@ -137,7 +141,7 @@ fn a_lammps_data_file_is_the_last_state_of_the_dump_and_a_packing() {
 fn the_stress_of_a_yade_sample_is_its_own_to_the_digits_of_its_files() {
     let files = ["yade/spheres.vtk", "yade/contacts.vtk", "yade/cell.vtk"].map(plain);
     let found = read(&files);
-    assert_eq!((found.len(), found[0].assembly.grains.len(), found[0].assembly.contacts.len()), (1, 24, 71));
+    assert_eq!((found.len(), found[0].assembly.bodies.len(), found[0].assembly.contacts.len()), (1, 24, 71));
     let theirs = [
         [183650.400, -38346.892, 29264.019],
         [-38346.892, 240830.905, 10244.086],
@@ -155,7 +159,7 @@ fn the_stress_of_a_yade_sample_is_its_own_to_the_digits_of_its_files() {
 #[test]
 fn text_of_yade_has_its_cell_or_is_given_one() {
     let saved = &read(&[plain("yade/packing.txt")])[0];
-    assert_eq!(saved.assembly.grains.len(), 24);
+    assert_eq!(saved.assembly.bodies.len(), 24);
     assert!((saved.assembly.cell[0][0] - 2.8e-3).abs() < 1e-15);
     assert_eq!(granum_io::read_packing(sample("yade/packing.txt")).unwrap().grains.len(), 24);
     let bare = &read(&[plain("yade/ext.txt")])[0];
@@ -233,7 +237,7 @@ fn a_restart_file_of_mercury_has_masses_and_a_cell_where_it_is_periodic() {
     );
     let found = &read(&[written(folder.path(), "two.restart", &text)])[0];
     assert_eq!(
-        (found.assembly.time, found.assembly.grains[1].mass, found.assembly.cell[2][2]),
+        (found.assembly.time, found.assembly.bodies[1].mass, found.assembly.cell[2][2]),
         (50.0, 4.0, 3.0)
     );
     assert_eq!(found.assembly.contacts[0].normal_force, 4.0);
@@ -262,14 +266,15 @@ fn what_is_written_for_other_programs_is_read_again() {
         for (before, after) in given.iter().zip(&again) {
             let volume = after.assembly.volume() / before.assembly.volume();
             assert!((volume - 1.0).abs() < 3e-7, "{name}: {volume}");
-            for (one, two) in before.assembly.grains.iter().zip(&after.assembly.grains) {
+            for (one, two) in before.assembly.bodies.iter().zip(&after.assembly.bodies) {
                 assert!(
-                    (one.radius - two.radius).abs() < 1e-15 && (one.mass / two.mass - 1.0).abs() < 1e-6,
+                    (one.equivalent_radius - two.equivalent_radius).abs() < 1e-15
+                        && (one.mass / two.mass - 1.0).abs() < 1e-6,
                     "{name}"
                 );
                 // Distances to the first grain, which no shift of the corner changes.
                 let apart = |o: &ObservedAssembly, k: usize, a: usize| {
-                    o.assembly.grains[k].position[a] - o.assembly.grains[0].position[a]
+                    o.assembly.bodies[k].position[a] - o.assembly.bodies[0].position[a]
                 };
                 let k = one.id as usize - 1;
                 let whole = before.assembly.cell[0][0];
@@ -395,7 +400,7 @@ fn gap(one: &Matrix, two: &Matrix) -> f64 {
 fn the_stress_of_a_mercury_sample_is_its_own_to_the_digits_of_its_files() {
     let theirs = printed_stress("mercury/stress.txt", "STRESS static", 2);
     let found = &read(&[plain("mercury/box.data"), plain("mercury/box.fstat")])[0];
-    assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len()), (27, 62));
+    assert_eq!((found.assembly.bodies.len(), found.assembly.contacts.len()), (27, 62));
     assert!(
         gap(&stress(found), &theirs) < 5e-9,
         "{} {:?} {theirs:?}",
@@ -403,16 +408,16 @@ fn the_stress_of_a_mercury_sample_is_its_own_to_the_digits_of_its_files() {
         stress(found)
     );
     let restart = &read(&[plain("mercury/box.restart")])[0];
-    assert_eq!((restart.assembly.grains.len(), restart.assembly.contacts.len()), (27, 62));
+    assert_eq!((restart.assembly.bodies.len(), restart.assembly.contacts.len()), (27, 62));
     assert!(
         gap(&stress(restart), &theirs) < 1e-12,
         "{} {:?} {theirs:?}",
         gap(&stress(restart), &theirs),
         stress(restart)
     );
-    for (one, two) in found.assembly.grains.iter().zip(&restart.assembly.grains) {
-        assert!((one.radius / two.radius - 1.0).abs() < 1e-9, "{one:?} {two:?}");
-        let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * two.radius.powi(3);
+    for (one, two) in found.assembly.bodies.iter().zip(&restart.assembly.bodies) {
+        assert!((one.equivalent_radius / two.equivalent_radius - 1.0).abs() < 1e-9, "{one:?} {two:?}");
+        let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * two.equivalent_radius.powi(3);
         assert!((two.mass / mass - 1.0).abs() < 1e-12, "{two:?} {mass}");
         assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-15), "{one:?} {two:?}");
         assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-5), "{one:?} {two:?}");
@@ -433,7 +438,7 @@ fn the_stress_of_a_liggghts_run_is_its_own() {
     };
     let columns = "id1,id2,-,force_x,force_y,force_z,-";
     let found = read(&[plain("liggghts/grains.dump"), with_columns("liggghts/contacts.dump", columns)]);
-    assert_eq!((found.len(), found[1].assembly.grains.len()), (2, 27));
+    assert_eq!((found.len(), found[1].assembly.bodies.len()), (2, 27));
     assert_eq!(found[1].assembly.step as f64, rows[1][0]);
     assert!(apart(&found[0], &rows[0]) < 1e-14, "{}", apart(&found[0], &rows[0]));
     assert!(apart(&found[1], &rows[1]) < 2e-4, "{}", apart(&found[1], &rows[1]));
@@ -441,8 +446,8 @@ fn the_stress_of_a_liggghts_run_is_its_own() {
     let end = &read(&[plain("liggghts/end.data")])[0];
     assert!((end.assembly.volume() / rows[1][1] - 1.0).abs() < 1e-14, "{}", end.assembly.volume());
     assert!((end.assembly.volume() / found[1].assembly.volume() - 1.0).abs() < 1e-5);
-    for (one, two) in end.assembly.grains.iter().zip(&found[1].assembly.grains) {
-        assert_eq!((one.id, one.radius), (two.id, two.radius));
+    for (one, two) in end.assembly.bodies.iter().zip(&found[1].assembly.bodies) {
+        assert_eq!((one.id, one.equivalent_radius), (two.id, two.equivalent_radius));
         assert!((one.mass / two.mass - 1.0).abs() < 1e-12);
         assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-12), "{one:?} {two:?}");
     }

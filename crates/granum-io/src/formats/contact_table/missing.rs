@@ -31,7 +31,7 @@ pub(super) fn check(table: &ContactTable, mut rows: Vec<Row>, remarks: &mut Vec<
     if largest.overlap <= table.rounding.max(NOTABLE * median_overlap(&rows)) {
         return Ok(rows);
     }
-    let id = |grain: usize| table.assembly.grains[grain].id;
+    let id = |grain: usize| table.assembly.bodies[grain].id;
     let what = format!(
         "{} {} that {} not in the table, the grains {} and {} by {} m",
         count_of(missing.len(), "pair of grains", "pairs of grains"),
@@ -64,9 +64,9 @@ pub(super) fn check(table: &ContactTable, mut rows: Vec<Row>, remarks: &mut Vec<
 
 /// The pairs that overlap by more than rounding, are not of one body, and are not in the table.
 fn missing_pairs(table: &ContactTable, rows: &[Row]) -> Vec<(usize, Neighbour)> {
-    let grains = &table.assembly.grains;
-    let positions: Vec<Vector> = grains.iter().map(|grain| grain.position).collect();
-    let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
+    let pieces = &table.assembly.pieces;
+    let positions: Vec<Vector> = pieces.iter().map(|piece| piece.position).collect();
+    let radii: Vec<f64> = pieces.iter().map(|piece| piece.radius).collect();
     let listed: HashSet<[usize; 2]> =
         rows.iter().map(|row| row.grains).map(|[i, j]| [i.min(j), i.max(j)]).collect();
     let near = NearGrains::new(table.has_cell().then_some(&table.assembly.cell), &positions, &radii);
@@ -91,7 +91,7 @@ fn median_overlap(rows: &[Row]) -> f64 {
 
 fn without_force(table: &ContactTable, number: usize, (at, near): &(usize, Neighbour)) -> Row {
     let grains = [*at, near.grain];
-    let [first, second] = grains.map(|grain| table.assembly.grains[grain].id);
+    let [first, second] = grains.map(|grain| table.assembly.bodies[grain].id);
     let pair = FileContact {
         first,
         second,

@@ -52,7 +52,7 @@ impl ContactTable<'_> {
     }
 
     fn row(&self, (number, (pair, grains)): (usize, (FileContact, [usize; 2]))) -> Row {
-        let [one, two] = grains.map(|grain| self.assembly.grains[grain].position);
+        let [one, two] = grains.map(|grain| self.assembly.bodies[grain].position);
         let branch = self.images.nearest(std::array::from_fn(|a| two[a] - one[a]));
         let radii = self.parts.has(Part::Radii).then(|| radii_of(self.assembly, grains));
         Row { number, pair, grains, branch, radii }

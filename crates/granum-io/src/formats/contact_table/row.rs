@@ -1,6 +1,6 @@
 //! A row of a table of contacts beside the geometry of its grains.
 
-use granum_core::assembly::{Assembly, Grain, Vector};
+use granum_core::assembly::{Assembly, Vector};
 use granum_core::geometry::dot;
 
 use crate::formats::result::FileContact;
@@ -57,6 +57,6 @@ impl Row {
 
 /// Sum of the radii of two grains, m.
 pub(super) fn radii_of(assembly: &Assembly, grains: [usize; 2]) -> f64 {
-    let [one, two]: [&Grain; 2] = grains.map(|grain| &assembly.grains[grain]);
-    one.radius + two.radius
+    let [one, two] = grains.map(|grain| assembly.pieces[grain].radius);
+    one + two
 }

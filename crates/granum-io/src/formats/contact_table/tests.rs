@@ -1,4 +1,4 @@
-use granum_core::assembly::{Assembly, Grain, Vector};
+use granum_core::assembly::{Assembly, Sphere, Vector};
 use granum_core::{Part, Parts};
 
 use super::*;
@@ -12,7 +12,7 @@ fn grains() -> Frame {
     let mut frame = Frame { cell: Some(FrameCell::between([0.0; 3], [8.0; 3])), ..Frame::default() };
     frame.grains = (1..)
         .zip(PLACES)
-        .map(|(id, position)| Grain { id, position, radius: 0.5, ..Grain::default() })
+        .map(|(id, position)| Sphere { id, position, radius: 0.5, ..Sphere::default() })
         .collect();
     frame.knows(&[Part::Positions, Part::Radii]);
     frame

@@ -18,7 +18,7 @@ mod tests;
 use std::ops::Range;
 use std::path::Path;
 
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 use granum_core::{Column, Part, Table};
 
 use self::names::*;
@@ -206,7 +206,7 @@ impl<'a> Source<'a> {
             if radii.is_some() && radius <= 0.0 {
                 return Err(self.error(row, &format!("radius = {radius} must be positive")));
             }
-            frame.grains.push(Grain {
+            frame.grains.push(Sphere {
                 id: ids.map_or(Ok(number), |ids| self.whole("id", row, ids[row]))?,
                 position: at(0),
                 velocity: at(1),
@@ -215,7 +215,7 @@ impl<'a> Source<'a> {
                 torque: at(4),
                 radius,
                 mass: masses.map_or(0.0, |masses| masses[row]),
-                ..Grain::default()
+                ..Sphere::default()
             });
         }
         let no_body = if clumps.is_some() { -1.0 } else { 0.0 };

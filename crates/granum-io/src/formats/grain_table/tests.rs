@@ -29,7 +29,7 @@ fn what_is_not_given_follows_from_places_and_radii() {
     let contacts = "first,second,normal_force\n2,7,3\n2,3,5\n";
     let found = read(&[("grains.csv", GRAINS), ("contacts.csv", contacts)]).unwrap();
     let [ObservedAssembly { assembly, parts, .. }] = &found[..] else { panic!("{found:?}") };
-    assert_eq!(assembly.grains.iter().map(|grain| grain.id).collect::<Vec<_>>(), [2, 3, 7]);
+    assert_eq!(assembly.bodies.iter().map(|grain| grain.id).collect::<Vec<_>>(), [2, 3, 7]);
     let across = assembly.contacts[0];
     assert_eq!((across.i, across.j, across.normal_force), (0, 2, 3.0));
     // The nearest image is on the other side of the cell.
@@ -56,8 +56,8 @@ fn names_of_other_programs_and_several_instants_are_read() {
     assert_eq!(found.len(), 2);
     let first = &found[0];
     assert_eq!((first.assembly.step, first.origin), (5, [-1.0, 0.0, 0.0]));
-    assert_eq!(first.assembly.grains[0].velocity, [0.1, 0.2, 0.3]);
-    assert_eq!((first.assembly.grains[0].position[0], first.assembly.grains[0].radius), (1.0, 0.5));
+    assert_eq!(first.assembly.bodies[0].velocity, [0.1, 0.2, 0.3]);
+    assert_eq!((first.assembly.bodies[0].position[0], first.assembly.pieces[0].radius), (1.0, 0.5));
     assert!(first.parts.has(Part::Velocities) && first.parts.has(Part::Sliding));
     let contact = first.assembly.contacts[0];
     assert_eq!(

@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Body, Sphere, Vector};
 use granum_core::geometry::apply;
 
 use self::layout::{ChunkType, File, Writer};
@@ -101,13 +101,13 @@ fn frame(path: &Path, file: &File, k: u64) -> Result<Frame> {
     let three =
         |values: &[f64], at: usize| -> Vector { [values[3 * at], values[3 * at + 1], values[3 * at + 2]] };
     frame.grains = (0..count)
-        .map(|at| Grain {
+        .map(|at| Sphere {
             id: at as u64 + 1,
             position: three(&places, at),
             radius: radii.as_ref().map_or(0.0, |values| values[at]),
             mass: masses.as_ref().map_or(0.0, |values| values[at]),
             velocity: velocities.as_ref().map_or([0.0; 3], |values| three(values, at)),
-            ..Grain::default()
+            ..Sphere::default()
         })
         .collect();
     let (bodies, kinds) = (rows("particles/body", 1)?, rows("particles/typeid", 1)?);
@@ -133,7 +133,7 @@ fn add(writer: &mut Writer, observation: &ObservedAssembly) {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     let (turn, edges) = restricted(&assembly.cell);
     let middle = apply(&edges, [0.5; 3]);
-    let place = |grain: &Grain| {
+    let place = |grain: &Body| {
         let turned = apply(&turn, grain.position);
         let inverse = granum_core::geometry::invert(&edges);
         // Into the cell whose centre is the origin.
@@ -146,23 +146,23 @@ fn add(writer: &mut Writer, observation: &ObservedAssembly) {
     let cell = [lx, ly, lz, edges[0][1] / ly, edges[0][2] / lz, edges[1][2] / lz];
     writer.chunk("configuration/step", ChunkType::U64, 1, &[assembly.step as f64]);
     writer.chunk("configuration/box", ChunkType::F32, 1, &cell);
-    writer.chunk("particles/N", ChunkType::U32, 1, &[assembly.grains.len() as f64]);
-    let places: Vec<f64> = assembly.grains.iter().flat_map(place).collect();
+    writer.chunk("particles/N", ChunkType::U32, 1, &[assembly.bodies.len() as f64]);
+    let places: Vec<f64> = assembly.bodies.iter().flat_map(place).collect();
     writer.chunk("particles/position", ChunkType::F32, 3, &places);
     writer.chunk(EXACT[0], ChunkType::F64, 3, &places);
     if parts.has(Part::Radii) {
-        let radii: Vec<f64> = assembly.grains.iter().map(|grain| grain.radius).collect();
+        let radii: Vec<f64> = assembly.pieces.iter().map(|piece| piece.radius).collect();
         let diameters: Vec<f64> = radii.iter().map(|radius| 2.0 * radius).collect();
         writer.chunk("particles/diameter", ChunkType::F32, 1, &diameters);
         writer.chunk(EXACT[1], ChunkType::F64, 1, &radii);
     }
     if parts.has(Part::Masses) {
-        let masses: Vec<f64> = assembly.grains.iter().map(|grain| grain.mass).collect();
+        let masses: Vec<f64> = assembly.bodies.iter().map(|grain| grain.mass).collect();
         writer.chunk("particles/mass", ChunkType::F32, 1, &masses);
     }
     if parts.has(Part::Velocities) {
         let velocities: Vec<f64> =
-            assembly.grains.iter().flat_map(|grain| apply(&turn, grain.velocity)).collect();
+            assembly.bodies.iter().flat_map(|grain| apply(&turn, grain.velocity)).collect();
         writer.chunk("particles/velocity", ChunkType::F32, 3, &velocities);
     }
     writer.end_frame();

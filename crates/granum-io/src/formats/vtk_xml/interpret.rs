@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Grain, Vector};
+use granum_core::assembly::{Sphere, Vector};
 use granum_core::geometry::determinant;
 
 use super::document::{Array, Document, GridCell, Shape};
@@ -128,7 +128,7 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
                 format!("grain {id}: its place {position:?} must be finite and its radius {radius} positive");
             return Err(Error::content(path, message));
         }
-        frame.grains.push(Grain { id: id as u64, position, radius, ..Grain::default() });
+        frame.grains.push(Sphere { id: id as u64, position, radius, ..Sphere::default() });
     }
     frame.knows(&[Part::Positions, Part::Radii]);
     let (clumps, molecules) = (scalars(&["clumpId"])?, scalars(&["molecule", "mol", "id_multisphere"])?);

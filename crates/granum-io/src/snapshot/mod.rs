@@ -1,11 +1,14 @@
 //! Snapshots of an assembly: `NAME.grains.parquet`, `NAME.contacts.parquet`, and `NAME.json` with cell, strain, time and
-//! energy. The JSON file is written last, so that a snapshot is complete where this file exists.
+//! energy. The JSON file is written last, so that a snapshot is complete where this file exists. Where grains have several pieces there is
+//! also `NAME.pieces.parquet`.
+
+pub(crate) mod pieces;
 
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Body, Contact, Piece, Vector};
 use serde::{Deserialize, Serialize};
 
 use crate::atomic::write_atomically;
@@ -15,8 +18,9 @@ use crate::packing::plausible::{self, Found};
 use crate::shell::ShowPath;
 use granum_core::{Column, ColumnKind, Table};
 
-/// Newest layout that this version reads and writes.
-const FORMAT: u32 = 1;
+/// The layout of spheres, and the newest one: with grains of several pieces.
+const OF_SPHERES: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// Access to a number or a vector in a `T`.
 enum Place<T> {
@@ -28,11 +32,11 @@ enum Place<T> {
 type Entry<T> = (&'static str, &'static str, Place<T>);
 
 /// Columns of the table of grains in addition to `id`.
-const GRAIN: [Entry<Grain>; 7] = [
+const GRAIN: [Entry<Body>; 7] = [
     ("position", "m", Place::Vector(|grain| &mut grain.position)),
     ("velocity", "m/s", Place::Vector(|grain| &mut grain.velocity)),
     ("spin", "rad/s", Place::Vector(|grain| &mut grain.spin)),
-    ("radius", "m", Place::Scalar(|grain| &mut grain.radius)),
+    ("radius", "m", Place::Scalar(|grain| &mut grain.equivalent_radius)),
     ("mass", "kg", Place::Scalar(|grain| &mut grain.mass)),
     ("force", "N", Place::Vector(|grain| &mut grain.force)),
     ("torque", "N m", Place::Vector(|grain| &mut grain.torque)),
@@ -113,17 +117,20 @@ fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
 /// # Errors
 /// None in practice: the columns fit together by construction.
 pub fn grains_table(assembly: &Assembly) -> Result<Table> {
-    grain_rows(assembly, 0..assembly.grains.len())
+    grain_rows(assembly, 0..assembly.bodies.len())
 }
 
 fn grain_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
-    let grains = &assembly.grains[rows];
+    let grains = &assembly.bodies[rows.clone()];
     let mut table = vec![whole_numbers("id", grains.iter().map(|grain| grain.id as f64).collect())];
     if !assembly.materials.is_empty() {
         let materials = grains.iter().map(|grain| f64::from(grain.material)).collect();
         table.push(whole_numbers(MATERIAL, materials));
     }
     table.extend(columns(grains, &GRAIN));
+    if !assembly.all_spheres() {
+        table.extend(pieces::columns_of_grains(assembly, rows));
+    }
     Ok(Table::new(table)?)
 }
 
@@ -159,7 +166,7 @@ fn resists_rolling(assembly: &Assembly) -> bool {
 
 fn contact_rows(assembly: &Assembly, rows: Range<usize>, further: FurtherColumns) -> Result<Table> {
     let id = |index: usize| {
-        let grain = assembly.grains.get(index);
+        let grain = assembly.body_of(index).and_then(|body| assembly.bodies.get(body));
         grain
             .map(|grain| grain.id as f64)
             .ok_or_else(|| Error::Rule(format!("a contact names grain index {index}")))
@@ -172,6 +179,9 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>, further: FurtherColumns
     let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
     let mut table = vec![whole_numbers("first", first), whole_numbers("second", second)];
+    if !assembly.all_spheres() {
+        table.extend(pieces::columns_of_contacts(assembly, contacts));
+    }
     table.extend(columns(contacts, &CONTACT));
     if further.rolling {
         table.extend(columns(contacts, &ROLLING));
@@ -195,6 +205,9 @@ fn whole_numbers(name: &str, values: Vec<f64>) -> Column {
 struct State {
     format: u32,
     grains: usize,
+    /// Number of pieces, where grains have several.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pieces: usize,
     contacts: usize,
     /// Pairs that are held without touching; they follow the contacts in their table.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -219,12 +232,17 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
     fs::create_dir_all(folder).map_err(Error::file("create the folder", folder))?;
     // In parts, since the tables of a large sample would need as much memory as its simulation.
     let path = part(folder, name, "grains.parquet");
-    crate::formats::parquet::write_parts(&path, assembly.grains.len(), |rows| grain_rows(assembly, rows))?;
+    crate::formats::parquet::write_parts(&path, assembly.bodies.len(), |rows| grain_rows(assembly, rows))?;
     let path = part(folder, name, "contacts.parquet");
     let further = FurtherColumns::new(assembly);
     crate::formats::parquet::write_parts(&path, assembly.contacts.len() + assembly.apart.len(), |rows| {
         contact_rows(assembly, rows, further)
     })?;
+    if !assembly.all_spheres() {
+        let path = part(folder, name, pieces::FILE);
+        let table = |rows| pieces::table(assembly, rows);
+        crate::formats::parquet::write_parts(&path, assembly.pieces.len(), table)?;
+    }
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,
@@ -240,8 +258,9 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         ..Assembly::default()
     };
     let state = State {
-        format: FORMAT,
-        grains: assembly.grains.len(),
+        format: if assembly.all_spheres() { OF_SPHERES } else { FORMAT },
+        grains: assembly.bodies.len(),
+        pieces: if assembly.all_spheres() { 0 } else { assembly.pieces.len() },
         contacts: assembly.contacts.len(),
         apart: assembly.apart.len(),
         assembly: bare,
@@ -261,13 +280,30 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let state: State = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
     let mut assembly = state.assembly;
     let grains = part(folder, name, "grains.parquet");
-    assembly.grains = read_grains(&grains, state.grains)?;
+    let table = read_rows(&grains, state.grains)?;
+    assembly.bodies = read_grains(&grains, &table)?;
+    if state.pieces == 0 {
+        let sphere = |(body, of): (usize, &Body)| Piece {
+            body,
+            position: of.position,
+            radius: of.equivalent_radius,
+            ..Piece::default()
+        };
+        assembly.pieces = assembly.bodies.iter().enumerate().map(sphere).collect();
+    } else {
+        pieces::add_rigid(&grains, &table, &mut assembly)?;
+        let path = part(folder, name, pieces::FILE);
+        pieces::add_pieces(&path, &read_rows(&path, state.pieces)?, &mut assembly)?;
+    }
     check_plausible(&grains, &assembly)?;
     let contacts = part(folder, name, "contacts.parquet");
     let pairs = state.contacts.saturating_add(state.apart);
-    assembly.contacts = read_contacts(&contacts, pairs, &assembly.grains)?;
+    assembly.contacts = read_contacts(&contacts, pairs, &assembly)?;
     let ids = |contact: &Contact| {
-        [contact.i, contact.j].map(|k| assembly.grains.get(k).map_or(0, |grain| grain.id))
+        [contact.i, contact.j].map(|k| {
+            let body = assembly.body_of(k).and_then(|body| assembly.bodies.get(body));
+            body.map_or(0, |body| body.id)
+        })
     };
     let branches = assembly.contacts.iter().map(|contact| (ids(contact), contact.branch));
     plausible::check_branches(&contacts.shown(), &assembly.cell, branches)?;
@@ -277,9 +313,13 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
 
 /// The check that all readers of grains share.
 fn check_plausible(path: &Path, assembly: &Assembly) -> Result<()> {
-    let found =
-        |grain: &Grain| Found { id: grain.id, position: grain.position, radius: Some(grain.radius), line: 0 };
-    let grains: Vec<Found> = assembly.grains.iter().map(found).collect();
+    let found = |grain: &Body| Found {
+        id: grain.id,
+        position: grain.position,
+        radius: Some(grain.equivalent_radius),
+        line: 0,
+    };
+    let grains: Vec<Found> = assembly.bodies.iter().map(found).collect();
     plausible::check(&path.shown(), Some(([0.0; 3], assembly.cell)), &grains)
 }
 
@@ -291,9 +331,8 @@ fn read_rows(path: &Path, rows: usize) -> Result<Table> {
     Err(Error::content(path, format!("has {} rows, but its snapshot states {rows}", table.rows())))
 }
 
-fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
-    let table = read_rows(path, rows)?;
-    let mut grains = vec![Grain::default(); rows];
+fn read_grains(path: &Path, table: &Table) -> Result<Vec<Body>> {
+    let mut grains = vec![Body::default(); table.rows()];
     let ids = table.column("id")?;
     for (at, (grain, id)) in grains.iter_mut().zip(ids).enumerate() {
         if !(*id >= 1.0 && id.fract() == 0.0) || (at > 0 && ids[at - 1] >= *id) {
@@ -304,7 +343,7 @@ fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
         }
         grain.id = *id as u64;
     }
-    fill(&mut grains, &GRAIN, &table)?;
+    fill(&mut grains, &GRAIN, table)?;
     if table.columns().iter().any(|column| column.name == MATERIAL) {
         for (row, (grain, material)) in grains.iter_mut().zip(table.column(MATERIAL)?).enumerate() {
             if !(*material >= 0.0 && material.fract() == 0.0 && *material < f64::from(u32::MAX)) {
@@ -317,11 +356,11 @@ fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
     Ok(grains)
 }
 
-fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Contact>> {
+fn read_contacts(path: &Path, rows: usize, assembly: &Assembly) -> Result<Vec<Contact>> {
     let table = read_rows(path, rows)?;
     let mut contacts = vec![Contact::default(); rows];
     let index = |row: usize, id: f64| {
-        grains
+        (assembly.bodies)
             .binary_search_by(|grain| (grain.id as f64).total_cmp(&id))
             .map_err(|_| Error::content(path, format!("row {}: there is no grain {id}", row + 1)))
     };
@@ -330,6 +369,9 @@ fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Conta
         contact.i = index(row, first[row])?;
         contact.j = index(row, second[row])?;
         contact.sliding = sliding[row] != 0.0;
+    }
+    if !assembly.all_spheres() {
+        pieces::place_contacts(path, &table, assembly, &mut contacts)?;
     }
     fill(&mut contacts, &CONTACT, &table)?;
     if table.columns().iter().any(|column| column.name == ROLLING[0].0) {
@@ -364,7 +406,7 @@ pub fn list_snapshots(folder: &Path) -> Result<Vec<String>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use granum_core::assembly::{EnergyBalance, Liquid};
+    use granum_core::assembly::{EnergyBalance, Liquid, Rigid, Sphere};
 
     /// Three grains and two contacts in which no number occurs twice.
     pub(crate) fn assembly() -> Assembly {
@@ -374,7 +416,7 @@ pub(crate) mod tests {
             (count * 0.37_f64).sin() * 1e-5
         };
         let mut next3 = || [next(), next(), next()];
-        let grain = |id, next3: &mut dyn FnMut() -> [f64; 3]| Grain {
+        let grain = |id, next3: &mut dyn FnMut() -> [f64; 3]| Sphere {
             id,
             position: next3(),
             velocity: next3(),
@@ -414,13 +456,54 @@ pub(crate) mod tests {
             strain: [next3(), next3(), next3()],
             arc_length: 0.375,
             target_mean_stress: Some(2e4),
-            grains,
             contacts,
             apart: Vec::new(),
             materials: Vec::new(),
             liquid: Some(Liquid { films: 0.3e-15, bridges: 0.1e-15, count: 2 }),
             energy: EnergyBalance { boundary_work: 0.1 + 0.2, ..EnergyBalance::default() },
+            ..Assembly::default()
         }
+        .with_spheres(grains)
+    }
+
+    /// The same with a second grain of two pieces, of which the second touches.
+    pub(crate) fn with_a_dimer() -> Assembly {
+        let mut assembly = assembly();
+        let rigid = Rigid { orientation: [0.6, 0.0, 0.8, 0.0], inertia: [1e-19, 2e-19, 2.5e-19] };
+        assembly.rigid.push(rigid);
+        assembly.bodies[1].rigid = Some(0);
+        let first = assembly.pieces[1];
+        assembly.pieces[1].arm = [1e-6, -2e-6, 3e-6];
+        assembly.pieces.insert(2, Piece { radius: 4e-5, arm: [-2e-6, 1e-6, 0.0], ..first });
+        assembly.pieces[3].body = 2;
+        assembly.contacts[0].j = 2;
+        assembly.contacts[1].j = 3;
+        assembly
+    }
+
+    #[test]
+    fn grains_of_several_pieces_come_back_bit_for_bit_and_what_does_not_fit_is_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path();
+        write_snapshot(folder, "end", &with_a_dimer()).unwrap();
+        assert_eq!(read_snapshot(folder, "end").unwrap(), with_a_dimer());
+        let grains = grains_table(&with_a_dimer()).unwrap();
+        assert_eq!(grains.column("pieces").unwrap(), [1.0, 2.0, 1.0]);
+        let contacts = contacts_table(&with_a_dimer()).unwrap();
+        assert_eq!(contacts.column("second").unwrap(), [2.0, 4.0]);
+        assert_eq!(contacts.column("second_piece").unwrap(), [1.0, 0.0]);
+        let refused = |change: fn(&mut Assembly), text: &str| {
+            let mut other = with_a_dimer();
+            change(&mut other);
+            write_snapshot(folder, "other", &other).unwrap();
+            let message = read_snapshot(folder, "other").unwrap_err().to_string();
+            assert!(message.contains(text), "{message}");
+        };
+        refused(|a| a.rigid[0].orientation[0] = 2.0, "must have length 1");
+        refused(|a| a.pieces[1].radius = 0.0, "the radius of a piece is 0");
+        refused(|a| a.pieces.swap(0, 3), "not in the order of the grains");
+        std::fs::remove_file(folder.join("end.pieces.parquet")).unwrap();
+        assert!(read_snapshot(folder, "end").unwrap_err().to_string().contains("end.pieces.parquet"));
     }
 
     #[test]
@@ -437,7 +520,7 @@ pub(crate) mod tests {
         assert_eq!(read_snapshot(&folder, "rolling").unwrap(), rolling);
         let mut wet = assembly();
         wet.materials = vec!["glass".into(), "steel".into()];
-        wet.grains[1].material = 1;
+        wet.bodies[1].material = 1;
         wet.contacts[0].attraction_energy = -1e-12;
         wet.apart = vec![wet.contacts.pop().unwrap()];
         write_snapshot(&folder, "wet", &wet).unwrap();
@@ -461,7 +544,7 @@ pub(crate) mod tests {
         let of = |value: serde_json::Value| numbers(&value);
         let assembly = assembly();
         let grains = grains_table(&assembly).unwrap();
-        assert_eq!(grains.columns().len(), of(serde_json::to_value(assembly.grains[0]).unwrap()));
+        assert_eq!(grains.columns().len(), of(serde_json::to_value(assembly.bodies[0]).unwrap()));
         let contacts = contacts_table(&assembly).unwrap();
         assert_eq!(contacts.columns().len(), of(serde_json::to_value(assembly.contacts[0]).unwrap()));
         assert_eq!(contacts.column("second").unwrap(), [2.0, 4.0]);
@@ -474,7 +557,8 @@ pub(crate) mod tests {
         let message = || read_snapshot(folder, "end").unwrap_err().to_string();
         write_snapshot(folder, "end", &assembly()).unwrap();
         let mut fewer = assembly();
-        fewer.grains.pop();
+        fewer.bodies.pop();
+        fewer.pieces.pop();
         fewer.contacts.pop();
         write_snapshot(folder, "other", &fewer).unwrap();
         fs::copy(folder.join("other.grains.parquet"), folder.join("end.grains.parquet")).unwrap();
