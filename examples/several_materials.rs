@@ -47,7 +47,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // ANCHOR_END: sample
 
     // ANCHOR: pairs
-    let material = |grain: usize| assembly.materials[assembly.grains[grain].material as usize].as_str();
+    let material = |grain: usize| assembly.materials[assembly.bodies[grain].material as usize].as_str();
     let mut pairs: BTreeMap<[&str; 2], Contacts> = BTreeMap::new();
     for contact in &assembly.contacts {
         let mut names = [material(contact.i), material(contact.j)];
@@ -66,7 +66,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // ANCHOR_END: pairs
     let mean =
         |names: [&str; 2]| pairs.get(&names).map_or(f64::NAN, |pair| pair.approach / pair.count as f64);
-    assert_eq!(assembly.grains.iter().filter(|grain| grain.material == 0).count(), 75);
+    assert_eq!(assembly.bodies.iter().filter(|grain| grain.material == 0).count(), 75);
     assert!(mean(["rubber", "rubber"]) > 10.0 * mean(["glass", "glass"]));
     Ok(())
 }

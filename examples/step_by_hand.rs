@@ -20,7 +20,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         let state = simulation.state();
         let assembly = simulation.assembly();
         let fastest =
-            assembly.grains.iter().map(|grain| grain.velocity.map(f64::abs).into_iter().fold(0.0, f64::max));
+            assembly.bodies.iter().map(|grain| grain.velocity.map(f64::abs).into_iter().fold(0.0, f64::max));
         println!(
             "{:.2e} s: solid fraction {:.3}, {} contacts, p = {:.1} kPa, fastest grain {:.3} m/s",
             state.time(),

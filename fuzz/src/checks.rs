@@ -65,7 +65,7 @@ pub fn packing(data: &[u8]) {
     black_box(packing.solid_fraction());
     let properties = Properties::new(Material::default(), ContactModel::default());
     let Ok(mut simulation) = laboratory::simulation(&packing, properties) else { return };
-    assert_eq!(simulation.assembly().grains.len(), packing.grains.len());
+    assert_eq!(simulation.assembly().bodies.len(), packing.grains.len());
     let _ = simulation.advance(2);
     black_box(simulation.assembly());
 }
@@ -119,7 +119,7 @@ fn training(json: &[u8]) {
 pub fn checkpoint(body: &[u8]) {
     let Ok((mut simulation, attachment)) = Simulation::restore(&with_header(body)) else { return };
     let grains = simulation.state().grains();
-    assert_eq!(simulation.assembly().grains.len(), grains);
+    assert_eq!(simulation.assembly().bodies.len(), grains);
     let _ = simulation.advance(3);
     black_box(simulation.assembly());
     let _ = laboratory::check_beside(&attachment, &tested());

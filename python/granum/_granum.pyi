@@ -266,7 +266,7 @@ class Assembly:
         """Sum of the contact torques on each grain, N m."""
     @property
     def radii(self) -> _Reals:
-        """Radii of the grains, m."""
+        """Radii of the grains, m; of a grain of several pieces that of the sphere of equal volume."""
     @property
     def masses(self) -> _Reals:
         """Masses of the grains, kg."""

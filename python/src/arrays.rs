@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use granum_core::assembly::{Contact, Grain};
+use granum_core::assembly::{Body, Contact};
 use granum_core::{Assembly, Table};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -48,7 +48,7 @@ impl Field {
     /// The address of the field in the first record, the distance to that of the next, and the number of records.
     fn layout(&self, assembly: &Assembly) -> (usize, usize, usize) {
         let (start, stride, count) = match self.of {
-            Records::Grains => (assembly.grains.as_ptr().addr(), size_of::<Grain>(), assembly.grains.len()),
+            Records::Grains => (assembly.bodies.as_ptr().addr(), size_of::<Body>(), assembly.bodies.len()),
             Records::Contacts => {
                 (assembly.contacts.as_ptr().addr(), size_of::<Contact>(), assembly.contacts.len())
             }

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 use std::sync::Arc;
 
-use granum_core::assembly::{Contact, Grain, Vector};
+use granum_core::assembly::{Body, Contact, Vector};
 use granum_core::{Part, Parts, Table};
 use granum_io::formats::{ObservedAssembly, known_columns};
 use granum_io::snapshot::{contacts_table, grains_table};
@@ -219,7 +219,7 @@ impl Assembly {
     /// Ids of the grains, from 1.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let ids: Vec<i64> = self.inner.grains.iter().map(|grain| grain.id as i64).collect();
+        let ids: Vec<i64> = self.inner.bodies.iter().map(|grain| grain.id as i64).collect();
         let shape = vec![ids.len()];
         arrays::integers(py, ids, shape)
     }
@@ -227,7 +227,7 @@ impl Assembly {
     /// Material of each grain, as an index of `material_names`.
     #[getter]
     fn materials<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let materials: Vec<i64> = self.inner.grains.iter().map(|grain| i64::from(grain.material)).collect();
+        let materials: Vec<i64> = self.inner.bodies.iter().map(|grain| i64::from(grain.material)).collect();
         let shape = vec![materials.len()];
         arrays::integers(py, materials, shape)
     }
@@ -241,43 +241,43 @@ impl Assembly {
     /// Centres of the grains inside the cell, m: a row a grain.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, Part::Positions, offset_of!(Grain, position))
+        self.vectors_of_grains(py, Part::Positions, offset_of!(Body, position))
     }
 
     /// Fluctuating velocities of the grains, m/s: a row a grain.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, Part::Velocities, offset_of!(Grain, velocity))
+        self.vectors_of_grains(py, Part::Velocities, offset_of!(Body, velocity))
     }
 
     /// Spins of the grains, rad/s: a row a grain.
     #[getter]
     fn spins<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, Part::Spins, offset_of!(Grain, spin))
+        self.vectors_of_grains(py, Part::Spins, offset_of!(Body, spin))
     }
 
     /// Sum of the contact forces on each grain, N.
     #[getter]
     fn grain_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Grain, force))
+        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Body, force))
     }
 
     /// Sum of the contact torques on each grain, N m.
     #[getter]
     fn grain_torques<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Grain, torque))
+        self.vectors_of_grains(py, Part::ResultantForces, offset_of!(Body, torque))
     }
 
-    /// Radii of the grains, m.
+    /// Radii of the grains, m; of a grain of several pieces that of the sphere of equal volume.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, Part::Radii, offset_of!(Grain, radius))
+        self.of_grains(py, Part::Radii, offset_of!(Body, equivalent_radius))
     }
 
     /// Masses of the grains, kg.
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.of_grains(py, Part::Masses, offset_of!(Grain, mass))
+        self.of_grains(py, Part::Masses, offset_of!(Body, mass))
     }
 
     /// Indices, from 0, of the two grains of each contact: a row a contact.
@@ -285,15 +285,21 @@ impl Assembly {
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.knows(Part::Contacts)?;
         let contacts = &self.inner.contacts;
-        let pairs: Vec<i64> =
-            contacts.iter().flat_map(|contact| [contact.i as i64, contact.j as i64]).collect();
+        let pairs = contacts.iter().flat_map(|contact| self.inner.bodies_of(contact).unwrap_or_default());
+        let pairs = pairs.map(|body| body as i64).collect();
         arrays::integers(py, pairs, vec![contacts.len(), 2])
     }
 
     /// Vector between the centres of the two grains of each contact, m.
     #[getter]
     fn branches<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.vectors_of_contacts(py, Part::Contacts, offset_of!(Contact, branch))
+        if self.inner.all_spheres() {
+            return self.vectors_of_contacts(py, Part::Contacts, offset_of!(Contact, branch));
+        }
+        self.knows(Part::Contacts)?;
+        let of = |contact| self.inner.branch_of_bodies(contact);
+        let branches: Vec<f64> = py.detach(|| self.inner.contacts.iter().flat_map(of).collect());
+        arrays::reals(py, branches, vec![self.inner.contacts.len(), 3])
     }
 
     /// Unit normal of each contact, from the first grain to the second.
@@ -364,7 +370,7 @@ impl Assembly {
     }
 
     fn __repr__(&self) -> String {
-        let (grains, contacts) = (self.inner.grains.len(), self.inner.contacts.len());
+        let (grains, contacts) = (self.inner.bodies.len(), self.inner.contacts.len());
         format!("<granum.Assembly of {grains} grains and {contacts} contacts>")
     }
 }

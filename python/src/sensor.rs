@@ -190,7 +190,7 @@ impl Sensor for PythonSensor {
 
     /// An assembly without grains, which no test has, is not shown to the function: its values are zero.
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        if observation.assembly.grains.is_empty() {
+        if observation.assembly.bodies.is_empty() {
             values.extend(self.description.columns.iter().map(|_| 0.0));
             return;
         }

@@ -281,6 +281,20 @@ impl Assembly {
         (0..3).map(|k| rigid.inertia[k] * spin[k] * spin[k]).sum()
     }
 
+    /// Kinetic energy of the fluctuating motion and the spins, J: of spheres with the inertia `2/5 m R^2`, of other bodies with their principal
+    /// moments.
+    pub fn kinetic_energy(&self) -> f64 {
+        let square = |v: &Vector| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let of = |body: &Body| match body.rigid {
+            None => {
+                let radius = body.equivalent_radius;
+                0.5 * body.mass * (square(&body.velocity) + 0.4 * radius * radius * square(&body.spin))
+            }
+            Some(_) => 0.5 * (body.mass * square(&body.velocity) + self.rotation_doubled(body)),
+        };
+        self.bodies.iter().map(of).sum()
+    }
+
     /// The branch vector of a contact between the centres of its bodies, m: `l + c_i - c_j` with the arms c of the pieces. The force of a
     /// contact times this vector, not that of the pieces, is its part in the stress.
     #[inline(always)]

@@ -58,7 +58,7 @@ pub fn report(title: &str, instants: &[Instant], sensors: &Sensors) -> Document 
     page.section("forces", "Force chains and fabric", body);
     let label = page.own_table_label();
     page.section("sensors", "Sensors", measured(&label, &shown));
-    let grains = shown.first().map_or(0, |(instant, _)| instant.assembly.grains.len());
+    let grains = shown.first().map_or(0, |(instant, _)| instant.assembly.bodies.len());
     let contacts = shown.first().map_or(0, |(instant, _)| instant.assembly.contacts.len());
     let head = html! {
         (tiles(&heads(grains, contacts, instants.len(), &shown)))

@@ -10,7 +10,6 @@
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use granum_core::Part;
 use granum_core::energy::MechanismGroup;
-use granum_core::geometry::dot;
 
 /// The sensor.
 pub struct Energy;
@@ -65,23 +64,9 @@ pub(crate) fn mechanism_columns(group: MechanismGroup) -> impl Iterator<Item = S
     })
 }
 
-/// Kinetic energy of the fluctuating motion and the spins (of spheres with the inertia 2/5 m R^2, of other bodies with their principal moments), J.
+/// Kinetic energy of the fluctuating motion and the spins, J ([`Assembly::kinetic_energy`](granum_core::Assembly::kinetic_energy)).
 pub fn kinetic_energy(observation: &Observation) -> f64 {
-    let square = |v| dot(v, v);
-    observation
-        .assembly
-        .bodies
-        .iter()
-        .map(|body| match body.rigid {
-            None => {
-                let radius = body.equivalent_radius;
-                0.5 * body.mass * (square(&body.velocity) + 0.4 * radius * radius * square(&body.spin))
-            }
-            Some(_) => {
-                0.5 * (body.mass * square(&body.velocity) + observation.assembly.rotation_doubled(body))
-            }
-        })
-        .sum()
+    observation.assembly.kinetic_energy()
 }
 
 #[cfg(test)]

@@ -261,7 +261,7 @@ fn karlsruhe_sand_dilates_by_its_density() {
     assert!(strength[0] > 1.1 * strength[1], "{strength:?}");
     assert!(last(&dense, "volumetric_strain") < last(&loose, "volumetric_strain") - 0.02);
     let radii: Vec<f64> =
-        dense.simulation().unwrap().assembly().grains.iter().map(|grain| grain.radius).collect();
+        dense.simulation().unwrap().assembly().pieces.iter().map(|piece| piece.radius).collect();
     let mass =
         |of: &dyn Fn(f64) -> bool| radii.iter().filter(|r| of(2.0 * **r)).map(|r| r.powi(3)).sum::<f64>();
     let finer = mass(&|d| d < 0.1249e-3) / mass(&|_| true);

@@ -28,7 +28,7 @@ impl Sensor for FluctuatingSpeeds {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let grains = &observation.assembly.grains;
+        let grains = &observation.assembly.bodies;
         let squares = || grains.iter().map(|grain| grain.velocity.map(|v| v * v).iter().sum::<f64>());
         let mean = squares().fold(0.0, |sum, square| sum + square) / grains.len().max(1) as f64;
         values.push(mean.sqrt());

@@ -55,7 +55,7 @@ impl ResultFormat for Vtp {
 
 /// A straight piece of the line between the centres of a contact, inside the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct ContactLine {
     /// The contact, by its place among them.
     pub contact: usize,
     /// Where it begins, m.
@@ -65,17 +65,17 @@ pub struct Piece {
 }
 
 /// The lines of all contacts, cut at the faces of the cell.
-pub fn pieces(assembly: &Assembly) -> Vec<Piece> {
+pub fn contact_lines(assembly: &Assembly) -> Vec<ContactLine> {
     let inverse = invert(&assembly.cell);
     let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
     let mut found = Vec::new();
     for (k, contact) in assembly.contacts.iter().enumerate() {
-        let Some(grain) = assembly.bodies.get(contact.i) else { continue };
+        let Some(grain) = assembly.pieces.get(contact.i) else { continue };
         if is_cell {
             cut(k, grain.position, contact, assembly, &inverse, &mut found);
         } else {
             let to = std::array::from_fn(|a| grain.position[a] + contact.branch[a]);
-            found.push(Piece { contact: k, from: grain.position, to });
+            found.push(ContactLine { contact: k, from: grain.position, to });
         }
     }
     found
@@ -88,7 +88,7 @@ fn cut(
     contact: &Contact,
     assembly: &Assembly,
     inverse: &granum_core::assembly::Matrix,
-    into: &mut Vec<Piece>,
+    into: &mut Vec<ContactLine>,
 ) {
     let place = apply(inverse, start);
     let step = apply(inverse, contact.branch);
@@ -110,7 +110,7 @@ fn cut(
             apply(&assembly.cell, inside)
         };
         if share > before {
-            into.push(Piece { contact: k, from: at(before), to: at(share) });
+            into.push(ContactLine { contact: k, from: at(before), to: at(share) });
         }
         before = share;
         shift[axis] += way;
@@ -123,11 +123,11 @@ type OfGrain = fn(&Body) -> Vector;
 fn text(observation: &ObservedAssembly) -> String {
     let assembly = &observation.assembly;
     let (grains, contacts) = (&assembly.bodies, &assembly.contacts);
-    let pieces = pieces(assembly);
+    let drawn = contact_lines(assembly);
     let origin = observation.origin;
     let moved = |v: &Vector| -> Vector { std::array::from_fn(|a| v[a] + origin[a]) };
     let mut points: Vec<Vector> = grains.iter().map(|grain| moved(&grain.position)).collect();
-    points.extend(pieces.iter().flat_map(|piece| [moved(&piece.from), moved(&piece.to)]));
+    points.extend(drawn.iter().flat_map(|line| [moved(&line.from), moved(&line.to)]));
     let mut degree = vec![0.0; grains.len()];
     for contact in contacts {
         for index in [contact.i, contact.j] {
@@ -136,7 +136,7 @@ fn text(observation: &ObservedAssembly) -> String {
             }
         }
     }
-    let (n, lines) = (grains.len(), pieces.len());
+    let (n, lines) = (grains.len(), drawn.len());
     let mut xml = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n",
     );
@@ -149,7 +149,7 @@ fn text(observation: &ObservedAssembly) -> String {
     // A value for each point: of the grain, then of both ends of each piece.
     xml.push_str("<PointData>\n");
     let ends = |value: &dyn Fn(&Contact) -> f64| -> Vec<f64> {
-        pieces.iter().flat_map(|p| [value(&contacts[p.contact]); 2]).collect()
+        drawn.iter().flat_map(|p| [value(&contacts[p.contact]); 2]).collect()
     };
     let of_points =
         |grain: Vec<f64>, contact: Vec<f64>| grain.into_iter().chain(contact).collect::<Vec<f64>>();
@@ -158,7 +158,7 @@ fn text(observation: &ObservedAssembly) -> String {
     array(&mut xml, "normal_force", 1, &of_points(vec![0.0; n], ends(&|contact| contact.normal_force)));
     xml.push_str("</PointData>\n<CellData>\n");
     let both = |grain: Vec<f64>, contact: &dyn Fn(&Contact) -> Vec<f64>| -> Vec<f64> {
-        grain.into_iter().chain(pieces.iter().flat_map(|piece| contact(&contacts[piece.contact]))).collect()
+        grain.into_iter().chain(drawn.iter().flat_map(|line| contact(&contacts[line.contact]))).collect()
     };
     let one = |value: f64| vec![value];
     array(&mut xml, "is_contact", 1, &both(vec![0.0; n], &|_| one(1.0)));

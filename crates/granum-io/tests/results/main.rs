@@ -302,7 +302,7 @@ fn what_is_written_for_other_programs_is_read_again() {
 fn lines_of_contacts_are_cut_at_the_faces() {
     let observation = &lammps(COLUMNS)[2];
     let assembly = &observation.assembly;
-    let pieces = granum_io::formats::vtp::pieces(assembly);
+    let pieces = granum_io::formats::vtp::contact_lines(assembly);
     assert!(pieces.len() > assembly.contacts.len() + 5, "{}", pieces.len());
     let inverse = granum_core::geometry::invert(&assembly.cell);
     let mut sums = vec![[0.0; 3]; assembly.contacts.len()];

@@ -30,8 +30,8 @@ pub struct View {
 impl View {
     /// A slice through the middle with a thickness of about `thickness` grain diameters, axis 1 up and axis 2 right.
     pub fn slice(assembly: &Assembly, thickness: f64) -> Self {
-        let radii: f64 = assembly.grains.iter().map(|grain| grain.radius).sum();
-        let diameter = 2.0 * radii / assembly.grains.len().max(1) as f64;
+        let radii: f64 = assembly.bodies.iter().map(|body| body.equivalent_radius).sum();
+        let diameter = 2.0 * radii / assembly.bodies.len().max(1) as f64;
         let depth = edge_length(&assembly.cell, 2);
         let half = if depth > 0.0 { (0.5 * thickness * diameter / depth).clamp(0.0, 0.5) } else { 0.5 };
         View { up: 0, right: 1, slice: Some([0.5 - half, 0.5 + half]), smallest_force: f64::NEG_INFINITY }
@@ -98,13 +98,13 @@ impl ForceChains {
             [x[right], x[up]]
         };
         let inside = |s: &Vector| view.slice.is_none_or(|[low, high]| s[depth] >= low && s[depth] <= high);
-        let places: Vec<Option<Vector>> = (assembly.grains.iter())
-            .map(|grain| {
-                let s = apply(&inverse, grain.position).map(|s| s - s.floor());
+        let places: Vec<Option<Vector>> = (assembly.pieces.iter())
+            .map(|piece| {
+                let s = apply(&inverse, piece.position).map(|s| s - s.floor());
                 s.iter().all(|s| s.is_finite()).then_some(s)
             })
             .collect();
-        let mut degree = vec![0u32; assembly.grains.len()];
+        let mut degree = vec![0u32; assembly.bodies.len()];
         let mean = mean_force(&assembly.contacts);
         let mut picture = ForceChains {
             outline: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
@@ -123,8 +123,11 @@ impl ForceChains {
                 continue;
             };
             let force = if mean > 0.0 { contact.normal_force / mean } else { 0.0 };
-            degree[contact.i] += 1;
-            degree[contact.j] += 1;
+            for body in assembly.bodies_of(contact).into_iter().flatten() {
+                if let Some(degree) = degree.get_mut(body) {
+                    *degree += 1;
+                }
+            }
             let shown = inside(i) && inside(j) && force.is_finite() && force >= view.smallest_force;
             let branch = apply(&inverse, contact.branch);
             if !shown || !branch.iter().all(|b| b.is_finite()) {
@@ -146,16 +149,10 @@ impl ForceChains {
                 });
             }
         }
-        for ((grain, place), degree) in assembly.grains.iter().zip(&places).zip(&degree) {
+        for (piece, place) in assembly.pieces.iter().zip(&places) {
+            let loaded = degree.get(piece.body).is_some_and(|degree| *degree >= 2);
             if let Some(s) = place.as_ref().filter(|s| picture.slice && inside(s)) {
-                picture.add_grain(
-                    *s,
-                    grain.radius,
-                    *degree >= 2,
-                    [right, up, depth],
-                    &assembly.cell,
-                    &project,
-                );
+                picture.add_grain(*s, piece.radius, loaded, [right, up, depth], &assembly.cell, &project);
             }
         }
         picture.extent = bounds(&picture.outline).1;
@@ -381,7 +378,8 @@ fn mean_force(contacts: &[Contact]) -> f64 {
 }
 
 fn mean_radius(assembly: &Assembly) -> f64 {
-    assembly.grains.iter().map(|grain| grain.radius).sum::<f64>() / assembly.grains.len().max(1) as f64
+    assembly.bodies.iter().map(|body| body.equivalent_radius).sum::<f64>()
+        / assembly.bodies.len().max(1) as f64
 }
 
 fn edge_length(cell: &Matrix, edge: usize) -> f64 {
@@ -397,16 +395,16 @@ fn inverse(m: &Matrix) -> Option<Matrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_core::assembly::Grain;
+    use granum_core::assembly::Sphere;
 
     fn two_grains(x: f64, y: f64, branch: Vector) -> Assembly {
-        let grain = |id, x| Grain { id, position: [x, 0.5, 0.5], radius: 0.1, ..Default::default() };
+        let grain = |id, x| Sphere { id, position: [x, 0.5, 0.5], radius: 0.1, ..Default::default() };
         Assembly {
             cell: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            grains: vec![grain(1, x), grain(2, y)],
             contacts: vec![Contact { i: 0, j: 1, branch, normal_force: 1.0, ..Default::default() }],
             ..Default::default()
         }
+        .with_spheres(vec![grain(1, x), grain(2, y)])
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::rose::Series;
 use super::*;
-use granum_core::assembly::{Assembly, Contact, Grain};
+use granum_core::assembly::{Assembly, Contact, Sphere};
 use proptest::prelude::*;
 
 /// Arbitrary numbers, including those that are not finite.
@@ -52,11 +52,11 @@ fn figure_of(data: &[[f64; 3]]) -> Figure {
 }
 
 fn assembly_of(data: &[[f64; 3]]) -> Assembly {
-    let grains = data.iter().map(|d| Grain { position: *d, radius: d[0], ..Default::default() }).collect();
+    let grains = data.iter().map(|d| Sphere { position: *d, radius: d[0], ..Default::default() });
     let contacts =
         data.iter().map(|d| Contact { i: 0, j: 1, branch: *d, normal_force: d[1], ..Default::default() });
     let cell = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, data.first().map_or(1.0, |d| d[2])]];
-    Assembly { cell, grains, contacts: contacts.collect(), ..Default::default() }
+    Assembly { cell, contacts: contacts.collect(), ..Default::default() }.with_spheres(grains)
 }
 
 /// Checks that a figure is well-formed, contains no invalid numbers and refers to no other file.

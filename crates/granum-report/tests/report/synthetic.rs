@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_core::assembly::{Assembly, Contact, Grain};
+use granum_core::assembly::{Assembly, Contact, Sphere};
 use granum_core::{Column, Table};
 use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
 use granum_report::{RoleInStudy, RunReport};
@@ -141,8 +141,8 @@ fn histogram(strain: f64, noise: &mut Noise) -> Histogram {
 pub fn assembly(bias: f64) -> Assembly {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/packing-5000.csv");
     let packing = granum_io::read_packing(path).expect("the shipped packing can be read");
-    let grains: Vec<Grain> = (packing.grains.iter())
-        .map(|grain| Grain {
+    let grains: Vec<Sphere> = (packing.grains.iter())
+        .map(|grain| Sphere {
             id: grain.id,
             position: packing.from_corner(grain),
             radius: grain.radius,
@@ -176,7 +176,7 @@ pub fn assembly(bias: f64) -> Assembly {
             }
         }
     }
-    Assembly { cell: packing.cell, grains, contacts, ..Default::default() }
+    Assembly { cell: packing.cell, contacts, ..Default::default() }.with_spheres(grains)
 }
 
 /// A run with all data that a report can show.

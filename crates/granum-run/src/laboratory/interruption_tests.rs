@@ -319,9 +319,9 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
         "# periodic cell, m: ox=0 oy=0 oz=0 ax={edge} ay=0 az=0 bx=0 by={} bz=0 cx=0 cy=0 cz={}\nid,x,y,z,radius\n",
         grains.cell[1][1], grains.cell[2][2]
     );
-    for g in &grains.grains {
+    for g in &grains.bodies {
         let [x, y, z] = g.position;
-        text += &format!("{},{x},{y},{z},{}\n", g.id, g.radius);
+        text += &format!("{},{x},{y},{z},{}\n", g.id, g.equivalent_radius);
     }
     let file = base.path().join("packing.csv");
     fs::write(&file, &text).unwrap();

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use granum_core::assembly::{Assembly, Grain};
+use granum_core::assembly::{Assembly, Body};
 use granum_core::{Part, Parts};
 use granum_dem::config::{NormalKind, Preparation};
 use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until};
@@ -127,7 +127,7 @@ impl LammpsDeck {
         let modulus = state.bulk_modulus();
         let motions: Vec<Motion> =
             stages.iter().map(|stage| checked(stage, modulus)).collect::<Result<_, _>>()?;
-        let [radius, mass] = means(&assembly.grains);
+        let [radius, mass] = means(&assembly.bodies);
         let stiffening = stiffening(case.contact.normal);
         let pair = |follows| {
             pair_lines(sample.properties(), &assembly.materials, [radius, mean_force(&assembly)], follows)
@@ -142,14 +142,14 @@ impl LammpsDeck {
             laws: if follows { pair(true)? } else { String::new() },
             follow,
         };
-        let cube = |grain: &Grain| grain.radius.powi(3);
+        let cube = |grain: &Body| grain.equivalent_radius.powi(3);
         let mut script = head(&Head {
             pair: &pair(false)?,
             moments,
             sheared: setting.tilt.is_some(),
-            grains: assembly.grains.len(),
+            grains: assembly.bodies.len(),
             diameter: 2.0 * radius,
-            volume: 4.0 / 3.0 * std::f64::consts::PI * assembly.grains.iter().map(cube).sum::<f64>(),
+            volume: 4.0 / 3.0 * std::f64::consts::PI * assembly.bodies.iter().map(cube).sum::<f64>(),
             mean_stress: state.mean_stress(),
             modulus,
             time_step: state.time_step(),
@@ -183,7 +183,7 @@ impl LammpsDeck {
 
     /// Number of grains.
     pub fn grains(&self) -> usize {
-        self.assembly.grains.len()
+        self.assembly.bodies.len()
     }
 
     /// Writes sample and script into a folder.
@@ -290,10 +290,10 @@ fn stiffening(normal: NormalKind) -> Stiffening {
 }
 
 /// Mean radius, m, and mean mass, kg.
-fn means(grains: &[Grain]) -> [f64; 2] {
+fn means(grains: &[Body]) -> [f64; 2] {
     let count = grains.len().max(1) as f64;
-    let sum = |of: fn(&Grain) -> f64| grains.iter().map(of).sum::<f64>() / count;
-    [sum(|grain| grain.radius), sum(|grain| grain.mass)]
+    let sum = |of: fn(&Body) -> f64| grains.iter().map(of).sum::<f64>() / count;
+    [sum(|grain| grain.equivalent_radius), sum(|grain| grain.mass)]
 }
 
 /// Mean normal force of the contacts in compression, N.

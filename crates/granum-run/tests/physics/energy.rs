@@ -9,11 +9,7 @@ use granum_dem::simulation::Simulation;
 use super::sample::{compress, prepared, properties};
 
 fn kinetic(assembly: &Assembly) -> f64 {
-    let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
-    let of = |g: &granum_core::assembly::Grain| {
-        0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin))
-    };
-    assembly.grains.iter().map(of).sum()
+    assembly.kinetic_energy()
 }
 
 fn stored(assembly: &Assembly, energy: fn(&Pair) -> f64) -> f64 {
@@ -98,7 +94,7 @@ fn the_energy_balance_closes_by_mechanism() {
 fn synchronous(s: &Simulation) -> f64 {
     let a = s.assembly();
     let half = 0.5 * a.time_step;
-    let kinetic: f64 = (a.grains.iter())
+    let kinetic: f64 = (a.bodies.iter())
         .map(|g| {
             let v: [f64; 3] = std::array::from_fn(|k| g.velocity[k] + half * g.force[k] / g.mass);
             0.5 * g.mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

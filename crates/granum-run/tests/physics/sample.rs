@@ -47,9 +47,9 @@ pub fn prepared(grains: &Grains, contact: &ContactModel) -> Simulation {
 
 pub fn spheres(assembly: &Assembly) -> Vec<InitialSphere> {
     assembly
-        .grains
+        .bodies
         .iter()
-        .map(|g| InitialSphere { id: g.id, position: g.position, radius: g.radius })
+        .map(|g| InitialSphere { id: g.id, position: g.position, radius: g.equivalent_radius })
         .collect()
 }
 

@@ -66,7 +66,7 @@ fn growth(damping: f64, share: f64) -> f64 {
     let start = 1e-6;
     s.set_velocities(&[[0.0; 3]; 27], &[[0.0, 0.0, start]; 27]);
     s.advance(400).unwrap();
-    s.assembly().grains.iter().map(|g| g.spin[2].abs()).fold(0.0, f64::max) / start
+    s.assembly().bodies.iter().map(|g| g.spin[2].abs()).fold(0.0, f64::max) / start
 }
 
 /// The stability limit of the time step is the value at which spinning in phase begins to grow, for any damping.

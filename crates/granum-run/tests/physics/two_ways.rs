@@ -93,8 +93,8 @@ fn fabric_from_the_centres() {
     for a in &sheared()[..3] {
         let edges: Vec<f64> = (0..3).map(|k| a.cell[k][k]).collect();
         let (mut count, mut sum) = (0, [0.0; 9]);
-        for (n, g) in a.grains.iter().enumerate() {
-            for h in &a.grains[n + 1..] {
+        for (n, g) in a.pieces.iter().enumerate() {
+            for h in &a.pieces[n + 1..] {
                 for image in 0..27 {
                     let shift = [image % 3, image / 3 % 3, image / 9].map(|s| f64::from(s) - 1.0);
                     let l: [f64; 3] =
@@ -113,7 +113,7 @@ fn fabric_from_the_centres() {
         for (column, k) in [("fabric_11", 0), ("fabric_12", 1), ("fabric_33", 8)] {
             assert!((sum[k] / count as f64 - value(a, column)).abs() < 1e-12, "{column}");
         }
-        let z = 2.0 * count as f64 / a.grains.len() as f64;
+        let z = 2.0 * count as f64 / a.bodies.len() as f64;
         assert!((z - value(a, "coordination_number")).abs() < 1e-12);
     }
 }
@@ -180,8 +180,8 @@ fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
 #[test]
 fn voronoi_cells_of_a_sheared_sample_fill_the_cell() {
     let a = &sheared()[9];
-    let positions: Vec<[f64; 3]> = a.grains.iter().map(|grain| grain.position).collect();
-    let radii: Vec<f64> = a.grains.iter().map(|grain| grain.radius).collect();
+    let positions: Vec<[f64; 3]> = a.bodies.iter().map(|grain| grain.position).collect();
+    let radii: Vec<f64> = a.pieces.iter().map(|piece| piece.radius).collect();
     let cells = granum_sensors::local_solid_fraction::radical_voronoi(&a.cell, &positions, &radii);
     let volume: f64 = cells.iter().map(|cell| cell.volume).sum();
     assert!((volume / a.volume() - 1.0).abs() < 1e-12, "{}", volume / a.volume() - 1.0);

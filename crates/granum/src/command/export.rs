@@ -113,7 +113,7 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let grains = observations.last().map_or(0, |observation| observation.assembly.grains.len());
+        let grains = observations.last().map_or(0, |observation| observation.assembly.bodies.len());
         let instants = observations.len();
         let of = if instants > 1 { format!(", the last of {instants} instants") } else { String::new() };
         if let Some(name) = &self.table {

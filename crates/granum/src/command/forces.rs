@@ -37,19 +37,19 @@ impl Forces {
         let simulation = simulation(&packing, case.properties())?;
         let assembly = simulation.assembly();
         let mut columns =
-            vec![Column::new("id", "1", assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>())];
+            vec![Column::new("id", "1", assembly.bodies.iter().map(|g| g.id as f64).collect::<Vec<_>>())];
         for (k, name) in ["fx", "fy", "fz"].into_iter().enumerate() {
             columns.push(Column::new(
                 name,
                 "N",
-                assembly.grains.iter().map(|g| g.force[k]).collect::<Vec<_>>(),
+                assembly.bodies.iter().map(|g| g.force[k]).collect::<Vec<_>>(),
             ));
         }
         for (k, name) in ["tx", "ty", "tz"].into_iter().enumerate() {
             columns.push(Column::new(
                 name,
                 "N m",
-                assembly.grains.iter().map(|g| g.torque[k]).collect::<Vec<_>>(),
+                assembly.bodies.iter().map(|g| g.torque[k]).collect::<Vec<_>>(),
             ));
         }
         let table = Table::new(columns)?;
@@ -62,14 +62,14 @@ impl Forces {
         }
         let mut result = json!({
             "output": self.output.as_deref().map(output::path),
-            "grains": assembly.grains.len(),
+            "grains": assembly.bodies.len(),
             "contacts": assembly.contacts.len(),
             "stress": stress,
             "mean_stress": simulation.state().mean_stress(),
         });
         if self.output.is_none() {
             let mut forces = output::columns(&table);
-            forces.insert("id".into(), assembly.grains.iter().map(|grain| grain.id).collect());
+            forces.insert("id".into(), assembly.bodies.iter().map(|grain| grain.id).collect());
             result["forces"] = forces.into();
         }
         if context.json || self.output.is_some() {
@@ -80,7 +80,7 @@ impl Forces {
                     .collect();
                 format!(
                     "{} grains, {} contacts, mean stress {:.4} Pa\nstress tensor, Pa (compression positive):\n{}",
-                    assembly.grains.len(),
+                    assembly.bodies.len(),
                     assembly.contacts.len(),
                     simulation.state().mean_stress(),
                     rows.join("\n")

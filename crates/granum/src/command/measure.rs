@@ -199,7 +199,7 @@ fn as_json(observed: &ObservedAssembly, measured: &Measurement) -> Value {
         (bins.name.to_string(), histogram)
     };
     json!({
-        "grains": assembly.grains.len(),
+        "grains": assembly.bodies.len(),
         "contacts": assembly.contacts.len(),
         "contacts_are": origin_of_contacts(observed),
         "values": columns,
@@ -216,7 +216,7 @@ fn text(observed: &ObservedAssembly, measured: &Measurement) -> String {
         None => " (the data have neither contacts nor radii)",
     };
     let mut lines =
-        vec![format!("{} grains, {} contacts{origin}", assembly.grains.len(), assembly.contacts.len())];
+        vec![format!("{} grains, {} contacts{origin}", assembly.bodies.len(), assembly.contacts.len())];
     for (column, value) in &measured.columns {
         let unit = if column.unit == "1" { "" } else { column.unit };
         lines.push(format!("{:32} {value:13.6e} {unit}", column.name).trim_end().to_string());

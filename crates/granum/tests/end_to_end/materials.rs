@@ -32,7 +32,7 @@ fn two_materials_run_to_the_same_bits_on_threads_in_any_order_and_after_a_stop()
     assert_eq!(digest(place, "one"), digest(place, "again"));
     let end = granum_io::snapshot::read_snapshot(&place.join("one/snapshots"), "end").unwrap();
     assert_eq!(end.materials, ["glass", "rubber"]);
-    assert_eq!(end.grains.iter().filter(|grain| grain.material == 0).count(), 90);
+    assert_eq!(end.bodies.iter().filter(|grain| grain.material == 0).count(), 90);
     done(place, &["report", "one"]);
     let page = std::fs::read_to_string(place.join("one/report.html")).unwrap();
     assert!(page.contains("rubber") && page.contains("40 % of the grains"));

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use granum_core::assembly::{Assembly, Grain, Vector};
+use granum_core::assembly::{Assembly, Body, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 use granum_dem::simulation::Properties;
@@ -55,7 +55,7 @@ impl Grains {
 
     /// Their number.
     pub(super) fn count(&self) -> usize {
-        self.sample.grains.len()
+        self.sample.bodies.len()
     }
 
     /// The properties of their contacts.
@@ -89,7 +89,8 @@ impl Grains {
             return Err(bad("does not have the grains of the sample"));
         }
         let inverse = invert(&edges);
-        let mut assembly = Assembly {
+        let mut spheres = self.sample.spheres().unwrap_or_default();
+        let assembly = Assembly {
             time: instant.time,
             step: instant.step,
             time_step: instant.time_step,
@@ -98,23 +99,22 @@ impl Grains {
             strain: instant.strain,
             arc_length: instant.arc_length,
             target_mean_stress: (instant.target != 0.0).then_some(instant.target),
-            grains: self.sample.grains.clone(),
             materials: self.sample.materials.clone(),
             ..Assembly::default()
         };
         for dumped in &frame.grains {
-            let Some(at) = place_of(&assembly.grains, dumped.id) else {
+            let Ok(at) = spheres.binary_search_by_key(&dumped.id, |sphere| sphere.id) else {
                 return Err(bad("has a grain that the sample does not have"));
             };
             let share = apply(&inverse, std::array::from_fn(|a| dumped.position[a] - origin[a]));
             let homogeneous = apply(&instant.gradient, dumped.position);
-            let grain = &mut assembly.grains[at];
+            let grain = &mut spheres[at];
             grain.position = apply(&edges, share.map(|x| x - x.floor()));
             // Velocities of LAMMPS are those in the laboratory, with the homogeneous part about the middle of the box.
             grain.velocity = std::array::from_fn(|a| dumped.velocity[a] - homogeneous[a]);
             (grain.spin, grain.torque, grain.force) = (dumped.spin, dumped.torque, [0.0; 3]);
         }
-        Ok(assembly)
+        Ok(assembly.with_spheres(spheres))
     }
 
     /// Adds the forces of LAMMPS to contacts and grains.
@@ -127,15 +127,15 @@ impl Grains {
         let mut forces: HashMap<[usize; 2], Vector> = HashMap::with_capacity(pairs.len());
         for pair in pairs {
             let force = pair.force.unwrap_or_default();
-            let ends = [pair.first, pair.second].map(|id| place_of(&assembly.grains, id));
+            let ends = [pair.first, pair.second].map(|id| place_of(&assembly.bodies, id));
             let [Some(i), Some(j)] = ends else {
                 return Err(
                     Error::content(path, "has a contact of a grain that the sample does not have").into()
                 );
             };
             for a in 0..3 {
-                assembly.grains[i].force[a] += force[a];
-                assembly.grains[j].force[a] -= force[a];
+                assembly.bodies[i].force[a] += force[a];
+                assembly.bodies[j].force[a] -= force[a];
             }
             let on_first = if i < j { force } else { force.map(|x| -x) };
             forces.insert([i.min(j), i.max(j)], on_first);
@@ -152,7 +152,7 @@ impl Grains {
 }
 
 /// The place of a grain in a list that is sorted by ids.
-fn place_of(grains: &[Grain], id: u64) -> Option<usize> {
+fn place_of(grains: &[Body], id: u64) -> Option<usize> {
     grains.binary_search_by_key(&id, |grain| grain.id).ok()
 }
 

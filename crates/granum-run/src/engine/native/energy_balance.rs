@@ -12,13 +12,8 @@ pub(super) struct StoredEnergy {
 
 impl StoredEnergy {
     pub(super) fn from_assembly(assembly: &Assembly) -> StoredEnergy {
-        let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
         StoredEnergy {
-            kinetic: assembly
-                .grains
-                .iter()
-                .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
-                .sum(),
+            kinetic: assembly.kinetic_energy(),
             elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
                 + attraction_energy(assembly),
         }

@@ -20,7 +20,7 @@ use crate::strength::{CARRIES_STRESS, Curves, ended_liquefied};
 fn momentum_drift(assembly: &Assembly) -> f64 {
     let mut net = [0.0; 3];
     let mut sum = 0.0;
-    for g in &assembly.grains {
+    for g in &assembly.bodies {
         let mut square = 0.0;
         for k in 0..3 {
             net[k] += g.mass * g.velocity[k];
