@@ -22,7 +22,7 @@ fn content(place: &Place, pictures: bool) -> granum_learn::Result<RunReport> {
             let (about, record) = (result.about.clone(), result.record.clone());
             let report =
                 RunReport::of_parts("run in memory", (**case).clone(), about, record, RoleInStudy::Single);
-            let end = result.simulation.as_ref().filter(|_| pictures).map(|simulation| simulation.assembly());
+            let end = result.state.as_ref().filter(|_| pictures).map(|state| state.assembly());
             Ok(RunReport { end, ..report })
         }
     }

@@ -184,7 +184,7 @@ impl Run {
     fn snapshots(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         match &*self.place {
             Place::Folder { .. } => self.read(py, |run| run.now().snapshots()),
-            Place::Memory { result, .. } => Ok(result.simulation.iter().map(|_| END.to_string()).collect()),
+            Place::Memory { result, .. } => Ok(result.state.iter().map(|_| END.to_string()).collect()),
         }
     }
 

@@ -13,6 +13,7 @@ pub mod geometry;
 pub mod input;
 pub mod json;
 pub mod names;
+mod observed_state;
 pub mod observer;
 pub mod parallel;
 mod parts;
@@ -24,6 +25,7 @@ pub mod words;
 
 pub use assembly::Assembly;
 pub use cell::Cell;
+pub use observed_state::{MacroState, ObservedState};
 pub use parts::{Part, Parts};
 pub use registration::RegistrationError;
 pub use table::{Column, ColumnKind, Table, TableError};

@@ -1,9 +1,10 @@
-//! Observers of a preparation or a test that need the simulation: recorders, probes, the display of stresses.
+//! Observers of a preparation or a test that need its state: recorders, probes, the display of stresses.
 //!
 //! There is one trait for following any work, [`Observer`], and whatever implements it follows a run as well: it receives
-//! the progress and the events as owned data. [`SimulationObserver`] adds access to the simulation, which sensors need; every
-//! [`Observer`] is one.
+//! the progress and the events as owned data. [`SimulationObserver`] adds access to the state, which sensors need, whatever engine
+//! computes it; every [`Observer`] is one.
 
+use granum_core::ObservedState;
 use granum_core::observer::{self, Event};
 pub use granum_core::observer::{Flow, NoObserver, Observer};
 
@@ -67,13 +68,13 @@ pub struct SimulationProgress<'a> {
     pub time: f64,
     /// Grain-steps per second of wall time, once they have been measured.
     pub grain_steps_per_second: Option<f64>,
-    /// The simulation.
-    pub simulation: &'a Simulation,
+    /// What is computed, as it is now.
+    pub state: &'a dyn ObservedState,
 }
 
 impl<'a> SimulationProgress<'a> {
     /// The progress of a phase.
-    pub fn new(phase: Phase, steps: u64, time: f64, simulation: &'a Simulation) -> SimulationProgress<'a> {
+    pub fn new(phase: Phase, steps: u64, time: f64, state: &'a dyn ObservedState) -> SimulationProgress<'a> {
         SimulationProgress {
             phase,
             trial: 1,
@@ -84,8 +85,13 @@ impl<'a> SimulationProgress<'a> {
             steps,
             time,
             grain_steps_per_second: None,
-            simulation,
+            state,
         }
+    }
+
+    /// The simulation, if it is granum's engine that computes.
+    pub fn simulation(&self) -> Option<&'a Simulation> {
+        self.state.as_any().downcast_ref()
     }
 
     /// The same progress as owned data, with the simulated time and, once it has been measured, the speed among its values.
@@ -138,10 +144,10 @@ impl Work<'_> {
 /// a tenth of a second on a usual computer.
 pub const WORK_EVERY: u64 = 1_000_000;
 
-/// Follows a preparation or a test. It has only a shared reference to the simulation, so that it can stop the run but cannot change
+/// Follows a preparation or a test. It has only a shared reference to the state, so that it can stop the run but cannot change
 /// a result, and a run that was stopped is resumed with the same bits.
 ///
-/// Every method has a default, so that an observer implements only the methods that it needs. Who does not need the simulation
+/// Every method has a default, so that an observer implements only the methods that it needs. Who does not need the state
 /// implements [`Observer`], or gives a closure that takes a [`observer::Progress`] and returns a [`Flow`]; a closure that needs it
 /// is an [`EachProgress`]. Several observers can be combined into one ([`SimulationObservers`]).
 ///
@@ -159,7 +165,7 @@ pub const WORK_EVERY: u64 = 1_000_000;
 /// impl SimulationObserver for UntilDense {
 ///     fn progress(&mut self, progress: &SimulationProgress) -> Flow {
 ///         self.calls += 1;
-///         let dense = progress.simulation.state().solid_fraction() > 0.4;
+///         let dense = progress.state.solid_fraction() > 0.4;
 ///         if dense { Flow::Stop } else { Flow::Continue }
 ///     }
 /// }
@@ -201,8 +207,8 @@ pub trait SimulationObserver {
     }
 
     /// That value has been reached, at the first step at which it is.
-    fn observe(&mut self, simulation: &Simulation) {
-        let _ = simulation;
+    fn observe(&mut self, state: &dyn ObservedState) {
+        let _ = state;
     }
 
     /// Something that the user should know and that does not end the run.
@@ -249,7 +255,7 @@ impl<O: Observer + ?Sized> SimulationObserver for O {
     }
 }
 
-/// A closure that is called with each progress and its simulation, and can stop the run.
+/// A closure that is called with each progress and its state, and can stop the run.
 pub struct EachProgress<F>(pub F);
 
 impl<F: FnMut(&SimulationProgress) -> Flow> SimulationObserver for EachProgress<F> {
@@ -297,11 +303,11 @@ impl SimulationObserver for SimulationObservers<'_> {
         self.0.iter().map(|observer| observer.next_observation()).fold(f64::INFINITY, f64::min)
     }
 
-    fn observe(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, state: &dyn ObservedState) {
         let due = self.next_observation();
         for observer in &mut self.0 {
             if observer.next_observation() <= due {
-                observer.observe(simulation);
+                observer.observe(state);
             }
         }
     }

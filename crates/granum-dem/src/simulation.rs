@@ -1,7 +1,9 @@
 //! A simulation: grains in a controlled cell, advanced step by step.
 
+use std::any::Any;
 use std::collections::HashSet;
 
+use granum_core::{MacroState, ObservedState, Parts};
 use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, Vector};
@@ -368,6 +370,33 @@ fn check_clumps(clumps: &Clumps, properties: &Properties) -> Result<(), Simulati
         return Err(SimulationError::LiquidOfClumps { law: properties.contact.adhesion.name() });
     }
     Ok(())
+}
+
+impl ObservedState for Simulation {
+    fn grains(&self) -> usize {
+        self.state().grains()
+    }
+    fn contacts(&self) -> usize {
+        self.state().contacts()
+    }
+    fn step(&self) -> u64 {
+        self.state().step()
+    }
+    fn macro_state(&self) -> MacroState {
+        self.state().macro_state()
+    }
+    fn parts(&self) -> Parts {
+        Parts::all()
+    }
+    fn assembly_into(&self, assembly: &mut Assembly) {
+        Simulation::assembly_into(self, assembly);
+    }
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+    fn solid_fraction(&self) -> f64 {
+        self.state().solid_fraction()
+    }
 }
 
 fn check_spheres(cell: &Cell, spheres: &[InitialSphere], clumps: &Clumps) -> Result<(), SimulationError> {

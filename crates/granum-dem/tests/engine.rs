@@ -80,8 +80,8 @@ impl SimulationObserver for Everything {
     fn next_observation(&self) -> f64 {
         self.0
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        assert!(!simulation.assembly().contacts.is_empty());
+    fn observe(&mut self, state: &dyn granum_core::ObservedState) {
+        assert!(!state.assembly().contacts.is_empty());
         self.0 += 1.7e-5;
     }
 }

@@ -63,7 +63,7 @@ impl Sensor for Directions {
         let tensors = [
             mean_dyad(observation, |contact| (1.0, contact.normal)),
             mean_dyad(observation, |contact| (contact.normal_force, contact.normal)),
-            mean_dyad(observation, |contact| (1.0, contact.branch)),
+            mean_dyad(observation, |contact| (1.0, observation.assembly.branch_of_bodies(contact))),
         ];
         for tensor in tensors {
             let [major, middle, minor] = principal(&tensor);

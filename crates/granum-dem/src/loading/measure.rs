@@ -2,53 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{Assembly, Matrix};
 use crate::invariants;
 use crate::servo::{component, strain_component};
 
-/// Stress, strain and time at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct MacroState {
-    /// Stress, Pa, compression positive.
-    pub stress: Matrix,
-    /// Logarithmic strain, compression positive.
-    pub strain: Matrix,
-    /// Arc length of the strain path.
-    pub arc_length: f64,
-    /// Time, s.
-    pub time: f64,
-}
-
-impl MacroState {
-    /// The state of an assembly, with the stress computed from all its contacts and from pairs that attract each other without
-    /// touching.
-    pub fn from_assembly(assembly: &Assembly) -> MacroState {
-        let mut stress = [[0.0; 3]; 3];
-        for contact in assembly.contacts.iter().chain(&assembly.apart) {
-            let force = contact.force();
-            for r in 0..3 {
-                for c in 0..3 {
-                    stress[r][c] -= force[r] * contact.branch[c];
-                }
-            }
-        }
-        let volume = assembly.volume();
-        if volume > 0.0 {
-            stress = stress.map(|row| row.map(|x| x / volume));
-        }
-        MacroState { stress, ..MacroState::without_stress(assembly) }
-    }
-
-    /// Strain and time of an assembly, with a stress of zero.
-    pub fn without_stress(assembly: &Assembly) -> MacroState {
-        MacroState {
-            stress: [[0.0; 3]; 3],
-            strain: assembly.strain,
-            arc_length: assembly.arc_length,
-            time: assembly.time,
-        }
-    }
-}
+pub use granum_core::MacroState;
 
 /// A quantity that increases or changes along a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -282,7 +282,7 @@ pub fn follow(
             let here = measure.value(&simulation.state().macro_state()) - origin;
             while observer.next_observation() <= here {
                 let due = observer.next_observation();
-                observer.observe(simulation);
+                observer.observe(&*simulation);
                 if observer.next_observation() == due {
                     // The observer computes the measure in another way and finds it short by a rounding error: it will be
                     // reached in the next step.

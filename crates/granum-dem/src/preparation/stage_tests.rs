@@ -10,7 +10,6 @@ use crate::loading::{
     Constraint, Control, Drive, Measure, Reason, RecordedStates, Speed, Start, Target, Turns, Until,
 };
 use crate::observer::{EachProgress, NoObserver};
-use crate::simulation::Simulation;
 
 fn contact() -> ContactModel {
     ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
@@ -99,10 +98,11 @@ fn consolidation_in_an_oedometer_leaves_a_denser_sample_at_an_isotropic_stress()
         &consolidated,
         &mut EachProgress(|progress: &SimulationProgress| {
             if progress.phase == Phase::PreparationStage {
-                ratios.push(Measure::StressRatio.value(&progress.simulation.state().macro_state()));
-                named |=
-                    progress.stage == Some("loading") && progress.steps > progress.simulation.state().step();
-                assert_eq!(progress.simulation.properties().material.friction, 0.3);
+                ratios
+                    .push(Measure::StressRatio.value(&progress.simulation().unwrap().state().macro_state()));
+                named |= progress.stage == Some("loading")
+                    && progress.steps > progress.simulation().unwrap().state().step();
+                assert_eq!(progress.simulation().unwrap().properties().material.friction, 0.3);
             }
             Flow::Continue
         }),
@@ -134,7 +134,7 @@ fn nothing_is_recorded_and_the_recording_has_no_effect() {
         fn next_observation(&self) -> f64 {
             0.0
         }
-        fn observe(&mut self, _: &Simulation) {
+        fn observe(&mut self, _: &dyn granum_core::ObservedState) {
             panic!("a preparation records nothing");
         }
     }
@@ -160,12 +160,14 @@ fn cycles_turn_at_their_amplitude() {
     prepare(
         &specification,
         &mut EachProgress(|progress: &SimulationProgress| {
-            let state = progress.simulation.state();
+            let state = progress.simulation().unwrap().state();
             if progress.phase == Phase::Cycles {
                 let strain = state.strain()[0][0];
                 extremes = [extremes[0].min(strain), extremes[1].max(strain)];
-                let rate =
-                    progress.simulation.strain_rate(preparation.inertial_number, preparation.mean_stress);
+                let rate = progress
+                    .simulation()
+                    .unwrap()
+                    .strain_rate(preparation.inertial_number, preparation.mean_stress);
                 step = step.max(rate * state.time_step());
                 assert!((state.mean_stress() / preparation.mean_stress - 1.0).abs() < 0.2);
             }

@@ -13,8 +13,8 @@ impl SimulationObserver for Impatient {
     fn next_observation(&self) -> f64 {
         self.notes.next_observation()
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        self.notes.observe(simulation);
+    fn observe(&mut self, state: &dyn granum_core::ObservedState) {
+        self.notes.observe(state);
     }
     fn work(&mut self, _: &Work) -> Flow {
         self.calls += 1;

@@ -61,8 +61,9 @@ impl SimulationObserver for Notes {
     fn next_observation(&self) -> f64 {
         self.next
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        self.taken.push((simulation.state().stress(), simulation.state().strain()));
+    fn observe(&mut self, state: &dyn granum_core::ObservedState) {
+        let now = state.macro_state();
+        self.taken.push((now.stress, now.strain));
         self.next += self.interval;
     }
     fn progress(&mut self, progress: &SimulationProgress) -> Flow {

@@ -23,7 +23,7 @@ impl ObservedAssembly {
         if !self.assembly.all_spheres() {
             touching.retain(|(at, near)| pieces[*at].body != pieces[near.grain].body);
         }
-        let body = |piece: usize| self.bodies.get(&bodies[pieces[piece].body].id);
+        let body = |piece: usize| self.clump_of.get(&bodies[pieces[piece].body].id);
         let inside =
             touching.iter().filter(|(at, near)| body(*at).is_some() && body(*at) == body(near.grain)).count();
         if inside > 0 {
@@ -91,7 +91,7 @@ mod tests {
         points.parts = Parts::new(&[Part::Positions]);
         assert!(!points.with_contacts_by_geometry().parts.has(Part::Contacts));
         let mut dimer = three(true);
-        dimer.bodies = [(1, 7), (2, 7)].into();
+        dimer.clump_of = [(1, 7), (2, 7)].into();
         let dimer = dimer.with_contacts_by_geometry();
         assert_eq!(dimer.assembly.contacts.len(), 2);
         assert!(dimer.remarks[0].text.starts_with("1 of the 2 contacts"), "{:?}", dimer.remarks);

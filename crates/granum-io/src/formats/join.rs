@@ -196,7 +196,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
             "the file has its own cell, and the one that is given beside it is not used",
         ));
     }
-    let bodies = frame.bodies;
+    let clump_of = frame.clump_of;
     if let Some(mut pairs) = contacts {
         let path = frame.contacts_file.as_deref().unwrap_or(path);
         let images = Images::new(&assembly.cell);
@@ -207,14 +207,14 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
             let corner = cell.map_or([0.0; 3], |cell| cell.origin);
             pairs = places::identify(path, &assembly, corner, &centres, pairs)?;
         }
-        let body_of = |grain: usize| bodies.get(&assembly.bodies[grain].id).copied();
+        let body_of = |grain: usize| clump_of.get(&assembly.bodies[grain].id).copied();
         let options = options.contacts;
         let table = ContactTable { assembly: &assembly, parts, images, rounding, body_of: &body_of, options };
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
         (assembly.contacts, parts) = (connected, known);
     }
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
-    Ok(ObservedAssembly { lines, remarks, bodies, ..ObservedAssembly::new(assembly, parts, origin) })
+    Ok(ObservedAssembly { lines, remarks, clump_of, ..ObservedAssembly::new(assembly, parts, origin) })
 }
 
 /// The same lattice with edges that span a positive volume.

@@ -56,7 +56,7 @@ fn note_bodies(frame: &mut Frame, meanings: &[Meanings], column: &str, no_body: 
         return;
     }
     let bodies = members.len();
-    frame.bodies = (members.into_iter())
+    frame.clump_of = (members.into_iter())
         .flat_map(|(body, grains)| grains.into_iter().map(move |grain| (grain, body)))
         .collect();
     let noun = if bodies == 1 { "body" } else { "bodies" };
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn bodies_of_several_spheres_and_several_types_are_said() {
         let frame = noted(&[0.0, 2.0, 2.0, 3.0, 0.0], &[1.0, 1.0, 2.0, 1.0, 1.0]);
-        assert_eq!(frame.bodies, HashMap::from([(2, 2), (3, 2)]));
+        assert_eq!(frame.clump_of, HashMap::from([(2, 2), (3, 2)]));
         let [bodies, types] = &frame.remarks[..] else { panic!("{:?}", frame.remarks) };
         assert!(bodies.text.starts_with("2 spheres are parts of 1 body (column mol)"), "{}", bodies.text);
         assert!(types.text.starts_with("the column type has 2 values (1, 2)"), "{}", types.text);
@@ -94,6 +94,6 @@ mod tests {
     #[test]
     fn spheres_alone_of_one_type_need_no_word() {
         let frame = noted(&[0.0, 1.0, 2.0], &[3.0, 3.0, 3.0]);
-        assert!(frame.remarks.is_empty() && frame.bodies.is_empty());
+        assert!(frame.remarks.is_empty() && frame.clump_of.is_empty());
     }
 }

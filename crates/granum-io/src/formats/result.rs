@@ -1,12 +1,13 @@
 //! Results of other programs: grains, contacts and cells at one or several instants, as they are in a file, before several files are
 //! [joined](super::join::join) to [assemblies](granum_core::Assembly).
 
+use std::any::Any;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
 use granum_core::geometry::dot;
-use granum_core::{Part, Parts, Table};
+use granum_core::{MacroState, ObservedState, Part, Parts, Table};
 
 use super::remark::Remark;
 use crate::error::{Error, Result};
@@ -149,8 +150,8 @@ pub struct Frame {
     pub counts_from_one: bool,
     /// Largest error of the distance of two places by rounding, m; none where the numbers of the places show their digits.
     pub rounding: Option<f64>,
-    /// The body (clump, molecule) of each grain that belongs to one of several grains, by the id of the grain.
-    pub bodies: HashMap<u64, u64>,
+    /// The clump (molecule, body) of each sphere that belongs to one of several grains, by the id of the grain.
+    pub clump_of: HashMap<u64, u64>,
     /// What was set right in the file, or is doubtful.
     pub remarks: Vec<Remark>,
 }
@@ -224,8 +225,8 @@ pub struct ObservedAssembly {
     pub lines: Vec<usize>,
     /// What was set right in the data, or is doubtful in them.
     pub remarks: Vec<Remark>,
-    /// The body (clump, molecule) of each grain that belongs to one of several grains, by the id of the grain.
-    pub bodies: HashMap<u64, u64>,
+    /// The clump (molecule, body) of each sphere that belongs to one of several grains, by the id of the grain.
+    pub clump_of: HashMap<u64, u64>,
     /// True if the contacts were computed from the overlaps of the grains, since the data have none.
     pub contacts_are_computed: bool,
 }
@@ -239,7 +240,7 @@ impl ObservedAssembly {
             origin,
             lines: Vec::new(),
             remarks: Vec::new(),
-            bodies: HashMap::new(),
+            clump_of: HashMap::new(),
             contacts_are_computed: false,
         }
     }
@@ -346,6 +347,30 @@ impl ObservedAssembly {
         .with_spheres(spheres);
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         ObservedAssembly::new(assembly, parts, packing.origin)
+    }
+}
+
+impl ObservedState for ObservedAssembly {
+    fn grains(&self) -> usize {
+        self.assembly.bodies.len()
+    }
+    fn contacts(&self) -> usize {
+        self.assembly.contacts.len()
+    }
+    fn step(&self) -> u64 {
+        self.assembly.step
+    }
+    fn macro_state(&self) -> MacroState {
+        MacroState::from_assembly(&self.assembly)
+    }
+    fn parts(&self) -> Parts {
+        self.parts
+    }
+    fn assembly_into(&self, assembly: &mut Assembly) {
+        assembly.clone_from(&self.assembly);
+    }
+    fn as_any(&self) -> &dyn Any {
+        self
     }
 }
 

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_core::Part;
 use granum_core::assembly::Matrix;
-use granum_dem::loading::MacroState;
+use granum_core::{Cell, MacroState, ObservedState, Part};
+use granum_dem::config::{ContactModel, Material};
+use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 use granum_io::formats::{Formats, FrameCell, JoinOptions, ObservedAssembly, ReadOptions};
+use granum_sensors::Sensors;
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/results").join(name)
@@ -493,4 +495,31 @@ fn names_of_columns_are_known_and_complete() {
     ];
     let found = read(&files);
     assert!(found[0].parts.has(granum_core::Part::NormalForces));
+}
+
+/// Sensors see a state of LAMMPS, from its dumps, and one of granum's engine through one interface: what follows from the places of the
+/// grains agrees.
+#[test]
+fn the_same_sensors_measure_states_of_lammps_and_of_granum() {
+    let theirs = lammps(COLUMNS).pop().unwrap();
+    let packing = theirs.packing(Path::new("grains.dump")).unwrap();
+    let sphere = |grain: &granum_io::packing::PackedGrain| InitialSphere {
+        id: grain.id,
+        position: packing.from_corner(grain),
+        radius: grain.radius,
+    };
+    let spheres: Vec<InitialSphere> = packing.grains.iter().map(sphere).collect();
+    let properties = Properties::new(Material::default(), ContactModel::default());
+    let ours = Simulation::new(Cell { edges: packing.cell }, &spheres, properties).unwrap();
+    let states: [&dyn ObservedState; 2] = [&theirs, &ours];
+    assert_eq!(states.map(|state| state.grains()), [24, 24]);
+    assert_eq!(states.map(|state| state.contacts()), [theirs.assembly.contacts.len(); 2]);
+    let measured = states.map(|state| Sensors::standard().measure_state(state));
+    for column in ["solid_fraction", "void_ratio", "coordination_number", "fabric_11", "mean_overlap"] {
+        let [one, two] = measured.each_ref().map(|measured| measured.value(column));
+        let (Some(one), Some(two)) = (one, two) else { panic!("{column}: {one:?} {two:?}") };
+        assert!(one != 0.0 && (two / one - 1.0).abs() < 1e-9, "{column}: {one} {two}");
+    }
+    // LAMMPS does not say how much energy its contacts hold.
+    assert!(measured[0].value("elastic_normal_energy").is_none() && measured[1].value("elastic_normal_energy").is_some());
 }

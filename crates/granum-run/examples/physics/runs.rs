@@ -131,8 +131,8 @@ impl SimulationObserver for SeriesObserver {
     fn next_observation(&self) -> f64 {
         self.0.next_observation()
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        self.0.observe(&simulation.assembly());
+    fn observe(&mut self, state: &dyn granum_core::ObservedState) {
+        self.0.observe(&state.assembly());
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::io::{Result as IoResult, Write};
 use std::path::Path;
+use std::sync::Arc;
 
-use granum_core::{Assembly, Table};
-use granum_dem::simulation::Simulation;
+use granum_core::{Assembly, ObservedState, Table};
 use granum_io::Result;
 use granum_io::run::RunRecord;
 use granum_sensors::{Record, RecordedState};
@@ -84,8 +84,8 @@ pub trait Sink {
         None
     }
 
-    /// The simulation at the end of the run, from an engine that has one in this process.
-    fn keep(&mut self, simulation: Simulation) {
-        drop(simulation);
+    /// The state at the end of the run, from an engine that has it in this process: granum's own gives its simulation.
+    fn keep(&mut self, state: Arc<dyn ObservedState + Send + Sync>) {
+        drop(state);
     }
 }

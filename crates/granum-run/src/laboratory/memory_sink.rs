@@ -1,22 +1,24 @@
 //! Memory as the sink of an engine.
 
-use granum_dem::simulation::Simulation;
+use std::sync::Arc;
+
+use granum_core::ObservedState;
 use granum_io::Result;
 use granum_io::run::RunRecord;
 use granum_sensors::Record;
 
 use crate::engine::sink::Sink;
 
-/// Keeps the record, the measurements and the simulation of a run that writes no files.
+/// Keeps the record, the measurements and the last state of a run that writes no files.
 pub(super) struct MemorySink {
     pub(super) about: RunRecord,
     pub(super) measurements: Record,
-    pub(super) simulation: Option<Simulation>,
+    pub(super) state: Option<Arc<dyn ObservedState + Send + Sync>>,
 }
 
 impl MemorySink {
     pub(super) fn new(about: RunRecord) -> MemorySink {
-        MemorySink { about, measurements: Record::default(), simulation: None }
+        MemorySink { about, measurements: Record::default(), state: None }
     }
 }
 
@@ -28,7 +30,7 @@ impl Sink for MemorySink {
         self.measurements = record.clone();
         Ok(())
     }
-    fn keep(&mut self, simulation: Simulation) {
-        self.simulation = Some(simulation);
+    fn keep(&mut self, state: Arc<dyn ObservedState + Send + Sync>) {
+        self.state = Some(state);
     }
 }

@@ -61,11 +61,11 @@ impl PlannedRun {
     pub fn in_memory(self, observer: &mut dyn SimulationObserver) -> Result<RunResult, LaboratoryError> {
         let mut sink = MemorySink::new(self.run.record.clone());
         self.run.run(&mut sink, observer)?;
-        let MemorySink { mut about, measurements, simulation } = sink;
+        let MemorySink { mut about, measurements, state } = sink;
         if about.status == RunStatus::Running {
             about.status = RunStatus::Finished;
         }
-        Ok(RunResult { record: measurements, about, simulation })
+        Ok(RunResult { record: measurements, about, state })
     }
 }
 

@@ -1,5 +1,8 @@
 //! The result of a run that was kept in memory.
 
+use std::sync::Arc;
+
+use granum_core::ObservedState;
 use granum_dem::simulation::Simulation;
 use granum_io::RunRecord;
 use granum_sensors::Record;
@@ -14,17 +17,18 @@ pub struct RunResult {
     pub record: Record,
     /// The record of the run: measures, quality flags, notes, numbers of steps.
     pub about: RunRecord,
-    /// The simulation at the end of the run, which can be inspected or continued, from an engine that has one in this process.
-    pub simulation: Option<Simulation>,
+    /// The state at the end of the run, which can be observed, from an engine that has it in this process.
+    pub state: Option<Arc<dyn ObservedState + Send + Sync>>,
 }
 
 impl RunResult {
-    /// The simulation at the end of the run.
+    /// The simulation at the end of the run, which can be inspected or copied and continued.
     ///
     /// # Errors
-    /// [`EngineError::NoSimulation`] if the engine has none in this process.
+    /// [`EngineError::NoSimulation`] if the engine has none in this process, or is not granum's own.
     pub fn simulation(&self) -> Result<&Simulation, LaboratoryError> {
         let engine = || EngineError::NoSimulation { engine: self.about.engine.clone() };
-        self.simulation.as_ref().ok_or_else(|| engine().into())
+        let state = self.state.as_ref().and_then(|state| state.as_any().downcast_ref());
+        state.ok_or_else(|| engine().into())
     }
 }

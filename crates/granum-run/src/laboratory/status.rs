@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
+use granum_core::ObservedState;
 use granum_core::observer::Progress as Report;
 use granum_dem::invariants::{deviatoric_strain, signed_von_mises};
 use granum_dem::loading::Measure;
 use granum_dem::observer::SimulationProgress;
 use granum_dem::preparation::Phase;
-use granum_dem::simulation::Simulation;
 
 use crate::strength::symmetry::axial_deviator;
 
@@ -29,7 +29,7 @@ impl ProgressField {
 
 /// The progress of a run as one readable line.
 pub fn line(progress: &SimulationProgress) -> String {
-    let s = progress.simulation.state();
+    let state = progress.state;
     let mut parts = Vec::new();
     if progress.trial > 1 && progress.phase != Phase::Test {
         parts.push(format!("trial {}", progress.trial));
@@ -41,7 +41,11 @@ pub fn line(progress: &SimulationProgress) -> String {
     if progress.phase == Phase::Test {
         parts.push(stress_ratio(progress));
     }
-    parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
+    parts.push(format!(
+        "p {:.2} kPa  solid fraction {:.4}",
+        state.macro_state().mean_stress() / 1e3,
+        state.solid_fraction()
+    ));
     if progress.phase != Phase::Test {
         parts.push(format!("coordination number {:.3}", coordination_number(progress)));
     }
@@ -53,7 +57,7 @@ pub fn line(progress: &SimulationProgress) -> String {
 /// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last. A sample that is
 /// being made has its coordination number Z in place of the stress ratio.
 pub fn fields(progress: &SimulationProgress) -> Vec<ProgressField> {
-    let s = progress.simulation.state();
+    let state = progress.state;
     let mut fields = Vec::new();
     if progress.trial > 1 && progress.phase != Phase::Test {
         fields.push(ProgressField::new(1, format!("trial {}", progress.trial)));
@@ -64,8 +68,8 @@ pub fn fields(progress: &SimulationProgress) -> Vec<ProgressField> {
     if progress.phase == Phase::Test {
         fields.push(ProgressField::new(2, stress_ratio(progress)));
     }
-    fields.push(ProgressField::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
-    fields.push(ProgressField::new(0, format!("density {:.3}", s.solid_fraction())));
+    fields.push(ProgressField::new(3, format!("p {:.1} kPa", state.macro_state().mean_stress() / 1e3)));
+    fields.push(ProgressField::new(0, format!("density {:.3}", state.solid_fraction())));
     if progress.phase != Phase::Test {
         fields.push(ProgressField::new(2, format!("Z {:.2}", coordination_number(progress))));
     }
@@ -100,28 +104,27 @@ fn is_of_path(progress: &SimulationProgress) -> bool {
 
 /// Contacts of a grain, of all grains.
 fn coordination_number(progress: &SimulationProgress) -> f64 {
-    let s = progress.simulation.state();
-    2.0 * s.contacts() as f64 / s.grains().max(1) as f64
+    2.0 * progress.state.contacts() as f64 / progress.state.grains().max(1) as f64
 }
 
 /// The deviator strain where it spaces the states of the stage, and else the deviatoric strain.
 fn strain(progress: &SimulationProgress) -> f64 {
-    let s = progress.simulation.state();
+    let macro_state = progress.state.macro_state();
     match progress.measure {
-        Some(Measure::AxialDeviatorStrain) => s.deviator_strain(),
-        _ => deviatoric_strain(&s.strain()),
+        Some(measure @ Measure::AxialDeviatorStrain) => measure.value(&macro_state),
+        _ => deviatoric_strain(&macro_state.strain),
     }
 }
 
 /// The ratio q/p of an axisymmetric stage, with the axial stress less the mean lateral one as q; of a general stage that of the von
 /// Mises stress, without sign. Zero if p is zero.
 fn stress_ratio(progress: &SimulationProgress) -> String {
-    let s = progress.simulation.state();
+    let macro_state = progress.state.macro_state();
     let (name, q) = match progress.axis {
-        Some(axis) => ("q/p", axial_deviator(&s.stress(), axis)),
-        None => ("q_vM/p", signed_von_mises(&s.stress()).abs()),
+        Some(axis) => ("q/p", axial_deviator(&macro_state.stress, axis)),
+        None => ("q_vM/p", signed_von_mises(&macro_state.stress).abs()),
     };
-    let p = s.mean_stress();
+    let p = macro_state.mean_stress();
     format!("{name} {:.3}", if p == 0.0 { 0.0 } else { q / p })
 }
 
@@ -153,14 +156,14 @@ impl Speedometer {
     }
 
     /// The speed. Until the current one has been measured for half a second, the previous value is returned.
-    pub(crate) fn rate(&mut self, simulation: &Simulation) -> Option<f64> {
-        let step = simulation.state().step();
+    pub(crate) fn rate(&mut self, state: &dyn ObservedState) -> Option<f64> {
+        let step = state.step();
         let seconds = self.since.elapsed().as_secs_f64();
         let steps = self.step.and_then(|before| step.checked_sub(before));
         match steps {
             Some(_) if seconds <= 0.5 => {}
             Some(steps) => {
-                let rate = steps as f64 * simulation.state().grains() as f64 / seconds;
+                let rate = steps as f64 * state.grains() as f64 / seconds;
                 *self = Speedometer { step: Some(step), rate: Some(rate), since: Instant::now() };
             }
             // A new segment or phase has begun.
@@ -174,7 +177,7 @@ impl Speedometer {
 mod tests {
     use granum_core::cell::Cell;
     use granum_dem::config::{ContactModel, Material};
-    use granum_dem::simulation::{InitialSphere, Properties};
+    use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 
     use super::*;
 

@@ -39,7 +39,7 @@ impl Shares {
     /// Notes the progress of a run.
     pub fn update(&mut self, run: usize, progress: &SimulationProgress) {
         // The solid fraction of a sample grows from nearly nothing to about two thirds.
-        let prepared = progress.simulation.state().solid_fraction();
+        let prepared = progress.state.solid_fraction();
         let share = match (progress.phase, self.is_sample[run]) {
             (Phase::Test, _) => {
                 PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * progress.fraction.unwrap_or(0.0)

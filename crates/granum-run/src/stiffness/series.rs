@@ -1,6 +1,6 @@
 //! The stiffness at chosen states of a test, as a table.
 
-use granum_core::{Column, Table};
+use granum_core::{Column, ObservedState, Table};
 use granum_dem::invariants::signed_von_mises;
 use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress};
 use granum_dem::servo::COMPONENTS;
@@ -100,7 +100,9 @@ impl SimulationObserver for Probes {
         if self.is_on && self.failed.is_none() { due } else { f64::INFINITY }
     }
 
-    fn observe(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, state: &dyn ObservedState) {
+        // Probes are made on copies of the simulation, which only granum's engine has.
+        let Some(simulation) = state.as_any().downcast_ref::<Simulation>() else { return };
         if self.due.is_empty() {
             return;
         }

@@ -1,6 +1,6 @@
 //! Measuring assemblies outside a test: what could be measured, and what not, with the reason.
 
-use granum_core::{Assembly, Part, Parts};
+use granum_core::{Assembly, ObservedState, Part, Parts};
 use granum_dem::config::Recording;
 
 use super::Sensors;
@@ -11,6 +11,11 @@ impl Sensors {
     /// Evaluates every sensor for which the known parts of an assembly suffice, and reports the others with the reason.
     pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
         self.measure_with(assembly, parts, &Recording::default())
+    }
+
+    /// The same of a state, whoever computes it: granum's engine, another program, a file.
+    pub fn measure_state(&self, state: &dyn ObservedState) -> Measurement {
+        self.measure(&state.assembly(), state.parts())
     }
 
     /// As [`Sensors::measure`], with the parameters of sensors and the bins of a recording.

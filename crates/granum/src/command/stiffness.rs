@@ -5,8 +5,8 @@ use granum_io::RunKind;
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_core::Table;
 use granum_core::quantity::{Dimension, parse_quantity};
+use granum_core::{ObservedState, Table};
 use granum_dem::simulation::Simulation;
 use granum_io::shell::ShowPath;
 use granum_run::stiffness::{Probed, Probes, Probing, degradation, degradation_table, table};
@@ -174,8 +174,8 @@ impl granum_run::SimulationObserver for Until<'_> {
     fn next_observation(&self) -> f64 {
         self.probes.next_observation()
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        self.probes.observe(simulation);
+    fn observe(&mut self, state: &dyn ObservedState) {
+        self.probes.observe(state);
     }
     fn progress(&mut self, progress: &granum_run::SimulationProgress) -> granum_run::Flow {
         match self.probes.due().is_empty() {

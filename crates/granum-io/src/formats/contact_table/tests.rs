@@ -119,7 +119,7 @@ fn pairs_that_are_missing_are_decided_by_their_owner() {
     assert_eq!((of("no-contacts"), of("without-force")), (vec![3.0], vec![3.0, 0.0]));
     // Parts of one body do not touch each other.
     let mut dimer = grains();
-    dimer.bodies = [(2, 5), (3, 5)].into();
+    dimer.clump_of = [(2, 5), (3, 5)].into();
     assert!(read_with(dimer, rows(), ContactOptions::default()).is_ok());
 }
 

@@ -3,13 +3,13 @@
 
 use std::cell::RefCell;
 
+use granum_core::ObservedState;
 use granum_core::assembly::Assembly;
 use granum_core::observer::Event;
 use granum_core::quantity::format_number;
 use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Measure, StageProgress};
 use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress, Work};
-use granum_dem::simulation::Simulation;
 use granum_sensors::{RecordedState, Recorder};
 
 use super::pace::Interval;
@@ -42,7 +42,7 @@ impl<'a> Follow<'a, '_> {
         announced.stage = self.stage.or(progress.stage);
         announced.axis = self.axis.or(progress.axis);
         announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
-        announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
+        announced.grain_steps_per_second = self.speedometer.rate(progress.state);
         announced
     }
 }
@@ -70,8 +70,8 @@ impl SimulationObserver for Follow<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.observer.borrow().next_observation()
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        self.observer.borrow_mut().observe(simulation);
+    fn observe(&mut self, state: &dyn ObservedState) {
+        self.observer.borrow_mut().observe(state);
     }
 }
 
@@ -122,8 +122,8 @@ impl SimulationObserver for StageRecording<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.recorder.next_observation()
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        simulation.assembly_into(&mut self.assembly);
+    fn observe(&mut self, state: &dyn ObservedState) {
+        state.assembly_into(&mut self.assembly);
         self.recorder.observe(&self.assembly);
         self.tell(self.recorder.complete_states());
     }
@@ -162,12 +162,11 @@ impl SimulationObserver for Snapshots<'_, '_> {
     fn next_observation(&self) -> f64 {
         self.due.first().copied().unwrap_or(f64::INFINITY)
     }
-    fn observe(&mut self, simulation: &Simulation) {
-        let here =
-            self.measure.value(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
+    fn observe(&mut self, state: &dyn ObservedState) {
+        let here = self.measure.value(&state.macro_state()) - self.stage_progress.origin(self.measure);
         while self.due.first().is_some_and(|due| *due <= here) {
             let name = snapshot_name(self.due.remove(0));
-            if let Err(error) = self.outlet.sink.borrow_mut().save_snapshot(&name, &simulation.assembly()) {
+            if let Err(error) = self.outlet.sink.borrow_mut().save_snapshot(&name, &state.assembly()) {
                 self.failed.get_or_insert(error);
             }
         }

@@ -71,6 +71,8 @@ fn row(simulation: &Simulation, trial: usize, phase: u8, steps: u64, time: f64) 
 impl PreparationCurve {
     /// Stores a row if one is due.
     pub(super) fn observe(&mut self, progress: &SimulationProgress) {
+        // Other engines have no preparation of their own.
+        let Some(simulation) = progress.simulation() else { return };
         let phase = number(progress.phase);
         let here = Some((progress.trial, phase, progress.steps));
         if self.last == here {
@@ -90,7 +92,7 @@ impl PreparationCurve {
             });
             self.thinned += 1;
         }
-        self.rows.push(row(progress.simulation, progress.trial, phase, progress.steps, progress.time));
+        self.rows.push(row(simulation, progress.trial, phase, progress.steps, progress.time));
     }
 
     /// Stores the final state of a preparation or consolidation as a row.

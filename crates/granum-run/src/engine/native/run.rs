@@ -2,6 +2,7 @@
 //! differs from that of the sample) and test. A checkpoint is written between the parts, at intervals of wall time, and
 //! when the observer stops the run.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use granum_dem::loading::StageEnd;
@@ -181,7 +182,7 @@ impl TaskExecution {
                     write_sample(sink, &run_state)?;
                     if sink.record().kind == RunKind::Sample {
                         run_state.write_into(sink.record());
-                        sink.keep(run_state.simulation);
+                        sink.keep(Arc::new(run_state.simulation));
                         return Ok(None);
                     }
                     match consolidation::wanted(case) {
@@ -218,7 +219,7 @@ impl TaskExecution {
             match segment {
                 Segment::Complete => {
                     complete(case, &run_state, sink, observer)?;
-                    sink.keep(run_state.simulation);
+                    sink.keep(Arc::new(run_state.simulation));
                     return Ok(None);
                 }
                 Segment::GoOn if phase.is_none() => {}
@@ -231,7 +232,7 @@ impl TaskExecution {
                 Segment::Stop => {
                     save(sink, &run_state)?;
                     sink.record().status = RunStatus::Interrupted;
-                    sink.keep(run_state.simulation);
+                    sink.keep(Arc::new(run_state.simulation));
                     return Ok(None);
                 }
             }
