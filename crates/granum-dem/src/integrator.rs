@@ -1,10 +1,13 @@
 //! The time integrator: the serial part of a step. It keeps the neighbour lists, the time step, the servo and the energy
 //! balance; the parallel stages of a step are in [`crate::kernel`].
 
+use std::sync::Arc;
+
 use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
+use crate::boundary::Boundary;
 use crate::clump::clumps::NO_CLUMP;
 use crate::config::MOST_CONTACTS;
 use crate::contact::choice::contact_model::ContactModel;
@@ -60,10 +63,12 @@ pub(crate) struct Integrator {
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
     /// The clump of each row, and the arm of each from the centre of its body; empty without clumps. Both follow from the state.
-    clump_of: Vec<u32>,
-    arms: Vec<Row4>,
+    pub(crate) clump_of: Vec<u32>,
+    pub(crate) arms: Vec<Row4>,
     /// Share of the time step of spheres that all clumps allow.
     clump_share: f64,
+    /// What acts on grains from outside, beside the cell.
+    pub(crate) boundaries: Vec<Arc<dyn Boundary>>,
     /// Goals that end a series of steps early.
     pub(crate) goals: Vec<MeasureGoal>,
     /// Largest radius of a piece, and mean radius of the spheres of the volumes of the bodies, m.
@@ -94,6 +99,7 @@ impl Integrator {
             clump_of: Vec::new(),
             arms: Vec::new(),
             clump_share: 1.0,
+            boundaries: Vec::new(),
             goals: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
@@ -359,8 +365,9 @@ impl Integrator {
 
     /// Serial work after the contacts: totals, energy balance, list statistics.
     pub(crate) fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
+        self.state.sums = ContactSums::total(&self.contact_sums);
+        self.add_loads();
         let state = &mut self.state;
-        state.sums = ContactSums::total(&self.contact_sums);
         state.ledger.add(state.dt, &state.sums);
         state.time += state.dt;
         state.step += 1;

@@ -4,6 +4,7 @@
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
 
+pub mod boundary;
 pub mod checkpoint;
 pub mod clump;
 pub mod config;

@@ -2,11 +2,13 @@
 
 use std::any::Any;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use granum_core::{MacroState, ObservedState, Parts};
 use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, Vector};
+use crate::boundary::Boundary;
 use crate::cell::Cell;
 use crate::clump::clumps::Clumps;
 use crate::clump::placed::PlacedBodies;
@@ -173,6 +175,18 @@ impl Simulation {
     /// with [`Simulation::set_properties`]. Results have the same bits and take longer: for comparisons of the two.
     pub fn call_laws_through_slots(&mut self) {
         self.integrator.stages = ContactStages::any();
+    }
+
+    /// Adds something that acts on the grains from outside, from the next step on. It is no part of a checkpoint.
+    pub fn add_boundary(&mut self, boundary: Arc<dyn Boundary>) {
+        self.integrator.boundaries.push(boundary);
+        stepping::forces(&mut self.integrator);
+        self.integrator.reset_time_step();
+    }
+
+    /// What acts on the grains from outside.
+    pub fn boundaries(&self) -> &[Arc<dyn Boundary>] {
+        &self.integrator.boundaries
     }
 
     /// Sets the control of the cell and resets the servo.

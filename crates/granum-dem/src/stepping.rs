@@ -213,6 +213,7 @@ pub(crate) fn forces(integrator: &mut Integrator) {
         contact_stage(integrator)(&views, blocks);
     }
     integrator.state.sums = ContactSums::total(&integrator.contact_sums);
+    integrator.add_loads();
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! A program with what granum does not have, one file each: a contact law, a sensor, a loading path, a packing format, an engine, a
-//! method of surrogates with memory, a study, a scheduler of campaigns and a
+//! method of surrogates with memory, a study, a scheduler of campaigns, a boundary on which grains rest, and a
 //! subcommand. It has all commands of granum as well, which know them by name.
 //!
 //! `cargo run` tries them all; `cargo run -- pair --help` and other words are commands.
@@ -10,6 +10,7 @@ mod fluctuating_speeds;
 mod hardening_study;
 mod lattice;
 mod replay;
+mod rigid_plane;
 mod rolling_spring;
 mod spheres;
 mod this_process;

@@ -521,5 +521,8 @@ fn the_same_sensors_measure_states_of_lammps_and_of_granum() {
         assert!(one != 0.0 && (two / one - 1.0).abs() < 1e-9, "{column}: {one} {two}");
     }
     // LAMMPS does not say how much energy its contacts hold.
-    assert!(measured[0].value("elastic_normal_energy").is_none() && measured[1].value("elastic_normal_energy").is_some());
+    assert!(
+        measured[0].value("elastic_normal_energy").is_none()
+            && measured[1].value("elastic_normal_energy").is_some()
+    );
 }
