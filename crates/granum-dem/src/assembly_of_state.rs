@@ -14,6 +14,7 @@ use crate::images::{self, NO_IMAGE, image_vector};
 use crate::observed_pairs::{Observing, TOGETHER};
 use crate::state::State;
 use crate::state::bodies::BodyPlace;
+use crate::particle_row::ParticleRow;
 
 /// Number of grains between prefetching one and copying it.
 const GRAINS_AHEAD: usize = 12;
@@ -177,7 +178,7 @@ impl State {
         for piece in pieces {
             let row = self.particles[piece.row as usize];
             let arm = to_space(&rotation, &piece.centre);
-            out.pieces.push(Piece { body: out.bodies.len(), position: wrapped(row), radius: row.0[3], arm });
+            out.pieces.push(Piece { body: out.bodies.len(), position: wrapped(row), radius: row.radius(), arm });
         }
         out.bodies.push(Body {
             id: clump.id,
@@ -197,16 +198,17 @@ impl State {
     #[inline(always)]
     fn sphere<R: Real>(&self, g: usize, inverse: &Matrix) -> Sphere {
         let total = self.resultant(g);
-        let (p, w) = (&self.particles[g].0, &self.spin[g].0);
+        let (particle, w) = (&self.particles[g], &self.spin[g].0);
+        let radius = particle.radius();
         Sphere {
             id: self.ids[g],
             position: images::wrapped::<R>(&self.cell, inverse, &self.particles[g]).0,
-            velocity: [p[4], p[5], p[6]],
+            velocity: particle.velocity(),
             spin: [w[0], w[1], w[2]],
-            radius: p[3],
-            mass: p[7],
+            radius,
+            mass: particle.mass(),
             force: [total[0], total[1], total[2]],
-            torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
+            torque: [radius * total[4], radius * total[5], radius * total[6]],
             material: self.materials.get(g).copied().unwrap_or(0).into(),
         }
     }

@@ -20,6 +20,7 @@ use crate::saved_properties::SavedProperties;
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
+use crate::particle_row::ParticleRow;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
@@ -300,8 +301,8 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(state.films.is_empty() || state.films.len() == n, "films of liquid")?;
     require(state.films.iter().all(|film| film.is_finite() && *film >= 0.0), "films of liquid")?;
     let finite = state.particles.iter().flat_map(|r| r.0).all(f64::is_finite);
-    require(finite && state.particles.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")?;
-    let largest = state.particles[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+    require(finite && state.particles.iter().all(|r| r.radius() > 0.0 && r.mass() > 0.0), "grains")?;
+    let largest = state.particles[..n].iter().fold(0.0f64, |m, row| m.max(row.radius()));
     let (far, wide) = (1e6 * largest, 1e5 * largest);
     require(state.particles[n + 1].0 == [far, far, far, largest, 0.0, 0.0, 0.0, 1.0], "the phantom grain")?;
     // At such a distance nothing comes near the phantom.

@@ -3,6 +3,7 @@
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row4, Row8, ScalarKernel, dispatch, fused};
 
 use crate::cell::Cell;
+use crate::particle_row::ParticleRow;
 use granum_core::assembly::Matrix;
 use granum_core::geometry::{apply, invert};
 
@@ -103,7 +104,7 @@ impl ScalarKernel for Wrap<'_> {
 /// The position of a grain moved into the cell, whose edges have this inverse, and the image vector that was subtracted from it.
 #[inline(always)]
 pub(crate) fn wrapped<R: Real>(cell: &Cell, inverse: &Matrix, row: &Row8) -> ([f64; 3], [i32; 3]) {
-    let mut position = [row.0[0], row.0[1], row.0[2]];
+    let mut position = row.position();
     let [x, y, z] = times::<R>(inverse, position);
     let moved = [x.floor() as i32, y.floor() as i32, z.floor() as i32];
     if moved != [0; 3] {

@@ -27,6 +27,7 @@ use crate::servo::ServoInput;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
 use crate::team::RawSlice;
+use crate::particle_row::ParticleRow;
 
 /// Number of steps after which the time step may be raised.
 const TIME_STEP_WINDOW: u64 = 256;
@@ -125,7 +126,7 @@ impl Integrator {
         let bodies = state.bodies_in_order();
         let radii = bodies.iter().map(|body| state.equivalent_radius(*body));
         let pieces = &state.particles[..state.pieces()];
-        self.largest_radius = pieces.iter().map(|row| row.0[3]).fold(0.0, f64::max);
+        self.largest_radius = pieces.iter().map(|row| row.radius()).fold(0.0, f64::max);
         self.mean_radius = radii.sum::<f64>() / bodies.len() as f64;
         self.volumes = vec![0.0; self.properties.mixture.components.len()];
         for body in bodies {
@@ -165,9 +166,9 @@ impl Integrator {
 
     fn all_alike(&self) -> bool {
         let n = self.state.pieces();
-        let first = self.state.particles[0].0;
+        let first = self.state.particles[0];
         self.table.is_one()
-            && self.state.particles[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
+            && self.state.particles[..n].iter().all(|r| r.radius() == first.radius() && r.mass() == first.mass())
     }
 
     /// The material of the grain in a place; the phantoms have that of the first grain.
@@ -201,7 +202,7 @@ impl Integrator {
 
     /// The masses of the bodies of two rows, kg, if there are clumps: those of spheres follow from their radii.
     fn masses_of(&self, rows: [u32; 2]) -> Option<[f64; 2]> {
-        self.state.has_clumps().then(|| rows.map(|row| self.state.particles[row as usize].0[7]))
+        self.state.has_clumps().then(|| rows.map(|row| self.state.particles[row as usize].mass()))
     }
 
     /// Rebuilds the neighbour list: wraps the grains into the cell, sorts them in space every [`REORDER_EVERY`] rebuilds,
@@ -239,7 +240,7 @@ impl Integrator {
     }
 
     pub(crate) fn prepare_constants(&mut self) {
-        let radius = self.state.particles[0].0[3];
+        let radius = self.state.particles[0].radius();
         let laws = self.properties.contact;
         self.alike = self.constants_of_pieces([self.material_of(0); 2], [radius; 2], self.masses_of([0; 2]));
         self.range = self.table.range(self.largest_radius);
@@ -261,7 +262,7 @@ impl Integrator {
             for l in 0..LANES {
                 let [i, j] = [&self.state.pairs.first, &self.state.pairs.second].map(|list| list[b][l]);
                 let materials = [self.material_of(i), self.material_of(j)];
-                let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
+                let radii = [i, j].map(|grain| self.state.particles[grain as usize].radius());
                 let masses = self.masses_of([i, j]);
                 let make = || self.constants_of_pieces(materials, radii, masses).to_array();
                 let values = known.constants(materials, radii, masses, make);

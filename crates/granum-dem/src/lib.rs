@@ -39,6 +39,7 @@ mod liquid;
 mod observed_pairs;
 mod pair_table;
 mod pairs;
+mod particle_row;
 mod properties;
 mod rows;
 mod saved_properties;

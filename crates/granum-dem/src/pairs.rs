@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::cell::Cell;
 use crate::contact::evaluation::memory::Memory;
 use crate::rows;
+use crate::particle_row::ParticleRow;
 use granum_core::geometry::{apply, invert};
 
 /// Number of history columns before those of the laws: the old normal.
@@ -218,7 +219,7 @@ pub(crate) fn spatial_order(cell: &Cell, particles: &[Row8], spacing: f64) -> Ve
         .iter()
         .enumerate()
         .map(|(g, row)| {
-            let f = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
+            let f = apply(&inverse, row.position());
             let key = (0..3).fold(0, |key, a| key | spread_bits((f[a].max(0.0) * counts[a]) as u64) << a);
             (key, g as u32)
         })

@@ -11,6 +11,7 @@ use crate::initial_sphere::InitialSphere;
 use crate::observer::{Flow, NoObserver, SimulationObserver, Work};
 use crate::random::unit;
 use crate::sizes::SizeError;
+use crate::particle_row::ParticleRow;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;
@@ -269,7 +270,7 @@ impl Boxes {
                         (d - self.length * libm::round(d / self.length)).powi(2)
                     })
                     .sum();
-                square > (radius + other.0[3]).powi(2)
+                square > (radius + other.radius()).powi(2)
             })
         })
     }

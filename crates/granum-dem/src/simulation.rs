@@ -27,6 +27,7 @@ use crate::servo::{CellControl, Servo};
 use crate::state::bodies::BodyPlace;
 use crate::state::{ServoError, State};
 use crate::{images, stepping};
+use crate::particle_row::ParticleRow;
 
 pub use crate::clump::rigid_shape::{InitialBody, RigidShape, ShapePiece};
 pub use crate::hardware::Hardware;
@@ -110,7 +111,7 @@ impl Simulation {
             .collect();
         for clump in &clumps.bodies {
             for piece in clumps.pieces_of(clump) {
-                particles[piece.row as usize].0[7] = clump.mass;
+                particles[piece.row as usize].set_mass(clump.mass);
             }
         }
         let moved = images::wrap(&cell, &mut particles);
@@ -356,7 +357,7 @@ impl Simulation {
             match body {
                 BodyPlace::Sphere(row) => {
                     if let Some(v) = velocity {
-                        state.particles[row].0[4..7].copy_from_slice(v);
+                        state.particles[row].set_velocity(v);
                     }
                     if let Some(w) = spin {
                         state.spin[row].0[..3].copy_from_slice(w);
@@ -445,7 +446,7 @@ fn check_spheres(cell: &Cell, spheres: &[InitialSphere], clumps: &Clumps) -> Res
 
 /// Smallest radius of a piece, m.
 fn smallest(state: &State) -> f64 {
-    state.particles[..state.pieces()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
+    state.particles[..state.pieces()].iter().fold(f64::INFINITY, |m, row| m.min(row.radius()))
 }
 
 impl Integrator {
@@ -489,7 +490,7 @@ impl Integrator {
         let grains = state.pieces();
         let slower = 1.0 / ratio.sqrt();
         for (particle, spin) in state.particles[..grains].iter_mut().zip(&mut state.spin) {
-            particle.0[7] *= ratio;
+            particle.set_mass(particle.mass() * ratio);
             for k in 0..3 {
                 particle.0[4 + k] *= slower;
                 spin.0[k] *= slower;

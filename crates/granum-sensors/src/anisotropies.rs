@@ -20,7 +20,7 @@ use granum_dem::invariants::deviator;
 use crate::fabric::fabric;
 use crate::ratio::mean;
 use crate::tensor::{add_dyad, scaled, signed_size, trace};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Anisotropies;
@@ -30,7 +30,7 @@ impl Sensor for Anisotropies {
         SensorDescription::new(
             "anisotropies",
             "anisotropies of contacts and forces, and the stress ratio that follows from them",
-        )
+        ).of(Subject::Contacts)
         .columns([
             SensorColumn::new("contact_anisotropy", "1", "a_c of the contact normals"),
             SensorColumn::new("normal_force_anisotropy", "1", "a_n of the normal forces by direction"),

@@ -8,7 +8,7 @@ use granum_core::Part;
 use granum_core::energy::MechanismGroup;
 
 use crate::energy::mechanism_columns;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Attraction;
@@ -27,7 +27,7 @@ impl Sensor for Attraction {
         SensorDescription::new(
             "attraction",
             "energy of additional adhesion, and number of separated pairs that it attracts",
-        )
+        ).of(Subject::Contacts)
         .columns(columns.map(SensorColumn::optional))
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }

@@ -12,7 +12,7 @@ use granum_core::geometry::{apply, determinant, invert};
 use crate::force_chains::Chains;
 use crate::numerics::acos_degrees;
 use crate::ratio::{mean, ratio};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Smallest decrease of the angle of a segment that counts as buckling, degrees.
 const BEND: f64 = 2.0;
@@ -24,7 +24,7 @@ pub struct ChainBuckling;
 
 impl Sensor for ChainBuckling {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)")
+        SensorDescription::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)").of(Subject::Bodies)
             .columns([
                 SensorColumn::new(
                     "buckling_fraction",

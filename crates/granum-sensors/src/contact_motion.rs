@@ -11,7 +11,7 @@ use granum_core::assembly::{Assembly, Contact, Vector};
 use granum_core::geometry::{apply, cross, dot};
 
 use crate::ratio::{mean, ratio};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct ContactMotion;
@@ -21,7 +21,7 @@ impl Sensor for ContactMotion {
         SensorDescription::new(
             "contact_motion",
             "rolling against sliding at the contacts, from the motion of the grains",
-        )
+        ).of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "rolling_fraction",

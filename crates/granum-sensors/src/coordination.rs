@@ -13,14 +13,14 @@
 use granum_core::Part;
 
 use crate::ratio::mean;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct CoordinationNumbers;
 
 impl Sensor for CoordinationNumbers {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("coordination", "mean number of contacts per grain, by several definitions")
+        SensorDescription::new("coordination", "mean number of contacts per grain, by several definitions").of(Subject::Bodies)
             .columns([
                 SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
                 SensorColumn::new(

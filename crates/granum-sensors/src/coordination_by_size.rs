@@ -7,7 +7,7 @@
 use granum_core::Part;
 
 use crate::ratio::mean;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Number of classes.
 pub const CLASSES: usize = 5;
@@ -20,7 +20,7 @@ impl Sensor for CoordinationBySize {
         SensorDescription::new(
             "coordination_by_size",
             "mean number of contacts of the grains of each fifth by size",
-        )
+        ).of(Subject::Bodies)
         .columns([
             SensorColumn::new("coordination_size_1", "1", "mean contacts of a grain of the smallest fifth"),
             SensorColumn::new("coordination_size_2", "1", "mean contacts of a grain of the second fifth"),

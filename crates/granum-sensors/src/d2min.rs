@@ -17,7 +17,7 @@ use granum_core::{Assembly, Part};
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
 use crate::tensor::add_dyad;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Largest distance of a neighbour, in largest diameters.
 const REACH: f64 = 1.5;
@@ -27,7 +27,7 @@ pub struct D2Min;
 
 impl Sensor for D2Min {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("d2min", "local rearrangement that is no strain, between two observations")
+        SensorDescription::new("d2min", "local rearrangement that is no strain, between two observations").of(Subject::Bodies)
             .columns([
                 SensorColumn::new(
                     "d2min",

@@ -12,14 +12,14 @@ use granum_core::assembly::Matrix;
 use crate::numerics::asin_degrees;
 use crate::ratio::ratio;
 use crate::tensor::{eigenvalues, trace};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Dilatancy;
 
 impl Sensor for Dilatancy {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations")
+        SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations").of(Subject::Sample)
             .columns([SensorColumn::new(
                 "dilatancy_angle",
                 "deg",

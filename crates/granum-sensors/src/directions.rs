@@ -10,7 +10,7 @@ use granum_core::assembly::{Contact, Matrix};
 
 use crate::ratio::ratio;
 use crate::tensor::{add_dyad, principal, scaled, trace};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Directions;
@@ -54,7 +54,7 @@ impl Sensor for Directions {
         SensorDescription::new(
             "directions",
             "principal values and directions of contacts, normal forces and branches",
-        )
+        ).of(Subject::Contacts)
         .columns(columns.into_iter().flatten())
         .needing(&[Part::Contacts])
     }

@@ -7,7 +7,7 @@
 //! resist rolling, the right-hand side also includes `rolling_work` of [`crate::rolling`], and if an adhesion law acts, the change of
 //! energy and the loss of [`crate::attraction`].
 
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 use granum_core::energy::MechanismGroup;
 
@@ -41,7 +41,7 @@ impl Sensor for Energy {
         SensorDescription::new(
             "energy",
             "stored energies and the energy balance of work and losses since the start of the phase",
-        )
+        ).of(Subject::Sample)
         .columns(stored.into_iter().chain(mechanism_columns(MechanismGroup::Forces)))
     }
 

@@ -10,7 +10,7 @@ use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
 
 use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Fabric;
@@ -20,7 +20,7 @@ impl Sensor for Fabric {
         SensorDescription::new(
             "fabric",
             "Satake's fabric tensor and its deviator, also for strong and weak contacts separately",
-        )
+        ).of(Subject::Contacts)
         .columns([
             SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
             SensorColumn::new("fabric_22", "1", "phi_22"),

@@ -13,7 +13,7 @@ use granum_core::geometry::dot;
 
 use crate::ratio::{mean, ratio};
 use crate::tensor::{add_dyad, principal, scaled};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Cosine of the largest angle between a link and the major directions.
 const ALIGNED: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -25,7 +25,7 @@ pub struct ForceChains;
 
 impl Sensor for ForceChains {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("force_chains", "number and length of the force chains (Peters et al. 2005)")
+        SensorDescription::new("force_chains", "number and length of the force chains (Peters et al. 2005)").of(Subject::Bodies)
             .columns([
                 SensorColumn::new("force_chains", "1", "number of chains of three grains or more"),
                 SensorColumn::new("chain_grain_fraction", "1", "grains in chains over all grains"),

@@ -8,14 +8,14 @@ use granum_core::assembly::Matrix;
 use granum_dem::invariants::mobilised_friction;
 
 use crate::numerics::asin_degrees;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct FrictionAngle;
 
 impl Sensor for FrictionAngle {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("friction_angle", "mobilised friction angle of the principal stresses")
+        SensorDescription::new("friction_angle", "mobilised friction angle of the principal stresses").of(Subject::Sample)
             .columns([SensorColumn::new(
                 "mobilised_friction_angle",
                 "deg",

@@ -8,14 +8,14 @@ use granum_core::Part;
 use granum_core::assembly::{Assembly, Body, Vector};
 
 use crate::ratio::{mean, ratio};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct GranularTemperature;
 
 impl Sensor for GranularTemperature {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("granular_temperature", "mean square of the fluctuating velocities and spins")
+        SensorDescription::new("granular_temperature", "mean square of the fluctuating velocities and spins").of(Subject::Bodies)
             .columns([
                 SensorColumn::new("granular_temperature", "m2/s2", "T = <(v' - <v'>)^2> / 3"),
                 SensorColumn::new("rotational_temperature", "m2/s2", "<(R omega)^2> / 3")

@@ -5,7 +5,7 @@
 //! scaling, since it is computed from the masses), p the measured mean stress. 0 where p is not positive.
 
 use crate::solid_fraction::grain_volume;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -16,7 +16,7 @@ impl Sensor for InertialNumber {
         SensorDescription::new(
             "inertial_number",
             "ratio of inertial forces to confinement; quasi-static below about 1e-3",
-        )
+        ).of(Subject::Sample)
         .columns([SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")])
         .needing(&[
             Part::Cell,

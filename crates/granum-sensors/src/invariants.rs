@@ -7,7 +7,7 @@ use granum_dem::invariants::{
 };
 
 use crate::ratio::ratio;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor. It is recorded in every test with all columns; the section `[shear]` keeps those of its first version.
 pub struct Invariants;
@@ -17,7 +17,7 @@ impl Sensor for Invariants {
         SensorDescription::new(
             "invariants",
             "arc length of the strain path, shear strains, and invariants of stress and strain",
-        )
+        ).of(Subject::Sample)
         .columns([
             SensorColumn::new(
                 "arc_length",

@@ -80,4 +80,4 @@ pub use recorder::{MissedObservations, Recorder, SavedRecorder};
 pub use registry::{
     LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, measure_row,
 };
-pub use sensor::{Averaging, Memory, Sensor, SensorColumn, SensorDescription, Values};
+pub use sensor::{Averaging, Memory, Sensor, SensorColumn, SensorDescription, Subject, Values};

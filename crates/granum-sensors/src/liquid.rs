@@ -3,14 +3,14 @@
 
 use granum_core::Part;
 
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct LiquidVolumes;
 
 impl Sensor for LiquidVolumes {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("liquid", "liquid in films on grains and in bridges")
+        SensorDescription::new("liquid", "liquid in films on grains and in bridges").of(Subject::Sample)
             .columns([
                 SensorColumn::new("film_volume", "m3", "of the liquid in the films of all grains").optional(),
                 SensorColumn::new("bridge_volume", "m3", "of the liquid in all bridges").optional(),

@@ -16,7 +16,7 @@ use granum_dem::config::Recording;
 
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Distance up to which neighbours are searched first, over the largest radius.
 const FIRST_REACH: f64 = 4.0;
@@ -29,7 +29,7 @@ impl Sensor for LocalSolidFraction {
         SensorDescription::new(
             "local_solid_fraction",
             "solid fraction of each grain's cell in the radical Voronoi tessellation",
-        )
+        ).of(Subject::Bodies)
         .columns([
             SensorColumn::new("local_solid_fraction", "1", "mean over the grains"),
             SensorColumn::new("local_solid_fraction_deviation", "1", "standard deviation over the grains"),

@@ -13,7 +13,7 @@ use granum_dem::invariants::deviator;
 use crate::fabric::fabric;
 use crate::ratio::{mean, ratio};
 use crate::tensor::{contract, scaled, signed_size, trace};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct Networks;
@@ -23,7 +23,7 @@ impl Sensor for Networks {
         SensorDescription::new(
             "networks",
             "stress and fabric of the strong and the weak contacts, without reference to an axis",
-        )
+        ).of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "strong_mean_stress_share",

@@ -12,7 +12,7 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
 use crate::ratio::{mean, ratio};
-use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct NonaffineDisplacement;
@@ -22,7 +22,7 @@ impl Sensor for NonaffineDisplacement {
         SensorDescription::new(
             "nonaffine_displacement",
             "motion of the grains relative to the uniform strain of the cell",
-        )
+        ).of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "nonaffine_displacement",

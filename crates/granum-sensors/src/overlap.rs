@@ -1,7 +1,7 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a reasonable model while it is small (below about 1e-2).
 
 use crate::ratio::ratio;
-use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -9,7 +9,7 @@ pub struct Overlap;
 
 impl Sensor for Overlap {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("overlap", "overlap of the grains in contact")
+        SensorDescription::new("overlap", "overlap of the grains in contact").of(Subject::Contacts)
             .columns([SensorColumn::new(
                 "largest_overlap",
                 "1",

@@ -10,7 +10,7 @@ use granum_dem::config::Recording;
 
 use crate::force_distribution::{BIN_WIDTH, LARGEST_FORCE, bins_of};
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Bins, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct OverlapDistribution;
@@ -20,7 +20,7 @@ impl Sensor for OverlapDistribution {
         SensorDescription::new(
             "overlap_distribution",
             "distribution of the overlaps of contacts in compression",
-        )
+        ).of(Subject::Contacts)
         .columns([SensorColumn::new(
             "mean_overlap",
             "1",

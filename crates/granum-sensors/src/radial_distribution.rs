@@ -12,7 +12,7 @@ use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
-use crate::{Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// Width of a bin, and the largest distance, in mean diameters.
 const WIDTH: f64 = 0.05;
@@ -26,7 +26,7 @@ impl Sensor for RadialDistribution {
         SensorDescription::new(
             "radial_distribution",
             "distances of pairs of centres, for the radial distribution function",
-        )
+        ).of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "cell_volume_in_diameters",

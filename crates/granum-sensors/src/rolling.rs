@@ -5,7 +5,7 @@
 //! `damping_loss`.
 
 use crate::energy::mechanism_columns;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 use granum_core::energy::MechanismGroup;
 
@@ -19,7 +19,7 @@ impl Sensor for Rolling {
             "J",
             "stored by the rolling and twisting of all contacts",
         );
-        SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them")
+        SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them").of(Subject::Contacts)
             .columns(
                 [stored]
                     .into_iter()

@@ -5,7 +5,7 @@
 //! `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
 use crate::ratio::{mean, ratio};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// Number of bins.
@@ -30,7 +30,7 @@ pub struct RoseOfContacts;
 
 impl Sensor for RoseOfContacts {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("rose", "contact normals and forces by their angle to the axis of compression")
+        SensorDescription::new("rose", "contact normals and forces by their angle to the axis of compression").of(Subject::Contacts)
             .columns([
                 SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
                 SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),

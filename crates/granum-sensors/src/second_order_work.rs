@@ -7,14 +7,14 @@
 use granum_core::Part;
 use granum_core::assembly::Matrix;
 
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct SecondOrderWork;
 
 impl Sensor for SecondOrderWork {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("second_order_work", "second-order work between two observations")
+        SensorDescription::new("second_order_work", "second-order work between two observations").of(Subject::Sample)
             .columns([SensorColumn::new(
                 "second_order_work",
                 "Pa",

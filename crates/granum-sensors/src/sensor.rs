@@ -59,6 +59,29 @@ impl SensorColumn {
     }
 }
 
+/// What the values of a sensor speak of. A grain of one piece is both: its contacts are those of its piece.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Subject {
+    /// The sample as a whole: cell, servo, invariants of stress and strain, energies.
+    #[default]
+    Sample,
+    /// Bodies, that is grains: a grain of several pieces counts once, with its centre of mass and the size of the sphere of its volume.
+    Bodies,
+    /// Contacts between pieces: two grains of several pieces can have several.
+    Contacts,
+}
+
+impl Subject {
+    /// Its name in lists.
+    pub fn name(self) -> &'static str {
+        match self {
+            Subject::Sample => "the sample",
+            Subject::Bodies => "grains",
+            Subject::Contacts => "contacts",
+        }
+    }
+}
+
 /// The description of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -67,6 +90,8 @@ pub struct SensorDescription {
     pub name: &'static str,
     /// What it measures, in one line.
     pub help: &'static str,
+    /// What its values speak of.
+    pub subject: Subject,
     /// Its columns.
     pub columns: Vec<SensorColumn>,
     /// Its parameters, which a case gives as keys of `[recording]`.
@@ -78,16 +103,22 @@ pub struct SensorDescription {
 }
 
 impl SensorDescription {
-    /// A sensor without columns, which needs nothing.
+    /// A sensor of the sample as a whole, without columns, which needs nothing.
     pub fn new(name: &'static str, help: &'static str) -> SensorDescription {
         SensorDescription {
             name,
             help,
+            subject: Subject::default(),
             columns: Vec::new(),
             parameters: Vec::new(),
             needs: Vec::new(),
             remembers: false,
         }
+    }
+
+    /// The same sensor, whose values speak of this.
+    pub fn of(self, subject: Subject) -> SensorDescription {
+        SensorDescription { subject, ..self }
     }
 
     /// The same sensor with these columns.
@@ -137,6 +168,7 @@ pub type Memory = Vec<f64>;
 /// impl Sensor for Sizes {
 ///     fn description(&self) -> SensorDescription {
 ///         SensorDescription::new("sizes", "how large the grains are")
+///             .of(Subject::Bodies)
 ///             .columns([
 ///                 SensorColumn::new("largest_radius", "m", "the largest radius"),
 ///                 SensorColumn::new("grain_gain", "1", "grains that came since the last observation"),

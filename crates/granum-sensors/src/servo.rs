@@ -2,7 +2,7 @@
 //!
 //! Relative error `p/p_target - 1`; 0 where the servo has no target for the mean stress.
 
-use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Averaging, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -10,7 +10,7 @@ pub struct Servo;
 
 impl Sensor for Servo {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("servo", "relative error of the mean stress against the target of the servo")
+        SensorDescription::new("servo", "relative error of the mean stress against the target of the servo").of(Subject::Sample)
             .columns([
                 SensorColumn::new(
                     "servo_error_rms",

@@ -1,7 +1,7 @@
 //! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
 
 use crate::ratio::mean;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -9,7 +9,7 @@ pub struct Sliding;
 
 impl Sensor for Sliding {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("sliding", "contacts whose tangential force is at the friction limit")
+        SensorDescription::new("sliding", "contacts whose tangential force is at the friction limit").of(Subject::Contacts)
             .columns([
                 SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
                 SensorColumn::new(

@@ -1,7 +1,7 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, with overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
 use crate::ratio::ratio;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -9,7 +9,7 @@ pub struct SolidFraction;
 
 impl Sensor for SolidFraction {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell")
+        SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell").of(Subject::Bodies)
             .columns([SensorColumn::new(
                 "solid_fraction",
                 "1",

@@ -15,7 +15,7 @@ use granum_core::assembly::{Matrix, Vector};
 use crate::ratio::ratio;
 pub use crate::stress_tensor::Stress;
 use crate::tensor::{deviator, trace};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct StressSensor;
@@ -25,7 +25,7 @@ impl Sensor for StressSensor {
         SensorDescription::new(
             "stress",
             "stress tensor of the elastic contact forces and the parts of its deviator",
-        )
+        ).of(Subject::Contacts)
         .columns([
             SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
             SensorColumn::new("stress_12", "Pa", "sigma_12"),

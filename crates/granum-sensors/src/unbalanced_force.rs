@@ -6,7 +6,7 @@
 //! use maxima, some divide by the largest contact force, which gives a smaller value.
 
 use crate::ratio::{mean, ratio};
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 use granum_core::Part;
 use granum_core::geometry::length;
 
@@ -18,7 +18,7 @@ impl Sensor for UnbalancedForce {
         SensorDescription::new(
             "unbalanced_force",
             "mean resultant force on a grain over the mean contact force",
-        )
+        ).of(Subject::Bodies)
         .columns([SensorColumn::new(
             "unbalanced_force",
             "1",

@@ -5,14 +5,14 @@ use granum_core::Part;
 
 use crate::ratio::ratio;
 use crate::solid_fraction::grain_volume;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
 
 /// The sensor.
 pub struct VoidRatio;
 
 impl Sensor for VoidRatio {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("void_ratio", "volume of the voids over the volume of the grains")
+        SensorDescription::new("void_ratio", "volume of the voids over the volume of the grains").of(Subject::Bodies)
             .columns([SensorColumn::new(
                 "void_ratio",
                 "1",

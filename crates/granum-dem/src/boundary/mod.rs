@@ -16,6 +16,7 @@ use crate::assembly::Vector;
 use crate::clump::clumps::NO_CLUMP;
 use crate::integrator::Integrator;
 use crate::state::State;
+use crate::particle_row::ParticleRow;
 
 pub use weight::Weight;
 
@@ -97,13 +98,13 @@ impl Integrator {
     pub(crate) fn add_loads(&mut self) {
         for boundary in &self.boundaries {
             for row in 0..self.state.pieces() {
-                let (p, w) = (&self.state.particles[row].0, &self.state.spin[row].0);
+                let (particle, w) = (&self.state.particles[row], &self.state.spin[row].0);
                 let piece = BoundedPiece {
-                    position: [p[0], p[1], p[2]],
-                    radius: p[3],
-                    velocity: [p[4], p[5], p[6]],
+                    position: particle.position(),
+                    radius: particle.radius(),
+                    velocity: particle.velocity(),
                     spin: [w[0], w[1], w[2]],
-                    mass: p[7],
+                    mass: particle.mass(),
                 };
                 if let Some(load) = boundary.load(&piece) {
                     add(&mut self.state, row, &load, &piece);
@@ -111,9 +112,9 @@ impl Integrator {
             }
             for row in 0..self.state.pieces() {
                 if self.clump_of.get(row).is_none_or(|clump| *clump == NO_CLUMP) {
-                    let p = &self.state.particles[row].0;
-                    let velocity = [p[4], p[5], p[6]];
-                    let body = BoundedBody { position: [p[0], p[1], p[2]], velocity, mass: p[7] };
+                    let particle = &self.state.particles[row];
+                    let (position, velocity) = (particle.position(), particle.velocity());
+                    let body = BoundedBody { position, velocity, mass: particle.mass() };
                     let force = boundary.force(&body);
                     add_at_centre(&mut self.state, row, &force, &velocity, &[0.0; 3]);
                 }
@@ -145,7 +146,7 @@ fn add(state: &mut State, row: usize, load: &Load, piece: &BoundedPiece) {
 /// Adds a force at the centre of a body, one of whose pieces is in a row at this arm from it: the torque of the force at the piece is taken
 /// back.
 fn add_at_centre(state: &mut State, row: usize, force: &Vector, velocity: &Vector, arm: &Vector) {
-    let radius = state.particles[row].0[3];
+    let radius = state.particles[row].radius();
     let lever = cross(arm, force);
     let forces = &mut state.pairs.forces[row].0;
     for a in 0..3 {

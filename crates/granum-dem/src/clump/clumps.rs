@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::rotor;
 use crate::assembly::{Matrix, Vector};
 use crate::cell::Cell;
+use crate::particle_row::ParticleRow;
 
 /// Stands for "no clump" in a list of the clumps of rows.
 pub(crate) const NO_CLUMP: u32 = u32::MAX;
@@ -132,7 +133,7 @@ impl Clumps {
             for piece in self.pieces_of(clump) {
                 let arm = to_space(&rotation, &piece.centre);
                 let velocity = velocity_of_row(&clump.velocity, &spin, &arm, &arm, gradient);
-                particles[piece.row as usize].0[4..7].copy_from_slice(&velocity);
+                particles[piece.row as usize].set_velocity(&velocity);
                 spins[piece.row as usize].0[..3].copy_from_slice(&spin);
             }
         }

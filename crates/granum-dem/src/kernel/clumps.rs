@@ -12,6 +12,7 @@ use crate::assembly::Vector;
 use crate::clump::clumps::{Clump, ClumpPiece, velocity_of_row};
 use crate::clump::rotor;
 use crate::pairs::resultant;
+use crate::particle_row::ParticleRow;
 
 /// The stage of clumps for a range of blocks: each block moves a share of the clumps.
 pub(crate) struct ClumpStage<'a> {
@@ -55,7 +56,7 @@ fn loads<L: Lanes>(v: &Views, pieces: &[ClumpPiece]) -> [Vector; 2] {
             (
                 resultant::<L>(v.forces.read(), v.outer_offsets.read(), v.outer.read(), row),
                 v.arms.write(row..row + 1)[0].0,
-                v.particles.write(row..row + 1)[0].0[3],
+                v.particles.write(row..row + 1)[0].radius(),
             )
         };
         let lever = cross(&[arm[0], arm[1], arm[2]], &[total[0], total[1], total[2]]);

@@ -6,7 +6,6 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use granum_core::energy::MechanismEnergies;
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
 use super::fetch::{ROWS_AHEAD, coming_rows};
@@ -16,18 +15,17 @@ use super::order::Order;
 use super::part::{First, Part, Second, Whole};
 use super::push::Push;
 use super::source::ConstantSource;
+use super::sums::{self as sum, SUMS};
 use super::views::Views;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact::evaluation::interaction::{Interaction, PairMotion};
 use crate::contact::evaluation::memory::Memory;
 use crate::contact::law::energy_channel::{LAWS, SetEnergies};
 use crate::contact::law::limits::{LAW_CHANNELS, MAX_HISTORY};
-use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
 use crate::pairs::{Marks, NORMAL_COLUMNS};
 use granum_simd::vectors::dot;
 
-const SUMS: usize = 21;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
 /// The contact stage for a range of blocks.
@@ -130,31 +128,14 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             if sampled {
                 totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
             }
-            let Totals { mut sums, channels, fastest, discarded: lost } = totals;
-            sums[15] = lost.mul_add(L::splat(v.sampling_weight), sums[15]);
-            let s = reduced(&sums);
+            let Totals { sums: mut totals, channels, fastest, discarded: lost } = totals;
+            totals[sum::MICRO_SLIP] = lost.mul_add(L::splat(v.sampling_weight), totals[sum::MICRO_SLIP]);
+            let s = reduced(&totals);
             // SAFETY: only this thread works on this block in this stage.
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
-            *target = ContactSums {
-                virial: std::array::from_fn(|a| s[a]),
-                mechanisms: MechanismEnergies {
-                    tangential_work: s[9],
-                    friction: s[10],
-                    damping: s[11],
-                    micro_slip: s[15],
-                    adhesion_made: s[16],
-                    adhesion_broken: s[17],
-                    rolling_work: s[18],
-                    rolling: s[19],
-                    attraction_loss: s[20],
-                },
-                boundary_power: s[12],
-                stiffness: s[13],
-                normal_force: s[14],
-                channels: reduced_channels(&laws, &channels),
-                // For equal grains the single mass is divided by here.
-                fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
-            };
+            // For equal grains the single mass is divided by here.
+            let fastest = fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass };
+            *target = sum::contact_sums(&s, reduced_channels(&laws, &channels), fastest);
         }
     }
 }
@@ -346,13 +327,13 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     let sums = &mut totals.sums;
     let touching = P::mask(out.touching).bits() as u8;
     if touching != marks.touched {
-        sums[16] = sums[16] + P::part(out.adhesion_made);
-        sums[17] = sums[17] + P::part(out.adhesion_broken);
+        sums[sum::ADHESION_MADE] = sums[sum::ADHESION_MADE] + P::part(out.adhesion_made);
+        sums[sum::ADHESION_BROKEN] = sums[sum::ADHESION_BROKEN] + P::part(out.adhesion_broken);
     }
     let (mut attracting, mut changed) = (0, 0);
     if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
         attracting = P::mask(out.attracting).bits() as u8;
-        sums[20] = sums[20] + P::part(out.attraction_loss);
+        sums[sum::ATTRACTION_LOSS] = sums[sum::ATTRACTION_LOSS] + P::part(out.attraction_loss);
         if laws.shares_liquid() {
             changed = (marks.attracting | touching & !marks.touched) & !attracting;
         }
@@ -373,24 +354,25 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     for r in 0..3 {
         let pull = -P::part(out.elastic[r]);
         for k in 0..3 {
-            sums[3 * r + k] = pull.mul_add(branch[k], sums[3 * r + k]);
+            let place = sum::virial(r, k);
+            sums[place] = pull.mul_add(branch[k], sums[place]);
         }
     }
     let affine = common.affine(branch);
-    sums[9] = sums[9] + P::part(out.tangential_work);
-    sums[10] = sums[10] + P::part(out.friction_loss);
-    sums[11] = sums[11] + P::part(out.damping_loss);
-    sums[12] = sums[12] + dot(force, affine);
+    sums[sum::TANGENTIAL_WORK] = sums[sum::TANGENTIAL_WORK] + P::part(out.tangential_work);
+    sums[sum::FRICTION] = sums[sum::FRICTION] + P::part(out.friction_loss);
+    sums[sum::DAMPING] = sums[sum::DAMPING] + P::part(out.damping_loss);
+    sums[sum::BOUNDARY_POWER] = sums[sum::BOUNDARY_POWER] + dot(force, affine);
     let square = constants.radius_sum * constants.radius_sum;
-    sums[13] = P::part(out.normal_stiffness).mul_add(square, sums[13]);
-    sums[14] = sums[14] + P::part(out.normal_force).abs();
-    sums[15] = sums[15] + P::part(out.micro_slip_loss);
+    sums[sum::STIFFNESS] = P::part(out.normal_stiffness).mul_add(square, sums[sum::STIFFNESS]);
+    sums[sum::NORMAL_FORCE] = sums[sum::NORMAL_FORCE] + P::part(out.normal_force).abs();
+    sums[sum::MICRO_SLIP] = sums[sum::MICRO_SLIP] + P::part(out.micro_slip_loss);
     let stiffness = P::part(out.step_stiffness);
     totals.fastest = totals.fastest.max(if C::by_batch(v) { stiffness / pair_batch.mass } else { stiffness });
     let mut couples = S::Couples::<L>::none();
     if S::MAY_HAVE_MOMENTS && laws.has_moments() {
-        sums[18] = sums[18] + P::part(out.moment_work);
-        sums[19] = sums[19] + P::part(out.moment_loss);
+        sums[sum::ROLLING_WORK] = sums[sum::ROLLING_WORK] + P::part(out.moment_work);
+        sums[sum::ROLLING] = sums[sum::ROLLING] + P::part(out.moment_loss);
         let couple = [P::part(out.couple[0]), P::part(out.couple[1]), P::part(out.couple[2])];
         couples = S::Couples::from_couple(
             couple,

@@ -7,6 +7,7 @@ use granum_simd::{Kernel, Lanes, Real, Row4, Row8};
 use super::views::Views;
 use crate::clump::clumps::NO_CLUMP;
 use crate::pairs::resultant;
+use crate::particle_row::ParticleRow;
 
 /// The grain stage for a range of blocks: force sums, kicks and drifts. With `CLUMPS`, rows of clumps are passed over.
 pub(crate) struct GrainStage<'a, const CLUMPS: bool> {
@@ -83,9 +84,9 @@ pub(crate) fn larger(a: f64, b: f64) -> f64 {
 /// Factors that convert the force on a grain to a change of its velocity, and torque over radius to a change of its spin.
 #[inline(always)]
 fn kicks(v: &Views, particle: &Row8) -> [f64; 2] {
-    let kick = v.dt / particle.0[7];
+    let kick = v.dt / particle.mass();
     // Torque = R * moment and inertia = 2/5 m R^2.
-    [kick, 2.5 * kick / particle.0[3]]
+    [kick, 2.5 * kick / particle.radius()]
 }
 
 /// Coefficients of the drift of every grain, entry by entry: the fourth entry of a row is not changed.

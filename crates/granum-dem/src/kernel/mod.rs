@@ -17,6 +17,7 @@ mod part;
 mod prune;
 mod push;
 mod source;
+mod sums;
 mod views;
 
 pub(crate) use choice::{ContactStageFunction, ContactStages};

@@ -21,6 +21,7 @@ use crate::integrator::Integrator;
 use crate::kernel::Views;
 use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
 use crate::state::State;
+use crate::particle_row::ParticleRow;
 use granum_simd::vectors::dot;
 
 /// The column of a contact history that contains the volume of liquid of a bridge, m3; the other columns of the adhesion law
@@ -175,7 +176,7 @@ impl Integrator {
         let law = self.properties.contact.adhesion.law();
         let film = |grain: usize| {
             let contact = self.contact_of_grain(grain as u32);
-            let radius = self.state.particles[grain].0[3];
+            let radius = self.state.particles[grain].radius();
             law.film(radius, &contact.parameters.resolved(law.description().parameters))
         };
         law.shares_liquid().then(|| (0..self.state.pieces()).map(film).collect())
@@ -214,7 +215,7 @@ impl Integrator {
                 }
                 let [i, j] = [self.state.pairs.first[b][l], self.state.pairs.second[b][l]];
                 let materials = [i, j].map(|grain| self.material_of(grain));
-                let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
+                let radii = [i, j].map(|grain| self.state.particles[grain as usize].radius());
                 let constants = self.constants_of(materials, radii);
                 let gap = self.state.distance(b * LANES + l) - constants.radius_sum;
                 let mut history = [0.0; MAX_ADHESION_HISTORY];

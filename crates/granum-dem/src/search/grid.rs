@@ -4,6 +4,7 @@ use granum_simd::{LANES, Lanes, Row8};
 
 use crate::assembly::{Matrix, Vector};
 use crate::cell::Cell;
+use crate::particle_row::ParticleRow;
 use granum_core::geometry::{apply, invert};
 
 /// A pair found by the search: indices i < j (i <= j for an image of the same grain) and image code.
@@ -17,7 +18,7 @@ pub(crate) struct Near {
 /// True if two grains, the second in an image of the cell, are closer than the sum of their radii and the skin.
 #[inline]
 pub(crate) fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
-    let reach = a.0[3] + b.0[3] + skin;
+    let reach = a.radius() + b.radius() + skin;
     let d: [f64; 3] = std::array::from_fn(|k| b.0[k] + image[k] - a.0[k]);
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach
 }

@@ -14,6 +14,7 @@ use super::grid::{Grid, Near, is_near, load};
 use crate::assembly::Matrix;
 use crate::cell::Cell;
 use crate::images::{image_code, image_table_in_lanes};
+use crate::particle_row::ParticleRow;
 
 /// Largest ratio of radii for which one grid is used.
 pub(super) const ONE_GRID: f64 = 2.5;
@@ -35,12 +36,12 @@ pub(super) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Opti
 }
 
 fn levels(cell: &Cell, particles: &[Row8], skin: f64) -> Option<Vec<Level>> {
-    let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]));
+    let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.radius()));
     let mut members: Vec<Vec<u32>> = Vec::new();
     for (g, row) in particles.iter().enumerate() {
         let mut level = 0;
         let mut bound = 2.0 * smallest;
-        while row.0[3] > bound {
+        while row.radius() > bound {
             level += 1;
             bound *= 2.0;
         }
@@ -51,7 +52,7 @@ fn levels(cell: &Cell, particles: &[Row8], skin: f64) -> Option<Vec<Level>> {
     }
     let grids = members.into_iter().filter(|grains| !grains.is_empty()).map(|grains| {
         let own: Vec<Row8> = grains.iter().map(|&g| particles[g as usize]).collect();
-        let largest = own.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+        let largest = own.iter().fold(0.0f64, |m, row| m.max(row.radius()));
         let limit = libm::cbrt(own.len() as f64).ceil() as usize + 2;
         let counts = cell.heights().map(|h| ((h / (2.0 * largest + skin)).floor() as usize).min(limit));
         counts.iter().all(|&n| n >= 3).then(|| Level { grid: Grid::new(cell, &own, counts), grains })

@@ -11,18 +11,19 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use crate::cell::Cell;
 use crate::images::{REACH, image_code, image_table_in_lanes};
+use crate::particle_row::ParticleRow;
 
 use self::grid::{Grid, load};
 pub(crate) use self::grid::{Near, is_near};
 
 /// All pairs within the skin, sorted. `particles` holds the grains only, inside the cell.
 pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<Near> {
-    let largest = particles.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+    let largest = particles.iter().fold(0.0f64, |m, row| m.max(row.radius()));
     let cutoff = 2.0 * largest + skin;
     let limit = libm::cbrt(particles.len() as f64).ceil() as usize + 1;
     let counts = cell.heights().map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
     if counts.iter().all(|&n| n >= 3) {
-        let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]));
+        let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.radius()));
         let found = (largest > levels::ONE_GRID * smallest).then(|| levels::find(isa, cell, particles, skin));
         if let Some(found) = found.flatten() {
             return found;

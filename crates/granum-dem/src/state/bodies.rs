@@ -3,6 +3,7 @@
 use super::State;
 use crate::clump::clumps::NO_CLUMP;
 use crate::clump::rigid_shape::equivalent_radius;
+use crate::particle_row::ParticleRow;
 
 /// Where the data of a body are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +71,7 @@ impl State {
     /// Radius of the sphere of the volume of a body, m.
     pub(crate) fn equivalent_radius(&self, body: BodyPlace) -> f64 {
         match body {
-            BodyPlace::Sphere(row) => self.particles[row].0[3],
+            BodyPlace::Sphere(row) => self.particles[row].radius(),
             BodyPlace::Clump(k) => equivalent_radius(self.clumps.bodies[k].volume),
         }
     }

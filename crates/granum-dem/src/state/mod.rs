@@ -2,6 +2,7 @@
 
 pub(crate) mod bodies;
 
+use granum_core::geometry::dot;
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,7 @@ use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
 use crate::servo::{CellControl, Row, Servo};
 use crate::{invariants, rows};
+use crate::particle_row::ParticleRow;
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,8 +160,8 @@ impl State {
     /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is not a part of p.
     pub fn kinetic_mean_stress(&self) -> f64 {
         let twice = self.sum(
-            |row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]),
-            |clump| clump.mass * granum_core::geometry::dot(&clump.velocity, &clump.velocity),
+            |row| row.mass() * dot(&row.velocity(), &row.velocity()),
+            |clump| clump.mass * dot(&clump.velocity, &clump.velocity),
         );
         twice / (3.0 * self.cell.volume())
     }
@@ -171,7 +173,7 @@ impl State {
 
     /// Volume of the grains over that of the cell.
     pub fn solid_fraction(&self) -> f64 {
-        let cubes = self.sum(|row| row.0[3].powi(3), |clump| equivalent_radius(clump.volume).powi(3));
+        let cubes = self.sum(|row| row.radius().powi(3), |clump| equivalent_radius(clump.volume).powi(3));
         4.0 / 3.0 * std::f64::consts::PI * cubes / self.cell.volume()
     }
 
@@ -213,7 +215,7 @@ impl State {
     /// Stress, Pa, that the magnitudes of the normal forces make: `sum |N| d / (3 V)` with the mean diameter d. It is close to p
     /// without adhesion; with adhesion it remains where tension and compression balance and p is zero.
     pub fn contact_stress(&self) -> f64 {
-        let radii = self.sum(|row| row.0[3], |clump| equivalent_radius(clump.volume));
+        let radii = self.sum(|row| row.radius(), |clump| equivalent_radius(clump.volume));
         let diameter = 2.0 * radii / self.grains().max(1) as f64;
         self.sums.normal_force * diameter / (3.0 * self.cell.volume())
     }
@@ -350,7 +352,7 @@ impl State {
             let lever = granum_core::geometry::cross(&arm, &[total[0], total[1], total[2]]);
             for a in 0..3 {
                 force[a] += total[a];
-                moment[a] += self.particles[row].0[3] * total[4 + a] + lever[a];
+                moment[a] += self.particles[row].radius() * total[4 + a] + lever[a];
             }
         }
         [force, moment]

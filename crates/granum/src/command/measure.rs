@@ -267,10 +267,11 @@ fn list(context: &Context, sensors: &Sensors) -> Result<(), Failure> {
             .collect();
         let parameters: Vec<Value> = sensor.parameters.iter().map(parameter_json).collect();
         all.push(json!({
-            "name": sensor.name, "description": sensor.help, "recorded": recorded, "needs": needs, "columns": columns,
+            "name": sensor.name, "description": sensor.help, "speaks_of": sensor.subject.name(), "recorded": recorded, "needs": needs, "columns": columns,
             "parameters": parameters,
         }));
-        lines.push(format!("{}: {} (recorded {recorded})", sensor.name, sensor.help));
+        let of = sensor.subject.name();
+        lines.push(format!("{}: {} (of {of}; recorded {recorded})", sensor.name, sensor.help));
         if !needs.is_empty() {
             lines.push(format!("  needs {}", needs.join(", ")));
         }
