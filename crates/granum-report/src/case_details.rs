@@ -33,6 +33,6 @@ pub fn case_details(run: &RunReport) -> Markup {
     facts.extend(run.run.notes.iter().map(|note| literal(note)));
     html! {
         (paragraphs(&facts))
-        details { summary { "The case in full" } pre { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
+        details { summary { "The case in full" } pre tabindex="0" { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
     }
 }

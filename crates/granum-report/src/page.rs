@@ -170,7 +170,8 @@ impl PageTable {
     /// The table as HTML.
     pub fn html(&self) -> Markup {
         html! {
-            div class="table" {
+            // A table that is wider than its page scrolls, with the keyboard as well.
+            div class="table" tabindex="0" role="region" aria-label=(self.label) {
                 table {
                     caption { b { (self.label) "." } " " (rich(&self.caption)) }
                     thead {
