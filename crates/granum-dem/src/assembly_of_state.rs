@@ -12,9 +12,9 @@ use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::images::{self, NO_IMAGE, image_vector};
 use crate::observed_pairs::{Observing, TOGETHER};
+use crate::particle_row::ParticleRow;
 use crate::state::State;
 use crate::state::bodies::BodyPlace;
-use crate::particle_row::ParticleRow;
 
 /// Number of grains between prefetching one and copying it.
 const GRAINS_AHEAD: usize = 12;
@@ -178,7 +178,12 @@ impl State {
         for piece in pieces {
             let row = self.particles[piece.row as usize];
             let arm = to_space(&rotation, &piece.centre);
-            out.pieces.push(Piece { body: out.bodies.len(), position: wrapped(row), radius: row.radius(), arm });
+            out.pieces.push(Piece {
+                body: out.bodies.len(),
+                position: wrapped(row),
+                radius: row.radius(),
+                arm,
+            });
         }
         out.bodies.push(Body {
             id: clump.id,

@@ -15,12 +15,12 @@ use crate::clump::clumps::Clumps;
 use crate::contact::choice::registry::Laws;
 use crate::images::IMAGES;
 use crate::pairs::{Marks, NORMAL_COLUMNS, Pairs};
+use crate::particle_row::ParticleRow;
 use crate::properties::Properties;
 use crate::saved_properties::SavedProperties;
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
-use crate::particle_row::ParticleRow;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;

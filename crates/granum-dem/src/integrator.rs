@@ -21,13 +21,13 @@ use crate::known_constants::KnownConstants;
 use crate::loading::measure::MeasureGoal;
 use crate::pair_table::{MaterialPair, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
+use crate::particle_row::ParticleRow;
 use crate::properties::Properties;
 use crate::search::{self, Near};
 use crate::servo::ServoInput;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
 use crate::team::RawSlice;
-use crate::particle_row::ParticleRow;
 
 /// Number of steps after which the time step may be raised.
 const TIME_STEP_WINDOW: u64 = 256;
@@ -168,7 +168,9 @@ impl Integrator {
         let n = self.state.pieces();
         let first = self.state.particles[0];
         self.table.is_one()
-            && self.state.particles[..n].iter().all(|r| r.radius() == first.radius() && r.mass() == first.mass())
+            && self.state.particles[..n]
+                .iter()
+                .all(|r| r.radius() == first.radius() && r.mass() == first.mass())
     }
 
     /// The material of the grain in a place; the phantoms have that of the first grain.

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
 use crate::contact::evaluation::memory::Memory;
-use crate::rows;
 use crate::particle_row::ParticleRow;
+use crate::rows;
 use granum_core::geometry::{apply, invert};
 
 /// Number of history columns before those of the laws: the old normal.

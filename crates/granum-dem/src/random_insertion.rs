@@ -9,9 +9,9 @@ use crate::cell::Cell;
 use crate::config::Grains;
 use crate::initial_sphere::InitialSphere;
 use crate::observer::{Flow, NoObserver, SimulationObserver, Work};
+use crate::particle_row::ParticleRow;
 use crate::random::unit;
 use crate::sizes::SizeError;
-use crate::particle_row::ParticleRow;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;

@@ -22,12 +22,12 @@ use crate::kernel::ContactStages;
 use crate::ledger::Ledger;
 use crate::loading::measure::MeasureGoal;
 use crate::pairs::{NORMAL_COLUMNS, Pairs};
+use crate::particle_row::ParticleRow;
 use crate::properties::{check_assignment, check_properties};
 use crate::servo::{CellControl, Servo};
 use crate::state::bodies::BodyPlace;
 use crate::state::{ServoError, State};
 use crate::{images, stepping};
-use crate::particle_row::ParticleRow;
 
 pub use crate::clump::rigid_shape::{InitialBody, RigidShape, ShapePiece};
 pub use crate::hardware::Hardware;

@@ -30,7 +30,8 @@ impl Sensor for Anisotropies {
         SensorDescription::new(
             "anisotropies",
             "anisotropies of contacts and forces, and the stress ratio that follows from them",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns([
             SensorColumn::new("contact_anisotropy", "1", "a_c of the contact normals"),
             SensorColumn::new("normal_force_anisotropy", "1", "a_n of the normal forces by direction"),

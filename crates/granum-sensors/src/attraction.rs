@@ -27,7 +27,8 @@ impl Sensor for Attraction {
         SensorDescription::new(
             "attraction",
             "energy of additional adhesion, and number of separated pairs that it attracts",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns(columns.map(SensorColumn::optional))
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }

@@ -21,7 +21,8 @@ impl Sensor for ContactMotion {
         SensorDescription::new(
             "contact_motion",
             "rolling against sliding at the contacts, from the motion of the grains",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "rolling_fraction",

@@ -19,7 +19,8 @@ pub struct Dilatancy;
 
 impl Sensor for Dilatancy {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations").of(Subject::Sample)
+        SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations")
+            .of(Subject::Sample)
             .columns([SensorColumn::new(
                 "dilatancy_angle",
                 "deg",

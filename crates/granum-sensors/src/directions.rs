@@ -54,7 +54,8 @@ impl Sensor for Directions {
         SensorDescription::new(
             "directions",
             "principal values and directions of contacts, normal forces and branches",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns(columns.into_iter().flatten())
         .needing(&[Part::Contacts])
     }

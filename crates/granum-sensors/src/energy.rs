@@ -41,7 +41,8 @@ impl Sensor for Energy {
         SensorDescription::new(
             "energy",
             "stored energies and the energy balance of work and losses since the start of the phase",
-        ).of(Subject::Sample)
+        )
+        .of(Subject::Sample)
         .columns(stored.into_iter().chain(mechanism_columns(MechanismGroup::Forces)))
     }
 

@@ -10,7 +10,8 @@
 use crate::numerics::{ln, mills_ratio};
 use crate::ratio::mean;
 use crate::{
-    Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, SensorParameter, Values,
+    Bins, Histogram, Memory, Observation, Sensor, SensorColumn, SensorDescription, SensorParameter, Subject,
+    Values,
 };
 use granum_core::Part;
 use granum_core::quantity::Dimension;
@@ -21,7 +22,8 @@ pub struct ForceDistribution;
 
 impl Sensor for ForceDistribution {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("force_distribution", "moments and tail of the distribution of f = N/<N>").of(Subject::Contacts)
+        SensorDescription::new("force_distribution", "moments and tail of the distribution of f = N/<N>")
+            .of(Subject::Contacts)
             .columns([
                 SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
                 SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),

@@ -15,7 +15,8 @@ pub struct FrictionAngle;
 
 impl Sensor for FrictionAngle {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("friction_angle", "mobilised friction angle of the principal stresses").of(Subject::Sample)
+        SensorDescription::new("friction_angle", "mobilised friction angle of the principal stresses")
+            .of(Subject::Sample)
             .columns([SensorColumn::new(
                 "mobilised_friction_angle",
                 "deg",

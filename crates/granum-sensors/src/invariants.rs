@@ -17,7 +17,8 @@ impl Sensor for Invariants {
         SensorDescription::new(
             "invariants",
             "arc length of the strain path, shear strains, and invariants of stress and strain",
-        ).of(Subject::Sample)
+        )
+        .of(Subject::Sample)
         .columns([
             SensorColumn::new(
                 "arc_length",

@@ -23,7 +23,8 @@ impl Sensor for Networks {
         SensorDescription::new(
             "networks",
             "stress and fabric of the strong and the weak contacts, without reference to an axis",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "strong_mean_stress_share",

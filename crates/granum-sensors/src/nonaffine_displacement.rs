@@ -22,7 +22,8 @@ impl Sensor for NonaffineDisplacement {
         SensorDescription::new(
             "nonaffine_displacement",
             "motion of the grains relative to the uniform strain of the cell",
-        ).of(Subject::Bodies)
+        )
+        .of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "nonaffine_displacement",

@@ -9,7 +9,8 @@ pub struct Overlap;
 
 impl Sensor for Overlap {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("overlap", "overlap of the grains in contact").of(Subject::Contacts)
+        SensorDescription::new("overlap", "overlap of the grains in contact")
+            .of(Subject::Contacts)
             .columns([SensorColumn::new(
                 "largest_overlap",
                 "1",

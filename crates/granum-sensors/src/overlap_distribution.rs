@@ -20,7 +20,8 @@ impl Sensor for OverlapDistribution {
         SensorDescription::new(
             "overlap_distribution",
             "distribution of the overlaps of contacts in compression",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns([SensorColumn::new(
             "mean_overlap",
             "1",

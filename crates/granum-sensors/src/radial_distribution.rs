@@ -26,7 +26,8 @@ impl Sensor for RadialDistribution {
         SensorDescription::new(
             "radial_distribution",
             "distances of pairs of centres, for the radial distribution function",
-        ).of(Subject::Bodies)
+        )
+        .of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "cell_volume_in_diameters",

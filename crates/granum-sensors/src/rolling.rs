@@ -19,7 +19,8 @@ impl Sensor for Rolling {
             "J",
             "stored by the rolling and twisting of all contacts",
         );
-        SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them").of(Subject::Contacts)
+        SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them")
+            .of(Subject::Contacts)
             .columns(
                 [stored]
                     .into_iter()

@@ -9,7 +9,8 @@ pub struct SolidFraction;
 
 impl Sensor for SolidFraction {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell").of(Subject::Bodies)
+        SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell")
+            .of(Subject::Bodies)
             .columns([SensorColumn::new(
                 "solid_fraction",
                 "1",

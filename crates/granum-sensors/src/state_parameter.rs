@@ -11,7 +11,7 @@ use granum_simd::exp;
 
 use crate::numerics::ln;
 use crate::void_ratio::void_ratio;
-use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, SensorParameter, Values};
+use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, SensorParameter, Subject, Values};
 
 /// Reference stress of the critical state line, Pa.
 const REFERENCE: f64 = 1e5;
@@ -60,7 +60,8 @@ impl Sensor for StateParameter {
         SensorDescription::new(
             "state_parameter",
             "void ratio less that of the critical state at the same mean stress",
-        ).of(Subject::Sample)
+        )
+        .of(Subject::Sample)
         .columns([SensorColumn::new("state_parameter", "1", "psi = e - e_c(p), negative in a dense sample")])
         .parameters([VOID_RATIO, SLOPE, EXPONENT])
         .needing(&[

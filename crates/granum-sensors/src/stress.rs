@@ -25,7 +25,8 @@ impl Sensor for StressSensor {
         SensorDescription::new(
             "stress",
             "stress tensor of the elastic contact forces and the parts of its deviator",
-        ).of(Subject::Contacts)
+        )
+        .of(Subject::Contacts)
         .columns([
             SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
             SensorColumn::new("stress_12", "Pa", "sigma_12"),

@@ -18,7 +18,8 @@ impl Sensor for UnbalancedForce {
         SensorDescription::new(
             "unbalanced_force",
             "mean resultant force on a grain over the mean contact force",
-        ).of(Subject::Bodies)
+        )
+        .of(Subject::Bodies)
         .columns([SensorColumn::new(
             "unbalanced_force",
             "1",

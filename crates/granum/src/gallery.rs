@@ -92,6 +92,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/flow-function.toml"),
     },
     ReadyPlan {
+        name: "flow-function-limestone",
+        case: "powder-flow",
+        text: include_str!("../gallery/plans/flow-function-limestone.toml"),
+    },
+    ReadyPlan {
         name: "sand-drained",
         case: "drained-dense",
         text: include_str!("../gallery/plans/sand-drained.toml"),

@@ -42,6 +42,6 @@ pub use granum_run::{
     RunRegistry, RunResult, SimulationObserver, SimulationProgress, Sink, Source, Task,
 };
 pub use granum_sensors::{
-    Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, Subject, SensorParameter,
-    Sensors, Values, column_index, measure_row,
+    Bins, Histogram, Memory, Observation, Record, Sensor, SensorColumn, SensorDescription, SensorParameter,
+    Sensors, Subject, Values, column_index, measure_row,
 };

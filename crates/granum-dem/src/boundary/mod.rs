@@ -15,8 +15,8 @@ use granum_core::geometry::{cross, dot};
 use crate::assembly::Vector;
 use crate::clump::clumps::NO_CLUMP;
 use crate::integrator::Integrator;
-use crate::state::State;
 use crate::particle_row::ParticleRow;
+use crate::state::State;
 
 pub use weight::Weight;
 

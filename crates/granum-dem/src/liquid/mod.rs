@@ -20,8 +20,8 @@ use crate::contact::law::limits::MAX_ADHESION_HISTORY;
 use crate::integrator::Integrator;
 use crate::kernel::Views;
 use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
-use crate::state::State;
 use crate::particle_row::ParticleRow;
+use crate::state::State;
 use granum_simd::vectors::dot;
 
 /// The column of a contact history that contains the volume of liquid of a bridge, m3; the other columns of the adhesion law

@@ -16,9 +16,9 @@ use crate::inner_list::InnerList;
 use crate::ledger::Ledger;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
+use crate::particle_row::ParticleRow;
 use crate::servo::{CellControl, Row, Servo};
 use crate::{invariants, rows};
-use crate::particle_row::ParticleRow;
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -47,11 +47,15 @@ pub fn report(campaign: &CampaignRuns) -> Document {
     let figures: Vec<Markup> = (drawn.against_variables().into_iter())
         .map(|(file, figure, caption)| page.own_figure(&file, &caption, &figure))
         .collect();
+    let measures = drawn.measures(&mut page);
     if !figures.is_empty() {
         page.section(
             "variables",
             "Strength and state against the variables",
-            html! { @for figure in figures { (figure) } },
+            html! {
+                @for figure in figures { (figure) }
+                @if let Some(table) = &measures { (table.html()) }
+            },
         );
     }
     let label = page.own_table_label();
@@ -68,9 +72,11 @@ pub fn report(campaign: &CampaignRuns) -> Document {
             @if let Some(table) = failures { (table.html()) }
         },
     );
-    let (figure, caption) = drawn.times();
-    let figure = page.own_figure("times", &caption, &figure);
-    page.section("times", "The time that the runs took", html! { (figure) });
+    if !drawn.plotted().is_empty() {
+        let (figure, caption) = drawn.times();
+        let figure = page.own_figure("times", &caption, &figure);
+        page.section("times", "The time that the runs took", html! { (figure) });
+    }
     let head = html! {
         (tiles)
         p { (rich(SIGNS)) }
@@ -164,6 +170,17 @@ impl Drawn<'_> {
         (Figure::new("Curves of all runs", 3, panels).legend(Legend::Above), caption)
     }
 
+    /// Radius of a mark: so large that its colour is seen, unless there are so many that they would hide each other.
+    fn mark(&self) -> f64 {
+        (40.0 / (self.campaign.runs.len().max(1) as f64).sqrt()).clamp(2.2, 4.5)
+    }
+
+    /// The variables against which something can be plotted: a seed is the number of a sample and no quantity.
+    fn plotted(&self) -> Vec<usize> {
+        let variables = self.campaign.variables.iter().enumerate();
+        variables.filter(|(_, variable)| !variable.is_seed).map(|(k, _)| k).collect()
+    }
+
     /// True if at least half of the runs have a measure.
     fn is_usual(&self, name: &str) -> bool {
         let count = self.campaign.runs.iter().filter(|run| run.measure(name).is_some()).count();
@@ -176,12 +193,15 @@ impl Drawn<'_> {
         let mut groups: Vec<Vec<&str>> = Vec::new();
         groups.extend(pair.map(|pair| pair.into_iter().filter(|name| self.is_usual(name)).collect()));
         groups.extend(FURTHER.into_iter().filter(|name| self.is_usual(name)).map(|name| vec![name]));
+        if self.plotted().is_empty() {
+            return Vec::new();
+        }
         groups.into_iter().map(|names| self.against(&names)).collect()
     }
 
     fn against(&self, names: &[&str]) -> (String, Figure, String) {
         let panels: Vec<Panel> =
-            (0..self.campaign.variables.len()).map(|k| Panel::plot(self.panel(k, names))).collect();
+            self.plotted().into_iter().map(|k| Panel::plot(self.panel(k, names))).collect();
         let words: Vec<String> = names.iter().map(|name| name.replace('_', " ")).collect();
         let marks = match &words[..] {
             [peak, late] => format!("{peak} (circles) and {late} (squares)"),
@@ -199,10 +219,9 @@ impl Drawn<'_> {
 
     fn panel(&self, k: usize, names: &[&str]) -> Plot {
         let (axis, place) = self.axis(k);
-        let unit = if names.iter().any(|name| name.ends_with("_angle")) { "°" } else { "" };
         let label = names.first().map_or(String::new(), |name| name.replace('_', " "));
         let label = if names.len() > 1 { label.replace("peak ", "") } else { label };
-        let label = if unit.is_empty() { capital(&label) } else { format!("{}, {unit}", capital(&label)) };
+        let label = with_unit(&capital(&label), names.first().unwrap_or(&""));
         let mut plot = Plot::new(axis, Axis::new(&label));
         for (name, shape) in names.iter().zip([Shape::Circle, Shape::Square]) {
             for run in &self.campaign.runs {
@@ -210,7 +229,7 @@ impl Drawn<'_> {
                     continue;
                 };
                 let color = if run.accepted { self.color(run) } else { GREY.to_string() };
-                plot = plot.with(Layer::dots(vec![[x, y]], shape, 2.2, &color));
+                plot = plot.with(Layer::dots(vec![[x, y]], shape, self.mark(), &color));
             }
         }
         plot
@@ -242,6 +261,35 @@ impl Drawn<'_> {
         (axis, place)
     }
 
+    /// The measures that are drawn, run by run, if there are not too many runs for a table.
+    fn measures(&self, page: &mut Page) -> Option<PageTable> {
+        let pair = STRENGTH.into_iter().find(|[peak, _]| self.is_usual(peak));
+        let names: Vec<&str> =
+            pair.into_iter().flatten().chain(FURTHER).filter(|name| self.is_usual(name)).collect();
+        if names.is_empty() || self.campaign.runs.len() > MOST_ROWS {
+            return None;
+        }
+        let label = page.own_table_label();
+        let variables =
+            self.campaign.variables.iter().map(|variable| literal(&variable.name.replace('_', " ")));
+        let columns: Vec<String> = variables
+            .chain(names.iter().map(|name| with_unit(&capital(&name.replace('_', " ")), name)))
+            .collect();
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let mut table = PageTable::new(&label, "Strength and state, run by run.", &columns);
+        table.words = self.campaign.variables.len();
+        for run in &self.campaign.runs {
+            let values =
+                run.values.iter().zip(&self.campaign.variables).map(|(value, variable)| match value {
+                    VariableValue::Number(number) => quantity(*number, &variable.unit),
+                    VariableValue::Word(word) => literal(word),
+                });
+            let measure = |name: &&str| run.measure(name).map_or_else(|| "–".to_string(), trimmed);
+            table.row(values.chain(names.iter().map(measure)).collect());
+        }
+        Some(table)
+    }
+
     /// How many runs did not pass each check.
     fn checks(&self, label: &str) -> Option<PageTable> {
         let mut found: BTreeMap<&str, (usize, usize, f64)> = BTreeMap::new();
@@ -257,7 +305,12 @@ impl Drawn<'_> {
         let columns = ["check", "runs that did not pass it", "of them accepted", "largest value"];
         let mut table = PageTable::new(label, "Checks that runs did not pass.", &columns);
         for (name, (count, accepted, worst)) in found {
-            table.row(vec![literal(name), count.to_string(), accepted.to_string(), trimmed(worst)]);
+            table.row(vec![
+                capital(&literal(&name.replace('_', " "))),
+                count.to_string(),
+                accepted.to_string(),
+                trimmed(worst),
+            ]);
         }
         Some(table)
     }
@@ -283,7 +336,7 @@ impl Drawn<'_> {
             let y = Axis::new("Seconds of work").including(0.0);
             Panel::plot(Plot::new(axis, y).with(Layer::dots(points, Shape::Circle, 2.2, color(0))))
         };
-        let panels: Vec<Panel> = (0..self.campaign.variables.len()).map(panel).collect();
+        let panels: Vec<Panel> = self.plotted().into_iter().map(panel).collect();
         let columns = panels.len().clamp(1, 3);
         let longest = self.campaign.runs.iter().map(|run| run.seconds).fold(0.0, f64::max);
         let caption = format!(
@@ -291,6 +344,15 @@ impl Drawn<'_> {
             trimmed(longest)
         );
         (Figure::new("Wall time of the runs", columns, panels), caption)
+    }
+}
+
+/// The label of a measure with its unit.
+fn with_unit(label: &str, name: &str) -> String {
+    match name {
+        _ if name.ends_with("_angle") => format!("{label}, °"),
+        _ if name.ends_with("_strength") || name.ends_with("deviator_stress") => format!("{label}, Pa"),
+        _ => label.to_string(),
     }
 }
 
@@ -330,8 +392,12 @@ mod tests {
                 seconds: 5.0,
             }
         };
-        let variable =
-            |name: &str| ReportVariable { name: name.into(), unit: String::new(), logarithmic: false };
+        let variable = |name: &str| ReportVariable {
+            name: name.into(),
+            unit: String::new(),
+            logarithmic: false,
+            is_seed: name == "seed",
+        };
         CampaignRuns {
             name: "study".into(),
             variables: vec![variable("friction"), variable("density")],
@@ -345,9 +411,8 @@ mod tests {
     #[test]
     fn a_report_tells_runs_checks_and_failures() {
         let document = report(&campaign(40));
-        for wanted in ["40 of 43", "largest overlap", "no &lt;room&gt;", "coloured by friction", "dense"] {
-            let wanted = wanted.replace("largest overlap", "largest_overlap");
-            assert!(document.html.contains(&wanted), "{wanted}");
+        for wanted in ["40 of 43", "Largest overlap", "no &lt;room&gt;", "coloured by friction", "dense"] {
+            assert!(document.html.contains(wanted), "{wanted}");
         }
         assert_eq!(document.figures.len(), 3);
         // Coloured by words, each word has its colour.

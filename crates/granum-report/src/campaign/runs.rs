@@ -30,6 +30,8 @@ pub struct ReportVariable {
     pub unit: String,
     /// True if it is spread on a logarithmic scale.
     pub logarithmic: bool,
+    /// True if it is the seed of a sample.
+    pub is_seed: bool,
 }
 
 /// A finished run of a campaign, with what the report draws of it.

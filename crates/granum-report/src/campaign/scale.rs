@@ -6,6 +6,8 @@ use crate::numbers::trimmed;
 
 /// Number of steps of the colour scale in the legend.
 const STEPS: usize = 5;
+/// Up to this number of different values a legend names each of them: a step between two of them is the value of no run.
+const MOST_VALUES: usize = 8;
 
 /// The colours of a variable.
 pub(super) enum Scale {
@@ -15,6 +17,8 @@ pub(super) enum Scale {
         between: [f64; 2],
         /// True if equal ratios have equal steps of colour.
         logarithmic: bool,
+        /// The numbers of the legend: those of the runs, if they are few, and otherwise steps between the ends.
+        shown: Vec<f64>,
     },
     /// A colour for each word.
     Words(Vec<String>),
@@ -34,7 +38,8 @@ impl Scale {
             let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let logarithmic = low > 0.0
                 && campaign.variables.get(campaign.coloured_by).is_some_and(|variable| variable.logarithmic);
-            return Scale::Numbers { between: [low, high], logarithmic };
+            let shown = shown(numbers, [low, high], logarithmic);
+            return Scale::Numbers { between: [low, high], logarithmic, shown };
         }
         let mut words: Vec<String> = values().map(word).collect();
         words.sort();
@@ -44,7 +49,7 @@ impl Scale {
 
     pub(super) fn color(&self, value: Option<&VariableValue>) -> String {
         match (self, value) {
-            (Scale::Numbers { between, logarithmic }, Some(VariableValue::Number(number))) => {
+            (Scale::Numbers { between, logarithmic, .. }, Some(VariableValue::Number(number))) => {
                 sequential(0.1 + 0.9 * share(*number, *between, *logarithmic), 0.0)
             }
             (Scale::Words(words), Some(value)) => {
@@ -61,20 +66,24 @@ impl Scale {
     /// Values for the legend.
     pub(super) fn steps(&self) -> Vec<VariableValue> {
         match self {
-            Scale::Numbers { between: [low, high], .. } if low == high => vec![VariableValue::Number(*low)],
-            Scale::Numbers { between: [low, high], logarithmic } => {
-                let step = |k: usize| {
-                    let share = k as f64 / (STEPS - 1) as f64;
-                    VariableValue::Number(match logarithmic {
-                        true => low * libm::pow(high / low, share),
-                        false => low + (high - low) * share,
-                    })
-                };
-                (0..STEPS).map(step).collect()
-            }
+            Scale::Numbers { shown, .. } => shown.iter().copied().map(VariableValue::Number).collect(),
             Scale::Words(words) => words.iter().cloned().map(VariableValue::Word).collect(),
         }
     }
+}
+
+/// The numbers of a legend.
+fn shown(mut numbers: Vec<f64>, [low, high]: [f64; 2], logarithmic: bool) -> Vec<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
+    if numbers.len() <= MOST_VALUES {
+        return numbers;
+    }
+    let step = |k: usize| {
+        let share = k as f64 / (STEPS - 1) as f64;
+        if logarithmic { low * libm::pow(high / low, share) } else { low + (high - low) * share }
+    };
+    (0..STEPS).map(step).collect()
 }
 
 fn word(value: &VariableValue) -> String {

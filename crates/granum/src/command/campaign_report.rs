@@ -11,7 +11,7 @@ use granum_report::{Document, RoleInStudy, RunReport, campaign_report};
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// The report of a campaign, whose curves are coloured by a variable: the first one, if none is chosen.
+/// The report of a campaign, whose curves are coloured by a variable: the first one that is no seed, if none is chosen.
 pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) -> Result<Document, Failure> {
     let coloured_by = chosen(campaign, colour)?;
     let status = CampaignStatus::read(campaign)?;
@@ -59,6 +59,7 @@ pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) ->
         name: variable.name.clone(),
         unit: variable.unit.clone(),
         logarithmic: variable.logarithmic,
+        is_seed: is_seed(variable),
     };
     Ok(campaign_report(&CampaignRuns {
         name,
@@ -70,6 +71,11 @@ pub fn document(context: &Context, campaign: &Campaign, colour: Option<&str>) ->
     }))
 }
 
+/// True for a variable that is the seed of samples.
+fn is_seed(variable: &granum_campaign::VariableRecord) -> bool {
+    variable.keys.iter().all(|key| key == "preparation.seed")
+}
+
 fn value(value: &RunValue) -> VariableValue {
     match value {
         RunValue::Number(number) => VariableValue::Number(*number),
@@ -79,7 +85,10 @@ fn value(value: &RunValue) -> VariableValue {
 
 /// The number of the variable by which curves are coloured.
 fn chosen(campaign: &Campaign, colour: Option<&str>) -> Result<usize, Failure> {
-    let Some(wanted) = colour else { return Ok(0) };
+    let Some(wanted) = colour else {
+        // A seed is no quantity that colours could show.
+        return Ok(campaign.variables().iter().position(|variable| !is_seed(variable)).unwrap_or(0));
+    };
     let names = || campaign.variables().iter().map(|variable| variable.name.as_str());
     names().position(|name| name == wanted).ok_or_else(|| {
         let help = suggestion(wanted, names().collect::<Vec<_>>().into_iter());

@@ -305,6 +305,7 @@ fn ready_plans_are_written_with_their_cases() {
         let least = match name {
             "random-paths-cycles" => 4,
             "flow-function" => 9,
+            "flow-function-limestone" => 2,
             _ => 40,
         };
         assert!(runs["runs"].as_array().unwrap().len() >= least, "{runs}");
