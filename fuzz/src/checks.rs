@@ -151,7 +151,7 @@ pub fn tested() -> Case {
 /// A checkpoint with this body.
 pub fn with_header(body: &[u8]) -> Vec<u8> {
     let mut bytes = b"GRANUMCP".to_vec();
-    bytes.extend(granum_dem::checkpoint::VERSION.to_le_bytes());
+    bytes.extend(granum_dem::checkpoint::OF_SPHERES.to_le_bytes());
     bytes.extend((body.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(body).to_le_bytes());
     bytes.extend(body);

@@ -27,7 +27,7 @@ const HEADER: usize = 24;
 /// Newest version that this granum reads and writes: of states with grains of several pieces.
 pub const VERSION: u32 = 9;
 /// Version of states in which every grain is a sphere.
-const OF_SPHERES: u32 = 8;
+pub const OF_SPHERES: u32 = 8;
 
 /// Reasons why bytes are not a usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -215,6 +215,17 @@ fn clumps_give_the_same_bits_on_threads_and_after_a_restart() {
     let (mut restored, _) = Simulation::restore(&bytes).unwrap();
     restored.advance(1300).unwrap();
     assert!(restored.state() == one.state());
+    // Content with a checksum that fits, but altered: it is refused, or can be inspected and run.
+    for at in (24..bytes.len()).step_by(211) {
+        let mut forged = bytes.clone();
+        forged[at] = forged[at].wrapping_add(77);
+        let sum = crc32fast::hash(&forged[24..]);
+        forged[20..24].copy_from_slice(&sum.to_le_bytes());
+        if let Ok((mut s, _)) = Simulation::restore(&forged) {
+            assert_eq!(s.assembly().pieces.len(), 378);
+            let _ = s.advance(2);
+        }
+    }
     let mut damaged = bytes.clone();
     let last = damaged.len() - 3;
     damaged[last] ^= 1;
