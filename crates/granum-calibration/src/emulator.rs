@@ -20,10 +20,11 @@ use granum_learn::{Dataset, FitSpec, RunStates};
 
 use crate::curve::{ForwardModel, PredictedCurve};
 use crate::error::{CalibrationError, Result};
-use crate::file::{CalibrationFile, Quantity};
+use crate::file::CalibrationFile;
 use crate::known::KnownRun;
+use crate::quantity::Quantity;
 use crate::simulation::{CaseNumbers, of_test};
-use crate::target::{TargetTest, readings};
+use crate::target::TargetTest;
 
 /// Name of the coordinate.
 const STRAIN: &str = "axial_strain";
@@ -261,7 +262,7 @@ pub(crate) fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
 
 /// A quantity of a simulation at strains; constant beyond its last state.
 pub fn at_strains(curves: &LaboratoryTest, quantity: Quantity, strains: &[f64]) -> Vec<f64> {
-    let values = readings(curves, quantity);
+    let values = quantity.readings(curves);
     let at = |x: &f64| granum_learn::curve::interpolated(*x, &curves.axial_strain, &values);
     strains.iter().map(at).collect()
 }
@@ -274,7 +275,7 @@ pub fn check(file: &CalibrationFile, name: &str, curves: &LaboratoryTest) -> Res
     let reached = curves.axial_strain.last().copied().unwrap_or(0.0);
     for compared in &file.calibration.quantities {
         let word = compared.quantity.word();
-        let values = readings(curves, compared.quantity);
+        let values = compared.quantity.readings(curves);
         if values.len() != curves.axial_strain.len() || values.iter().any(|y| !y.is_finite()) {
             return Err(CalibrationError::Input(format!("the run {name} has no {word}")));
         }
@@ -311,7 +312,7 @@ fn learned(
         let mut columns = vec![Column::new(STRAIN, "", one.curves.axial_strain.clone())];
         for compared in &file.calibration.quantities {
             let scale = scale(compared.quantity, one.mean_stress);
-            let values = readings(&one.curves, compared.quantity).iter().map(|y| y / scale).collect();
+            let values = compared.quantity.readings(&one.curves).iter().map(|y| y / scale).collect();
             columns.push(Column::new(output(compared.quantity), "", values));
         }
         let table = Table::new(columns).map_err(granum_learn::LearnError::from)?;

@@ -26,6 +26,7 @@ pub mod next_test;
 pub mod outcome;
 pub mod prediction;
 pub mod prior;
+pub mod quantity;
 mod random;
 pub mod reach;
 pub mod same_readings;

@@ -3,8 +3,8 @@
 use granum_io::LaboratoryTest;
 
 use crate::error::{CalibrationError, Result};
-use crate::file::Quantity;
-use crate::target::{TargetTest, readings};
+use crate::quantity::Quantity;
+use crate::target::TargetTest;
 
 /// Fewest readings that two tests cannot have in common by chance.
 const FEWEST: usize = 3;
@@ -18,12 +18,10 @@ pub fn same_readings(a: &LaboratoryTest, b: &LaboratoryTest) -> Option<Quantity>
         return None;
     }
     let is_same = |quantity: &Quantity| {
-        let [a, b] = [a, b].map(|test| readings(test, *quantity));
+        let [a, b] = [a, b].map(|test| quantity.readings(test));
         changes(&a) && are_same(&a, &b)
     };
-    // The pore pressure is made of the stresses, and says nothing beside them.
-    let quantities = Quantity::ALL.into_iter().map(|(quantity, _)| quantity);
-    quantities.filter(|quantity| *quantity != Quantity::PorePressure).find(is_same)
+    Quantity::ALL.into_iter().filter(|quantity| !quantity.is_derived()).find(is_same)
 }
 
 /// Refuses tests that are one test under two names, which would count twice: the posterior would be narrower than the readings allow.
@@ -85,12 +83,12 @@ mod tests {
     #[test]
     fn the_same_readings_are_one_test_whatever_its_name() {
         let named = LaboratoryTest { name: "again".into(), ..test(1.0) };
-        assert_eq!(same_readings(&test(1.0), &named), Some(Quantity::DeviatorStress));
+        assert_eq!(same_readings(&test(1.0), &named), Some(Quantity::DEVIATOR_STRESS));
         // Rounded where it was written in another unit.
-        assert_eq!(same_readings(&test(1.0), &test(1.0 + 1e-12)), Some(Quantity::DeviatorStress));
+        assert_eq!(same_readings(&test(1.0), &test(1.0 + 1e-12)), Some(Quantity::DEVIATOR_STRESS));
         // A file without the volume.
         let part = LaboratoryTest { volumetric_strain: Vec::new(), ..test(1.0) };
-        assert_eq!(same_readings(&test(1.0), &part), Some(Quantity::DeviatorStress));
+        assert_eq!(same_readings(&test(1.0), &part), Some(Quantity::DEVIATOR_STRESS));
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! Targets of a calibration: the tests of a laboratory with their conditions and with what is compared of them.
 
-use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -10,7 +9,7 @@ use granum_learn::curve::interpolated;
 
 use crate::curve::MeasuredCurve;
 use crate::error::{CalibrationError, Result};
-use crate::file::{CalibrationFile, ComparedQuantity, PredictedTests, Quantity, TestCondition};
+use crate::file::{CalibrationFile, ComparedQuantity, PredictedTests, TestCondition};
 
 /// A test that simulations are to explain.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,21 +24,6 @@ pub struct TargetTest {
     pub laboratory: LaboratoryTest,
     /// What is compared, one curve for each quantity of the file that it has a reading of, with the place of the quantity.
     pub curves: Vec<(usize, MeasuredCurve)>,
-}
-
-/// The values of a quantity of a test; empty if it has none.
-pub fn readings(test: &LaboratoryTest, quantity: Quantity) -> Cow<'_, [f64]> {
-    match quantity {
-        Quantity::DeviatorStress => Cow::from(&test.deviator_stress),
-        Quantity::MeanStress => Cow::from(&test.mean_stress),
-        Quantity::VolumetricStrain => Cow::from(&test.volumetric_strain),
-        Quantity::VoidRatio => Cow::from(&test.void_ratio),
-        Quantity::PorePressure => {
-            let lateral: Vec<f64> =
-                test.mean_stress.iter().zip(&test.deviator_stress).map(|(p, q)| p - q / 3.0).collect();
-            Cow::from(lateral.iter().map(|now| lateral[0] - now).collect::<Vec<f64>>())
-        }
-    }
 }
 
 /// Most tests that are calibrated on, and most that are predicted.
@@ -224,7 +208,7 @@ pub(crate) fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Ta
 
 /// The curve of a quantity at those of the compared strains that the test reaches; `None` if it has no such reading.
 pub(crate) fn measured(test: &LaboratoryTest, compared: &ComparedQuantity) -> Option<MeasuredCurve> {
-    let values = readings(test, compared.quantity);
+    let values = compared.quantity.readings(test);
     let [first, last] = [*test.axial_strain.first()?, *test.axial_strain.last()?];
     if values.len() != test.axial_strain.len() {
         return None;

@@ -7,6 +7,7 @@ use granum_campaign::plan::Plan;
 use crate::curve::MeasurementError;
 use crate::likelihood::Discrepancy;
 use crate::prior::Prior;
+use crate::quantity::Quantity;
 
 /// A calibration as it is written. [`CalibrationFile::read`] reads it.
 #[derive(Clone, Debug)]
@@ -158,59 +159,6 @@ impl Method {
             Method::Surrogate => "surrogate",
             Method::Dem => "dem",
         }
-    }
-}
-
-/// A quantity that tests and simulations have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Deviator stress q, Pa.
-    DeviatorStress,
-    /// Effective mean stress p, Pa.
-    MeanStress,
-    /// Volumetric strain over the initial volume, compression positive.
-    VolumetricStrain,
-    /// Void ratio e.
-    VoidRatio,
-    /// Excess pore pressure of a test whose total lateral stress and back pressure stay as they are, Pa: what the effective lateral stress
-    /// `p - q / 3` has lost since the start. In a drained test it is zero.
-    PorePressure,
-}
-
-impl Quantity {
-    /// All of them with their words.
-    pub const ALL: [(Quantity, &'static str); 5] = [
-        (Quantity::DeviatorStress, "deviator_stress"),
-        (Quantity::MeanStress, "mean_stress"),
-        (Quantity::VolumetricStrain, "volumetric_strain"),
-        (Quantity::VoidRatio, "void_ratio"),
-        (Quantity::PorePressure, "pore_pressure"),
-    ];
-
-    /// Its word.
-    pub fn word(self) -> &'static str {
-        Quantity::ALL[self as usize].1
-    }
-
-    /// SI unit; empty for a pure number.
-    pub fn unit(self) -> &'static str {
-        if self.is_stress() { "Pa" } else { "" }
-    }
-
-    /// True for a stress.
-    pub fn is_stress(self) -> bool {
-        matches!(self, Quantity::DeviatorStress | Quantity::MeanStress | Quantity::PorePressure)
-    }
-
-    /// The error of measurement unless the file states another one: 1 kPa and 2 % of stresses, 0.05 % and 5 % of volumetric strains, 0.002
-    /// of void ratios, alike over 2 % of axial strain.
-    pub fn usual_error(self) -> MeasurementError {
-        let (absolute, relative) = match self {
-            Quantity::DeviatorStress | Quantity::MeanStress | Quantity::PorePressure => (1e3, 0.02),
-            Quantity::VolumetricStrain => (5e-4, 0.05),
-            Quantity::VoidRatio => (2e-3, 0.0),
-        };
-        MeasurementError { absolute, relative, correlation_strain: 0.02 }
     }
 }
 

@@ -44,5 +44,5 @@ pub(crate) use tests::{PLAIN_CASE as CASE_FOR_TESTS, STRESS_AND_FRICTION, file a
 
 pub use definition::{
     CalibrationFile, CalibrationTable, ComparedQuantity, CriticalStateOfTests, FreeVariable, Method,
-    PredictedTests, Quantity, TestCondition, WHY_PREDICTIONS,
+    PredictedTests, TestCondition, WHY_PREDICTIONS,
 };

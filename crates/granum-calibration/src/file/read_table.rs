@@ -4,11 +4,12 @@ use granum_campaign::plan::{Node, Reader};
 use toml::de::{DeTable, DeValue};
 
 use super::definition::{
-    CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests, Quantity,
+    CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests,
     WHY_PREDICTIONS,
 };
 use super::words::word;
 use crate::likelihood::Discrepancy;
+use crate::quantity::Quantity;
 
 /// The keys of the table.
 const KEYS: [&str; 15] = [
@@ -223,11 +224,12 @@ fn quantity(reader: &mut Reader, item: &Node) -> Option<ComparedQuantity> {
     let table = as_table(reader, item, "quantity")?;
     reader.refuse_unknown(table, &QUANTITY_KEYS, "quantity");
     let Some(node) = table.get("name") else {
-        let words: Vec<&str> = Quantity::ALL.iter().map(|(_, word)| *word).collect();
+        let words = Quantity::ALL.map(Quantity::word);
         reader.error(item.span(), "a quantity needs its name", &format!("one of {}", words.join(", ")));
         return None;
     };
-    let quantity = word(reader, node, "name", &Quantity::ALL)?;
+    let known = Quantity::ALL.map(|quantity| (quantity, quantity.word()));
+    let quantity = word(reader, node, "name", &known)?;
     let strains = strains(reader, item, table)?;
     let weight = positive(reader, table, "weight", 1.0)?;
     let mut error = quantity.usual_error();

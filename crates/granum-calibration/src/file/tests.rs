@@ -7,6 +7,7 @@ use granum_io::{Error, Reading};
 
 use super::*;
 use crate::prior::Prior;
+use crate::quantity::Quantity;
 
 /// A base case for tests of other files.
 pub(crate) const PLAIN_CASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\n[[stage]]\npath = \"drained-triaxial\"\n\
@@ -197,5 +198,5 @@ fn pore_pressure_is_what_the_lateral_stress_has_lost() {
         ..granum_io::LaboratoryTest::default()
     };
     // The lateral stress falls from 100 to 50 kPa.
-    assert_eq!(*crate::target::readings(&test, Quantity::PorePressure), [0.0, 5e4]);
+    assert_eq!(*Quantity::PORE_PRESSURE.readings(&test), [0.0, 5e4]);
 }

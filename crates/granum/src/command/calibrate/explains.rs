@@ -9,7 +9,7 @@ use granum_calibration::known::KnownRun;
 use granum_calibration::outcome::Outcome;
 use granum_calibration::reach::{BeyondReach, beyond_reach, values_of_priors};
 use granum_calibration::simulation::parameters;
-use granum_calibration::target::{TargetTest, all_curves, readings};
+use granum_calibration::target::{TargetTest, all_curves};
 use granum_io::shell::ShowPath;
 use granum_report::calibration::{CalibratedCurve, curves_figure};
 
@@ -45,7 +45,7 @@ impl Calibration<'_> {
             let is_like = |run: &&KnownRun| {
                 (run.mean_stress - target.mean_stress).abs() <= SAME_STRESS * target.mean_stress
             };
-            let of_run = |run: &KnownRun| pairs(&run.curves.axial_strain, &readings(&run.curves, quantity));
+            let of_run = |run: &KnownRun| pairs(&run.curves.axial_strain, &quantity.readings(&run.curves));
             known.iter().filter(is_like).map(of_run).collect()
         };
         self.refuse_beyond(&self.beyond(&predicted), &lines, results)
@@ -96,7 +96,7 @@ impl Calibration<'_> {
                     test: target.name.clone(),
                     quantity: curve.quantity.clone(),
                     unit: quantity.unit().into(),
-                    measured: pairs(&target.laboratory.axial_strain, &readings(&target.laboratory, quantity)),
+                    measured: pairs(&target.laboratory.axial_strain, &quantity.readings(&target.laboratory)),
                     band: Vec::new(),
                     simulated: lines(test, *place),
                 });

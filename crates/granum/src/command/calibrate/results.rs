@@ -10,7 +10,7 @@ use granum_calibration::next_run::NextRun;
 use granum_calibration::next_test::NextTest;
 use granum_calibration::prediction::Prediction;
 use granum_calibration::simulation::Simulated;
-use granum_calibration::target::{TargetTest, readings, understood};
+use granum_calibration::target::{TargetTest, understood};
 use granum_calibration::telling::WhatTestsTell;
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_io::{Table, atomic::write_atomically};
@@ -134,10 +134,10 @@ impl Calibration<'_> {
                     },
                     quantity: curve.quantity.clone(),
                     unit: quantity.unit().into(),
-                    measured: pairs(&target.laboratory.axial_strain, &readings(&target.laboratory, quantity)),
+                    measured: pairs(&target.laboratory.axial_strain, &quantity.readings(&target.laboratory)),
                     band: band.collect(),
                     simulated: own
-                        .map(|one| pairs(&one.curves.axial_strain, &readings(&one.curves, quantity)))
+                        .map(|one| pairs(&one.curves.axial_strain, &quantity.readings(&one.curves)))
                         .collect(),
                 });
             }
