@@ -27,6 +27,7 @@ pub fn report(study: &StudyReport) -> Document {
     reproducibility_section(&mut page, study);
     let head = html! {
         (tiles(&headline::tiles(study)))
+        (definitions(study))
         ul class="findings" { @for finding in headline::findings(study) { li { (rich(&finding)) } } }
         p class="callout" { (rich(SIGNS)) }
     };
@@ -35,6 +36,21 @@ pub fn report(study: &StudyReport) -> Document {
         &subtitle(study),
         head,
     )
+}
+
+/// What the mappings are, so that the findings below can name them.
+fn definitions(study: &StudyReport) -> Markup {
+    let formulas: Vec<String> =
+        study.summary.mappings.values().map(|mapping| symbols::markup(&mapping.formula)).collect();
+    if formulas.is_empty() {
+        return html! {};
+    }
+    let text = format!(
+        "The networks are mappings between soft sensors: {}. Here *ε*_{{d}} is the deviator strain, *q*/*p* the ratio of the deviator stress to \
+         the mean stress, *φ*_{{d}} the deviator fabric of the contacts, and *P*(*f*) the distribution of the contact forces over their mean.",
+        formulas.join("; ")
+    );
+    html! { p { (rich(&text)) } }
 }
 
 fn subtitle(study: &StudyReport) -> String {
