@@ -232,20 +232,20 @@ fn stress_path(run: &RunReport, traits: &Traits) -> Drawn {
     let caption = format!(
         "(a) Stress path in the plane of mean and deviator stress; {what}; (b) void ratio against mean stress. {marks}"
     );
-    let panels = vec![Panel::plot(path), Panel::plot(void_ratio_plot(run))];
+    let void_ratio = void_ratio_plot(run, "Mean stress *p*", run.column("mean_stress"));
+    let panels = vec![Panel::plot(path), Panel::plot(void_ratio)];
     (Figure::new("Stress path and void ratio", 2, panels), caption)
 }
 
-fn void_ratio_plot(run: &RunReport) -> Plot {
+fn void_ratio_plot(run: &RunReport, label: &str, stress: &[f64]) -> Plot {
     let void = void_ratio(run);
-    let p = run.column("mean_stress");
     let range = granum_learn::curve::range(void.iter().copied());
     let axis = Axis::new("Void ratio *e*");
     // At constant volume rounding alone would make a scale.
     let axis = if range[1] - range[0] < 1e-5 { axis.between(range[0] - 0.01, range[1] + 0.01) } else { axis };
-    Plot::new(Axis::new("Mean stress *p*").unit("Pa").logarithmic(), axis)
-        .with(Layer::line(lines(run, p, &void), color(0)))
-        .with_all(ends(run, p, &void))
+    Plot::new(Axis::new(label).unit("Pa").logarithmic(), axis)
+        .with(Layer::line(lines(run, stress, &void), color(0)))
+        .with_all(ends(run, stress, &void))
 }
 
 /// Marks at the first and the last state.
@@ -281,8 +281,13 @@ fn compression(run: &RunReport, traits: &Traits) -> Drawn {
         true => "ratio of lateral to axial stress, *K*_{0} on first loading",
         false => "volumetric strain",
     };
-    let caption = format!("(a) Void ratio against mean stress; (b) {what}. Open circle: start; square: end.");
-    (Figure::new("Compression", 2, vec![Panel::plot(void_ratio_plot(run)), Panel::plot(second)]), caption)
+    // In an oedometer the axial stress is what is known.
+    let (void_ratio, against) = match traits.oedometer {
+        true => (void_ratio_plot(run, "Axial stress *σ*_{1}", stresses[0]), "axial stress"),
+        false => (void_ratio_plot(run, "Mean stress *p*", run.column("mean_stress")), "mean stress"),
+    };
+    let caption = format!("(a) Void ratio against {against}; (b) {what}. Open circle: start; square: end.");
+    (Figure::new("Compression", 2, vec![Panel::plot(void_ratio), Panel::plot(second)]), caption)
 }
 
 /// Shear stress and normal stress or volume in simple shear.
