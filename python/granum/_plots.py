@@ -44,12 +44,17 @@ def plot(run: Run, y: str | Iterable[str], x: str | None = None, axes: Any = Non
         from matplotlib import pyplot
 
         axes = pyplot.subplots()[1]
+    units = {series.units[name] for name in names}
     for name, column in zip(names, values[1:]):
-        axes.plot(values[0], column, **{**({"label": name.replace("_", " ")} if len(names) > 1 else {}), **style})
+        # Columns of one unit have it at the axis, others each in the legend.
+        text = _label(series, name) if len(units) > 1 else name.replace("_", " ")
+        axes.plot(values[0], column, **{**({"label": text} if len(names) > 1 else {}), **style})
     axes.set_xlabel(_label(series, x))
     if len(names) == 1:
         axes.set_ylabel(_label(series, names[0]))
     else:
+        if len(units) == 1 and (unit := units.pop()):
+            axes.set_ylabel(unit)
         axes.legend()
     return axes
 

@@ -130,6 +130,8 @@ def _content(of: Assembly, colour: str | npt.ArrayLike, opacity: float, forces: 
     members = sum(len(chain) for chain in found)
     left_out = f"the {len(shown)} strongest of " if len(shown) < len(pairs) else ""
     note = f"{left_out}{len(pairs)} contacts, {len(found)} force chains of {members} grains"
+    if len(shown):
+        note += f"; tubes are as thick as their normal force, at most {most:.3g} N: grey to red in compression, blue in tension, orange in chains"
     if not has_forces and "contacts" in of.parts:
         note = f"{len(of.contacts)} contacts without forces"
     return {

@@ -89,6 +89,9 @@ def test_columns_are_drawn(tested: granum.Run) -> None:
     assert np.array_equal(axes.lines[0].get_ydata(), tested.series["stress_ratio"])
     assert tested.plot(["mean_stress", "deviator_stress"], x="time", axes=axes, color="k") is axes
     assert len(axes.lines) == 3 and axes.lines[1].get_color() == "k"
+    assert axes.get_ylabel() == "Pa"
+    mixed = tested.plot(["mean_stress", "stress_ratio"])
+    assert [text.get_text() for text in mixed.get_legend().get_texts()] == ["mean stress (Pa)", "stress ratio"]
     with pytest.raises(KeyError, match="did you mean stress_ratio"):
         tested.plot("stress_rato")
 
