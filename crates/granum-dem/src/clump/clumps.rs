@@ -119,7 +119,9 @@ impl Clumps {
             for piece in &mut self.pieces[clump.pieces[0] as usize..clump.pieces[1] as usize] {
                 let of_row = moved[piece.row as usize];
                 for a in 0..3 {
-                    piece.image[a] += of_centre[a] - of_row[a];
+                    // Positions of a damaged checkpoint can be anywhere.
+                    let moved = of_centre[a].saturating_sub(of_row[a]);
+                    piece.image[a] = piece.image[a].saturating_add(moved);
                 }
             }
         }

@@ -502,15 +502,11 @@ fn names_of_columns_are_known_and_complete() {
 #[test]
 fn the_same_sensors_measure_states_of_lammps_and_of_granum() {
     let theirs = lammps(COLUMNS).pop().unwrap();
-    let packing = theirs.packing(Path::new("grains.dump")).unwrap();
-    let sphere = |grain: &granum_io::packing::PackedGrain| InitialSphere {
-        id: grain.id,
-        position: packing.from_corner(grain),
-        radius: grain.radius,
-    };
-    let spheres: Vec<InitialSphere> = packing.grains.iter().map(sphere).collect();
+    let spheres: Vec<InitialSphere> = (theirs.assembly.spheres().unwrap().iter())
+        .map(|sphere| InitialSphere { id: sphere.id, position: sphere.position, radius: sphere.radius })
+        .collect();
     let properties = Properties::new(Material::default(), ContactModel::default());
-    let ours = Simulation::new(Cell { edges: packing.cell }, &spheres, properties).unwrap();
+    let ours = Simulation::new(Cell { edges: theirs.assembly.cell }, &spheres, properties).unwrap();
     let states: [&dyn ObservedState; 2] = [&theirs, &ours];
     assert_eq!(states.map(|state| state.grains()), [24, 24]);
     assert_eq!(states.map(|state| state.contacts()), [theirs.assembly.contacts.len(); 2]);
