@@ -4,8 +4,7 @@ use granum_campaign::plan::{Node, Reader};
 use toml::de::{DeTable, DeValue};
 
 use super::definition::{
-    CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests,
-    WHY_PREDICTIONS,
+    CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests, WHY_PREDICTIONS,
 };
 use super::words::word;
 use crate::likelihood::Discrepancy;
