@@ -25,6 +25,7 @@ pub mod state;
 
 mod assembly_of_state;
 mod blocks;
+mod boundary_loads;
 mod contact_sums;
 mod discarded;
 mod hardware;

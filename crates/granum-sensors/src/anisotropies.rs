@@ -31,7 +31,7 @@ impl Sensor for Anisotropies {
             "anisotropies",
             "anisotropies of contacts and forces, and the stress ratio that follows from them",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([
             SensorColumn::new("contact_anisotropy", "1", "a_c of the contact normals"),
             SensorColumn::new("normal_force_anisotropy", "1", "a_n of the normal forces by direction"),

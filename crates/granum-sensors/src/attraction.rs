@@ -28,7 +28,7 @@ impl Sensor for Attraction {
             "attraction",
             "energy of additional adhesion, and number of separated pairs that it attracts",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns(columns.map(SensorColumn::optional))
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }

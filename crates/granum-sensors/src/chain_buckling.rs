@@ -24,7 +24,7 @@ pub struct ChainBuckling;
 
 impl Sensor for ChainBuckling {
     fn description(&self) -> SensorDescription {
-        SensorDescription::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)").of(Subject::Bodies)
+        SensorDescription::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)").speaking_of(Subject::Bodies)
             .columns([
                 SensorColumn::new(
                     "buckling_fraction",

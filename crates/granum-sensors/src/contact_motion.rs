@@ -22,7 +22,7 @@ impl Sensor for ContactMotion {
             "contact_motion",
             "rolling against sliding at the contacts, from the motion of the grains",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "rolling_fraction",

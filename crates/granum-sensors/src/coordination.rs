@@ -21,7 +21,7 @@ pub struct CoordinationNumbers;
 impl Sensor for CoordinationNumbers {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("coordination", "mean number of contacts per grain, by several definitions")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([
                 SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
                 SensorColumn::new(

@@ -21,7 +21,7 @@ impl Sensor for CoordinationBySize {
             "coordination_by_size",
             "mean number of contacts of the grains of each fifth by size",
         )
-        .of(Subject::Bodies)
+        .speaking_of(Subject::Bodies)
         .columns([
             SensorColumn::new("coordination_size_1", "1", "mean contacts of a grain of the smallest fifth"),
             SensorColumn::new("coordination_size_2", "1", "mean contacts of a grain of the second fifth"),

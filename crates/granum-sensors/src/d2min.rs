@@ -28,7 +28,7 @@ pub struct D2Min;
 impl Sensor for D2Min {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("d2min", "local rearrangement that is no strain, between two observations")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([
                 SensorColumn::new(
                     "d2min",

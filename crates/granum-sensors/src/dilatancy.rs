@@ -20,7 +20,7 @@ pub struct Dilatancy;
 impl Sensor for Dilatancy {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("dilatancy", "dilatancy angle of the strain between two observations")
-            .of(Subject::Sample)
+            .speaking_of(Subject::Sample)
             .columns([SensorColumn::new(
                 "dilatancy_angle",
                 "deg",

@@ -55,7 +55,7 @@ impl Sensor for Directions {
             "directions",
             "principal values and directions of contacts, normal forces and branches",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns(columns.into_iter().flatten())
         .needing(&[Part::Contacts])
     }

@@ -42,7 +42,7 @@ impl Sensor for Energy {
             "energy",
             "stored energies and the energy balance of work and losses since the start of the phase",
         )
-        .of(Subject::Sample)
+        .speaking_of(Subject::Sample)
         .columns(stored.into_iter().chain(mechanism_columns(MechanismGroup::Forces)))
     }
 

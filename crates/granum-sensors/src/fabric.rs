@@ -21,7 +21,7 @@ impl Sensor for Fabric {
             "fabric",
             "Satake's fabric tensor and its deviator, also for strong and weak contacts separately",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([
             SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
             SensorColumn::new("fabric_22", "1", "phi_22"),

@@ -26,7 +26,7 @@ pub struct ForceChains;
 impl Sensor for ForceChains {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("force_chains", "number and length of the force chains (Peters et al. 2005)")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([
                 SensorColumn::new("force_chains", "1", "number of chains of three grains or more"),
                 SensorColumn::new("chain_grain_fraction", "1", "grains in chains over all grains"),

@@ -23,7 +23,7 @@ pub struct ForceDistribution;
 impl Sensor for ForceDistribution {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("force_distribution", "moments and tail of the distribution of f = N/<N>")
-            .of(Subject::Contacts)
+            .speaking_of(Subject::Contacts)
             .columns([
                 SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
                 SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),

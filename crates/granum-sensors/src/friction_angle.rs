@@ -16,7 +16,7 @@ pub struct FrictionAngle;
 impl Sensor for FrictionAngle {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("friction_angle", "mobilised friction angle of the principal stresses")
-            .of(Subject::Sample)
+            .speaking_of(Subject::Sample)
             .columns([SensorColumn::new(
                 "mobilised_friction_angle",
                 "deg",

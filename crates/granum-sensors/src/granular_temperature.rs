@@ -16,7 +16,7 @@ pub struct GranularTemperature;
 impl Sensor for GranularTemperature {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("granular_temperature", "mean square of the fluctuating velocities and spins")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([
                 SensorColumn::new("granular_temperature", "m2/s2", "T = <(v' - <v'>)^2> / 3"),
                 SensorColumn::new("rotational_temperature", "m2/s2", "<(R omega)^2> / 3")

@@ -17,7 +17,7 @@ impl Sensor for InertialNumber {
             "inertial_number",
             "ratio of inertial forces to confinement; quasi-static below about 1e-3",
         )
-        .of(Subject::Sample)
+        .speaking_of(Subject::Sample)
         .columns([SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")])
         .needing(&[
             Part::Cell,

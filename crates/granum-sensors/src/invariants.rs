@@ -18,7 +18,7 @@ impl Sensor for Invariants {
             "invariants",
             "arc length of the strain path, shear strains, and invariants of stress and strain",
         )
-        .of(Subject::Sample)
+        .speaking_of(Subject::Sample)
         .columns([
             SensorColumn::new(
                 "arc_length",

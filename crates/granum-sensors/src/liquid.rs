@@ -11,7 +11,7 @@ pub struct LiquidVolumes;
 impl Sensor for LiquidVolumes {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("liquid", "liquid in films on grains and in bridges")
-            .of(Subject::Sample)
+            .speaking_of(Subject::Sample)
             .columns([
                 SensorColumn::new("film_volume", "m3", "of the liquid in the films of all grains").optional(),
                 SensorColumn::new("bridge_volume", "m3", "of the liquid in all bridges").optional(),

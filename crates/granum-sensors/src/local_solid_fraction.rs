@@ -30,7 +30,7 @@ impl Sensor for LocalSolidFraction {
             "local_solid_fraction",
             "solid fraction of each grain's cell in the radical Voronoi tessellation",
         )
-        .of(Subject::Bodies)
+        .speaking_of(Subject::Bodies)
         .columns([
             SensorColumn::new("local_solid_fraction", "1", "mean over the grains"),
             SensorColumn::new("local_solid_fraction_deviation", "1", "standard deviation over the grains"),

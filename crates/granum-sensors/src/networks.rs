@@ -24,7 +24,7 @@ impl Sensor for Networks {
             "networks",
             "stress and fabric of the strong and the weak contacts, without reference to an axis",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([
             SensorColumn::new(
                 "strong_mean_stress_share",

@@ -23,7 +23,7 @@ impl Sensor for NonaffineDisplacement {
             "nonaffine_displacement",
             "motion of the grains relative to the uniform strain of the cell",
         )
-        .of(Subject::Bodies)
+        .speaking_of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "nonaffine_displacement",

@@ -10,7 +10,7 @@ pub struct Overlap;
 impl Sensor for Overlap {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("overlap", "overlap of the grains in contact")
-            .of(Subject::Contacts)
+            .speaking_of(Subject::Contacts)
             .columns([SensorColumn::new(
                 "largest_overlap",
                 "1",

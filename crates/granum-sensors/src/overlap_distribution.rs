@@ -21,7 +21,7 @@ impl Sensor for OverlapDistribution {
             "overlap_distribution",
             "distribution of the overlaps of contacts in compression",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([SensorColumn::new(
             "mean_overlap",
             "1",

@@ -27,7 +27,7 @@ impl Sensor for RadialDistribution {
             "radial_distribution",
             "distances of pairs of centres, for the radial distribution function",
         )
-        .of(Subject::Bodies)
+        .speaking_of(Subject::Bodies)
         .columns([
             SensorColumn::new(
                 "cell_volume_in_diameters",

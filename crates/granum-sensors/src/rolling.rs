@@ -20,7 +20,7 @@ impl Sensor for Rolling {
             "stored by the rolling and twisting of all contacts",
         );
         SensorDescription::new("rolling", "energy of rolling and twisting, where contacts resist them")
-            .of(Subject::Contacts)
+            .speaking_of(Subject::Contacts)
             .columns(
                 [stored]
                     .into_iter()

@@ -31,7 +31,7 @@ pub struct RoseOfContacts;
 impl Sensor for RoseOfContacts {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("rose", "contact normals and forces by their angle to the axis of compression")
-            .of(Subject::Contacts)
+            .speaking_of(Subject::Contacts)
             .columns([
                 SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
                 SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),

@@ -15,7 +15,7 @@ pub struct SecondOrderWork;
 impl Sensor for SecondOrderWork {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("second_order_work", "second-order work between two observations")
-            .of(Subject::Sample)
+            .speaking_of(Subject::Sample)
             .columns([SensorColumn::new(
                 "second_order_work",
                 "Pa",

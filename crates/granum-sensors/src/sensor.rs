@@ -117,7 +117,7 @@ impl SensorDescription {
     }
 
     /// The same sensor, whose values speak of this.
-    pub fn of(self, subject: Subject) -> SensorDescription {
+    pub fn speaking_of(self, subject: Subject) -> SensorDescription {
         SensorDescription { subject, ..self }
     }
 
@@ -168,7 +168,7 @@ pub type Memory = Vec<f64>;
 /// impl Sensor for Sizes {
 ///     fn description(&self) -> SensorDescription {
 ///         SensorDescription::new("sizes", "how large the grains are")
-///             .of(Subject::Bodies)
+///             .speaking_of(Subject::Bodies)
 ///             .columns([
 ///                 SensorColumn::new("largest_radius", "m", "the largest radius"),
 ///                 SensorColumn::new("grain_gain", "1", "grains that came since the last observation"),

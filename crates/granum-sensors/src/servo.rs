@@ -11,7 +11,7 @@ pub struct Servo;
 impl Sensor for Servo {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("servo", "relative error of the mean stress against the target of the servo")
-            .of(Subject::Sample)
+            .speaking_of(Subject::Sample)
             .columns([
                 SensorColumn::new(
                     "servo_error_rms",

@@ -10,7 +10,7 @@ pub struct Sliding;
 impl Sensor for Sliding {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("sliding", "contacts whose tangential force is at the friction limit")
-            .of(Subject::Contacts)
+            .speaking_of(Subject::Contacts)
             .columns([
                 SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
                 SensorColumn::new(

@@ -10,7 +10,7 @@ pub struct SolidFraction;
 impl Sensor for SolidFraction {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("solid_fraction", "volume of the grains over the volume of the cell")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([SensorColumn::new(
                 "solid_fraction",
                 "1",

@@ -61,7 +61,7 @@ impl Sensor for StateParameter {
             "state_parameter",
             "void ratio less that of the critical state at the same mean stress",
         )
-        .of(Subject::Sample)
+        .speaking_of(Subject::Sample)
         .columns([SensorColumn::new("state_parameter", "1", "psi = e - e_c(p), negative in a dense sample")])
         .parameters([VOID_RATIO, SLOPE, EXPONENT])
         .needing(&[

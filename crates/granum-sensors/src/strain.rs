@@ -19,7 +19,7 @@ impl Sensor for Strain {
             "strain",
             "strain of the cell since the start of the phase, compression positive, and the simulated time",
         )
-        .of(Subject::Sample)
+        .speaking_of(Subject::Sample)
         .columns([
             SensorColumn::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
             SensorColumn::new("axial_strain", "1", "eps_1"),

@@ -26,7 +26,7 @@ impl Sensor for StressSensor {
             "stress",
             "stress tensor of the elastic contact forces and the parts of its deviator",
         )
-        .of(Subject::Contacts)
+        .speaking_of(Subject::Contacts)
         .columns([
             SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
             SensorColumn::new("stress_12", "Pa", "sigma_12"),

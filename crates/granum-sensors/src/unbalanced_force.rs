@@ -19,7 +19,7 @@ impl Sensor for UnbalancedForce {
             "unbalanced_force",
             "mean resultant force on a grain over the mean contact force",
         )
-        .of(Subject::Bodies)
+        .speaking_of(Subject::Bodies)
         .columns([SensorColumn::new(
             "unbalanced_force",
             "1",

@@ -13,7 +13,7 @@ pub struct VoidRatio;
 impl Sensor for VoidRatio {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("void_ratio", "volume of the voids over the volume of the grains")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([SensorColumn::new(
                 "void_ratio",
                 "1",

@@ -17,7 +17,7 @@ const LARGEST_SPEED: SensorParameter = SensorParameter::new(
 impl Sensor for FluctuatingSpeeds {
     fn description(&self) -> SensorDescription {
         SensorDescription::new("fluctuating_speeds", "fluctuating motion of the grains")
-            .of(Subject::Bodies)
+            .speaking_of(Subject::Bodies)
             .columns([SensorColumn::new("fluctuating_speed", "m/s", "root mean square of v'")])
             .parameters([LARGEST_SPEED])
             .needing(&[Part::Velocities])
