@@ -350,7 +350,10 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting, changed };
     let force = [P::part(out.force[0]), P::part(out.force[1]), P::part(out.force[2])];
     let moment = [P::part(out.moment[0]), P::part(out.moment[1]), P::part(out.moment[2])];
-    let branch = branch_of_bodies::<L>(v, b, pair_batch.kinematics.branch);
+    let mut branch = pair_batch.kinematics.branch;
+    if S::MAY_HAVE_CLUMPS && v.arms.len() > 0 {
+        branch = branch_of_bodies::<L>(v, b, branch);
+    }
     for r in 0..3 {
         let pull = -P::part(out.elastic[r]);
         for k in 0..3 {
@@ -386,9 +389,6 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
 /// The branch vectors between the centres of the bodies of a batch: those of its pieces, with the arms of pieces of clumps.
 #[inline(always)]
 fn branch_of_bodies<L: Lanes>(v: &Views, b: usize, branch: [L; 3]) -> [L; 3] {
-    if v.arms.len() == 0 {
-        return branch;
-    }
     // SAFETY: arms and lists are only read in this stage.
     let arms = unsafe { v.arms.read() };
     let (one, two) = unsafe { (L::gather4(arms, &v.first.read()[b]), L::gather4(arms, &v.second.read()[b])) };
