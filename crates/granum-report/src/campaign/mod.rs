@@ -108,7 +108,8 @@ impl Drawn<'_> {
     /// A layer without points for each step of the legend.
     fn legend(&self) -> Vec<Layer> {
         let unit = self.variable().map_or("", |variable| variable.unit.as_str());
-        let name = self.variable().map_or(String::new(), |variable| literal(&variable.name));
+        let name =
+            self.variable().map_or(String::new(), |variable| literal(&variable.name.replace('_', " ")));
         let layer = |(k, value): (usize, VariableValue)| {
             let text = match &value {
                 VariableValue::Number(number) => quantity(*number, unit),
@@ -161,7 +162,8 @@ impl Drawn<'_> {
             Plot::new(x, y).with_all(self.campaign.runs.iter().map(line)).with_all(self.legend())
         };
         let panels = axes.into_iter().enumerate().map(plot).map(Panel::plot).collect();
-        let name = self.variable().map_or(String::new(), |variable| literal(&variable.name));
+        let name =
+            self.variable().map_or(String::new(), |variable| literal(&variable.name.replace('_', " ")));
         let caption = format!(
             "The {} finished runs, coloured by {name}. (a) Ratio of the deviator stress to the mean stress, *q*/*p* of triaxial tests and \
              *q*_{{vM}}/*p* of others. (b), (c) Void ratio against the strain and the mean stress.",
@@ -207,7 +209,7 @@ impl Drawn<'_> {
             [peak, late] => format!("{peak} (circles) and {late} (squares)"),
             _ => words.join(", "),
         };
-        let by = self.variable().map_or(String::new(), |variable| literal(&variable.name));
+        let by = self.variable().map_or(String::new(), |variable| literal(&variable.name.replace('_', " ")));
         let caption = format!(
             "The {marks} of each run against the variables, coloured by {by}. Grey marks are runs that are not part of the data set."
         );
