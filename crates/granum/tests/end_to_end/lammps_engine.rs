@@ -170,8 +170,16 @@ fn a_run_by_lammps_fails_is_stopped_goes_on_and_is_read_like_any_other() {
     let events = std::fs::read_to_string(here.join("run/lammps/events")).unwrap();
     assert!(events.contains("\nsaved,"), "it was stopped with a restart file");
 
-    // It goes on from the restart file of LAMMPS.
-    done(here, &["resume", "run", "--command", "lmp"]);
+    // It goes on from the restart file of LAMMPS, also in another place: what it begins with names no folder.
+    for name in std::fs::read_dir(here.join("run/lammps")).unwrap().map(|entry| entry.unwrap().path()) {
+        let text = std::fs::read(&name).unwrap_or_default();
+        let place = here.join("run").display().to_string();
+        let is_named = text.windows(place.len()).any(|window| window == place.as_bytes());
+        assert!(!is_named, "{} holds the place of the run", name.display());
+    }
+    std::fs::rename(here.join("run"), here.join("moved")).unwrap();
+    done(here, &["resume", "moved", "--command", "lmp"]);
+    std::fs::rename(here.join("moved"), here.join("run")).unwrap();
     let logs = std::fs::read_dir(here.join("run/lammps")).unwrap();
     let names: Vec<String> = logs.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     assert!(names.iter().any(|name| name.starts_with("log.") && name != "log.0"), "{names:?}");
