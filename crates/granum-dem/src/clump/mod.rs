@@ -15,3 +15,4 @@ pub(crate) mod placed;
 pub mod rigid_shape;
 pub(crate) mod rotor;
 pub(crate) mod time_step;
+pub mod union_of_spheres;

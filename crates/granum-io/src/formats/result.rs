@@ -144,7 +144,7 @@ pub struct Frame {
     pub centres: Vec<Vector>,
     /// What of the grains is known.
     pub parts: Parts,
-    /// Names of the materials, to which [`Grain::material`] refers; empty where there is only one.
+    /// Names of the materials, to which [`Sphere::material`] refers; empty where there is only one.
     pub materials: Vec<String>,
     /// True if the file has no ids and grains are numbered from 1 in their order, so that contacts may count from 0.
     pub counts_from_one: bool,

@@ -1,0 +1,514 @@
+//! Volume, surface, centre and inertia of a union of spheres, exactly but for rounding: what several spheres share counts once.
+//!
+//! By the divergence theorem all moments are integrals over the exposed patches of the spheres: `V = 1/3 int x.n`, `int x = 1/2 int x^2 n_x`,
+//! `int x^2 = 1/3 int x^3 n_x`, `int xy = 1/2 int x^2 y n_x`. On the sphere i with `h = z - z_i` and `rho^2 = R_i^2 - h^2` the element is
+//! `n dA = (rho cos, rho sin, h) dz dphi`. At one height z another sphere covers one arc of the circle, so that what is exposed are arcs, over
+//! which powers of sine and cosine are integrated in closed form. The heights are cut at the poles of the spheres, at the extremes of the
+//! circles in which two of them meet and at the points where three meet; between two cuts a Gauss-Legendre rule in the angle
+//! `z = z_m - delta/2 cos(theta)` takes away the roots at the ends. The spheres are sliced along an oblique axis, along which shapes that people make have
+//! no symmetry.
+
+use granum_core::assembly::{Matrix, Vector};
+use granum_core::geometry::{cross, dot, length};
+use granum_core::rotation::{normalized, to_body, to_space};
+
+use super::rigid_shape::{RigidShape, ShapePiece};
+
+/// Number of nodes between two cuts.
+const NODES: usize = 48;
+/// The rotation into the axes in which spheres are sliced.
+const OBLIQUE: [f64; 4] = [0.81, 0.37, -0.29, 0.35];
+
+/// Moments of a body of density one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Volume, m3.
+    pub volume: f64,
+    /// Surface, m2.
+    pub surface: f64,
+    /// Centre, m.
+    pub centre: Vector,
+    /// `int (x - c)(x - c)^T`, m5.
+    pub second: Matrix,
+}
+
+impl Moments {
+    /// The inertia over the volume, m2: `tr(S) 1 - S` with the second moments S over the volume.
+    pub fn inertia_over_volume(&self) -> Matrix {
+        let s = self.second.map(|row| row.map(|x| x / self.volume));
+        let trace = s[0][0] + s[1][1] + s[2][2];
+        std::array::from_fn(|r| std::array::from_fn(|c| if r == c { trace - s[r][c] } else { -s[r][c] }))
+    }
+}
+
+/// A shape of spheres, and where its principal axes are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeOfSpheres {
+    /// The shape, in its principal axes, in the order of rising moments.
+    pub shape: RigidShape,
+    /// Centre of mass in the axes of the given spheres, m.
+    pub centre: Vector,
+    /// The principal axes there: its columns.
+    pub axes: Matrix,
+    /// Surface of the union, m2.
+    pub surface: f64,
+}
+
+impl ShapeOfSpheres {
+    /// The shape of spheres with these centres and radii, m. Spheres inside another one are left out.
+    ///
+    /// # Errors
+    /// With what is wrong and what would be right: without spheres, for a radius that is not positive or a place that is not finite, and for two equal spheres.
+    pub fn new(spheres: &[(Vector, f64)]) -> Result<ShapeOfSpheres, String> {
+        check(spheres)?;
+        let outer = outermost(spheres);
+        let moments = moments(&outer);
+        let (values, axes) = principal(&moments.inertia_over_volume());
+        let piece = |(centre, radius): &(Vector, f64)| {
+            let apart = std::array::from_fn(|a| centre[a] - moments.centre[a]);
+            ShapePiece { centre: to_body(&axes, &apart), radius: *radius }
+        };
+        let pieces = match outer[..] {
+            // The only piece is the centre, without rounding.
+            [(_, radius)] => vec![ShapePiece { centre: [0.0; 3], radius }],
+            _ => outer.iter().map(piece).collect(),
+        };
+        let shape = RigidShape { pieces, volume: moments.volume, inertia_over_mass: values };
+        Ok(ShapeOfSpheres { shape, centre: moments.centre, axes, surface: moments.surface })
+    }
+
+    /// Sphericity: surface of the sphere of equal volume over the surface, `pi^(1/3) (6 V)^(2/3) / S`.
+    pub fn sphericity(&self) -> f64 {
+        let edge = granum_simd::cbrt(6.0 * self.shape.volume);
+        granum_simd::cbrt(std::f64::consts::PI) * edge * edge / self.surface
+    }
+}
+
+fn check(spheres: &[(Vector, f64)]) -> Result<(), String> {
+    if spheres.is_empty() {
+        return Err("a shape needs at least one sphere".into());
+    }
+    for (k, (centre, radius)) in spheres.iter().enumerate() {
+        if !(*radius > 0.0 && radius.is_finite()) {
+            return Err(format!("the radius of sphere {k} is {radius} m; it must be positive"));
+        }
+        if centre.iter().any(|x| !x.is_finite()) {
+            return Err(format!("the centre {centre:?} of sphere {k} is not finite"));
+        }
+        if let Some(other) = spheres[..k].iter().position(|other| *other == (*centre, *radius)) {
+            return Err(format!("the spheres {other} and {k} are equal; leave one of them out"));
+        }
+    }
+    Ok(())
+}
+
+/// The spheres that are not inside another one.
+fn outermost(spheres: &[(Vector, f64)]) -> Vec<(Vector, f64)> {
+    let inside = |(centre, radius): &(Vector, f64), (other, larger): &(Vector, f64)| {
+        let apart: Vector = std::array::from_fn(|a| centre[a] - other[a]);
+        larger > radius && length(&apart) + radius <= *larger
+    };
+    spheres.iter().filter(|one| !spheres.iter().any(|other| inside(one, other))).copied().collect()
+}
+
+/// The moments of a union of spheres, none of which is inside another.
+pub(crate) fn moments(spheres: &[(Vector, f64)]) -> Moments {
+    let rotation = granum_core::rotation::matrix(&normalized(&OBLIQUE));
+    // About the middle of the centres, so that large coordinates cost no digits.
+    let count = spheres.len() as f64;
+    let middle: Vector = std::array::from_fn(|a| spheres.iter().map(|(c, _)| c[a]).sum::<f64>() / count);
+    let turned: Vec<(Vector, f64)> = (spheres.iter())
+        .map(|(c, r)| (to_body(&rotation, &std::array::from_fn(|a| c[a] - middle[a])), *r))
+        .collect();
+    let sums = integrals(&turned);
+    let volume = sums.volume;
+    let centre = sums.first.map(|x| x / volume);
+    let second: Matrix =
+        std::array::from_fn(|r| std::array::from_fn(|c| sums.second[r][c] - volume * centre[r] * centre[c]));
+    let of_space = to_space(&rotation, &centre);
+    Moments {
+        volume,
+        surface: sums.surface,
+        centre: std::array::from_fn(|a| middle[a] + of_space[a]),
+        second: rotated(&rotation, &second),
+    }
+}
+
+/// `R S R^T`.
+fn rotated(rotation: &Matrix, second: &Matrix) -> Matrix {
+    let half: Matrix = std::array::from_fn(|r| to_space(&transposed(second), &rotation[r]));
+    std::array::from_fn(|r| std::array::from_fn(|c| dot(&half[r], &rotation[c])))
+}
+
+fn transposed(m: &Matrix) -> Matrix {
+    std::array::from_fn(|r| std::array::from_fn(|c| m[c][r]))
+}
+
+/// Integrals over a body.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    volume: f64,
+    surface: f64,
+    first: Vector,
+    second: Matrix,
+}
+
+fn integrals(spheres: &[(Vector, f64)]) -> Sums {
+    let rule = gauss_legendre();
+    let cuts = cuts(spheres);
+    let mut sums = Sums::default();
+    for (centre, radius) in spheres {
+        let (low, high) = (centre[2] - radius, centre[2] + radius);
+        for ends in cuts.windows(2) {
+            let (from, to) = (ends[0].max(low), ends[1].min(high));
+            if to <= from {
+                continue;
+            }
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+            for (node, weight) in &rule {
+                // theta from 0 to pi.
+                let theta = 0.5 * std::f64::consts::PI * (1.0 + node);
+                let (sine, cosine) = libm::sincos(theta);
+                let dz = weight * 0.5 * std::f64::consts::PI * half * sine;
+                add_slice(&mut sums, spheres, (centre, *radius), middle - half * cosine, dz);
+            }
+        }
+    }
+    for (r, c) in [(1, 0), (2, 0), (2, 1)] {
+        sums.second[r][c] = sums.second[c][r];
+    }
+    sums
+}
+
+/// Adds what is exposed of a sphere at a height.
+fn add_slice(sums: &mut Sums, spheres: &[(Vector, f64)], (centre, radius): (&Vector, f64), z: f64, dz: f64) {
+    let h = z - centre[2];
+    let rho = (radius * radius - h * h).max(0.0).sqrt();
+    let Some(arcs) = exposed(spheres, centre, radius, h, rho) else { return };
+    let [x, y] = [centre[0], centre[1]];
+    for [from, to] in arcs {
+        let p = Powers::between(from, to);
+        sums.surface += radius * dz * p.one;
+        sums.volume += dz / 3.0 * (rho * (x * p.c + rho * p.cc + y * p.s + rho * p.ss) + z * h * p.one);
+        // Powers of x = x_i + rho cos times cos, and of y times sin.
+        let x2c = x * x * p.c + 2.0 * x * rho * p.cc + rho * rho * p.ccc;
+        let y2s = y * y * p.s + 2.0 * y * rho * p.ss + rho * rho * p.sss;
+        sums.first[0] += 0.5 * dz * rho * x2c;
+        sums.first[1] += 0.5 * dz * rho * y2s;
+        sums.first[2] += 0.5 * dz * z * z * h * p.one;
+        let x3c = x * x * x * p.c
+            + 3.0 * x * x * rho * p.cc
+            + 3.0 * x * rho * rho * p.ccc
+            + rho * rho * rho * p.cccc;
+        let y3s = y * y * y * p.s
+            + 3.0 * y * y * rho * p.ss
+            + 3.0 * y * rho * rho * p.sss
+            + rho * rho * rho * p.ssss;
+        sums.second[0][0] += dz / 3.0 * rho * x3c;
+        sums.second[1][1] += dz / 3.0 * rho * y3s;
+        sums.second[2][2] += dz / 3.0 * z * z * z * h * p.one;
+        let x2cs = x * x * p.cs + 2.0 * x * rho * p.ccs + rho * rho * p.cccs;
+        sums.second[0][1] += 0.5 * dz * rho * (y * x2c + rho * x2cs);
+        sums.second[0][2] += 0.5 * dz * z * z * h * (x * p.one + rho * p.c);
+        sums.second[1][2] += 0.5 * dz * z * z * h * (y * p.one + rho * p.s);
+    }
+}
+
+/// The arcs of a circle on a sphere that no other sphere covers; `None` if one covers all of it.
+fn exposed(
+    spheres: &[(Vector, f64)],
+    centre: &Vector,
+    radius: f64,
+    h: f64,
+    rho: f64,
+) -> Option<Vec<[f64; 2]>> {
+    let whole = std::f64::consts::TAU;
+    let mut covered: Vec<[f64; 2]> = Vec::new();
+    for (other, larger) in spheres {
+        let d: Vector = std::array::from_fn(|a| other[a] - centre[a]);
+        if d == [0.0; 3] {
+            continue;
+        }
+        let across = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let limit = radius * radius + dot(&d, &d) - larger * larger - 2.0 * d[2] * h;
+        let reach = 2.0 * rho * across;
+        if limit >= reach {
+            continue;
+        }
+        if limit <= -reach {
+            return None;
+        }
+        let half = libm::acos(limit / reach);
+        let mut from = libm::atan2(d[1], d[0]) - half;
+        if from < 0.0 {
+            from += whole;
+        }
+        let to = from + 2.0 * half;
+        if to > whole {
+            covered.push([from, whole]);
+            covered.push([0.0, to - whole]);
+        } else {
+            covered.push([from, to]);
+        }
+    }
+    covered.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let (mut arcs, mut end) = (Vec::new(), 0.0);
+    for [from, to] in covered {
+        if from > end {
+            arcs.push([end, from]);
+        }
+        end = f64::max(end, to);
+    }
+    if end < whole {
+        arcs.push([end, whole]);
+    }
+    Some(arcs)
+}
+
+/// Integrals of powers of cosine (c) and sine (s) over an arc.
+struct Powers {
+    one: f64,
+    c: f64,
+    s: f64,
+    cc: f64,
+    ss: f64,
+    cs: f64,
+    ccc: f64,
+    sss: f64,
+    ccs: f64,
+    cccc: f64,
+    ssss: f64,
+    cccs: f64,
+}
+
+impl Powers {
+    fn between(from: f64, to: f64) -> Powers {
+        let (s0, c0) = libm::sincos(from);
+        let (s1, c1) = libm::sincos(to);
+        let change = |of: &dyn Fn(f64, f64) -> f64| of(s1, c1) - of(s0, c0);
+        let angle = to - from;
+        let double = change(&|s, c| 2.0 * s * c);
+        let four = change(&|s, c| 4.0 * s * c * (c * c - s * s));
+        Powers {
+            one: angle,
+            c: change(&|s, _| s),
+            s: change(&|_, c| -c),
+            cc: 0.5 * angle + 0.25 * double,
+            ss: 0.5 * angle - 0.25 * double,
+            cs: change(&|s, _| 0.5 * s * s),
+            ccc: change(&|s, _| s - s * s * s / 3.0),
+            sss: change(&|_, c| c * c * c / 3.0 - c),
+            ccs: change(&|_, c| -c * c * c / 3.0),
+            cccc: 0.375 * angle + 0.25 * double + four / 32.0,
+            ssss: 0.375 * angle - 0.25 * double + four / 32.0,
+            cccs: change(&|_, c| -0.25 * c * c * c * c),
+        }
+    }
+}
+
+/// The heights between which the exposed arcs change smoothly.
+fn cuts(spheres: &[(Vector, f64)]) -> Vec<f64> {
+    let mut cuts = Vec::new();
+    for (k, (centre, radius)) in spheres.iter().enumerate() {
+        cuts.extend([centre[2] - radius, centre[2] + radius]);
+        for (j, (other, larger)) in spheres.iter().enumerate().skip(k + 1) {
+            let Some((middle, axis, seam)) = seam((centre, *radius), (other, *larger)) else { continue };
+            let rise = seam * (1.0 - axis[2] * axis[2]).max(0.0).sqrt();
+            cuts.extend([middle[2] - rise, middle[2] + rise]);
+            for (third, third_radius) in &spheres[j + 1..] {
+                cuts.extend(triple_points(&middle, &axis, seam, third, *third_radius).into_iter().flatten());
+            }
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup();
+    cuts
+}
+
+/// The circle in which two spheres meet: its middle, its axis and its radius.
+fn seam((a, r): (&Vector, f64), (b, s): (&Vector, f64)) -> Option<(Vector, Vector, f64)> {
+    let d: Vector = std::array::from_fn(|k| b[k] - a[k]);
+    let distance = length(&d);
+    if distance >= r + s || distance <= (r - s).abs() {
+        return None;
+    }
+    let axis = d.map(|x| x / distance);
+    let along = 0.5 * (distance + (r * r - s * s) / distance);
+    let radius = (r * r - along * along).max(0.0).sqrt();
+    Some((std::array::from_fn(|k| a[k] + along * axis[k]), axis, radius))
+}
+
+/// The heights of the two points of a circle that are on a sphere.
+fn triple_points(middle: &Vector, axis: &Vector, seam: f64, third: &Vector, radius: f64) -> Option<[f64; 2]> {
+    let d: Vector = std::array::from_fn(|k| third[k] - middle[k]);
+    let along = dot(&d, axis);
+    let flat: Vector = std::array::from_fn(|k| d[k] - along * axis[k]);
+    let across = length(&flat);
+    if across == 0.0 {
+        return None;
+    }
+    // Of the points at the angle phi from `flat`: seam^2 + d^2 - 2 seam across cos(phi) = radius^2.
+    let cosine = (seam * seam + dot(&d, &d) - radius * radius) / (2.0 * seam * across);
+    if cosine.abs() >= 1.0 {
+        return None;
+    }
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let u = flat.map(|x| x / across);
+    let v = cross(axis, &u);
+    Some([1.0, -1.0].map(|side| middle[2] + seam * (cosine * u[2] + side * sine * v[2])))
+}
+
+/// Nodes and weights of the Gauss-Legendre rule between -1 and 1.
+fn gauss_legendre() -> Vec<(f64, f64)> {
+    let n = NODES as f64;
+    let node = |k: usize| {
+        let mut x = libm::cos(std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5));
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut before, mut now) = (1.0, x);
+            for m in 2..=NODES {
+                let m = m as f64;
+                (before, now) = (now, ((2.0 * m - 1.0) * x * now - (m - 1.0) * before) / m);
+            }
+            slope = n * (x * now - before) / (x * x - 1.0);
+            x -= now / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..NODES).map(node).collect()
+}
+
+/// Principal values of a symmetric matrix in rising order, and a right-handed frame of their axes in its columns (Jacobi rotations).
+fn principal(matrix: &Matrix) -> (Vector, Matrix) {
+    let mut a = *matrix;
+    let mut v: Matrix = std::array::from_fn(|r| std::array::from_fn(|c| if r == c { 1.0 } else { 0.0 }));
+    for _ in 0..16 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for k in 0..3 {
+                let (x, y) = (a[k][p], a[k][q]);
+                (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
+            }
+            for k in 0..3 {
+                let (x, y) = (a[p][k], a[q][k]);
+                (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
+                let (x, y) = (v[k][p], v[k][q]);
+                (v[k][p], v[k][q]) = (c * x - s * y, s * x + c * y);
+            }
+        }
+    }
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| a[i][i].total_cmp(&a[j][j]));
+    let column = |k: usize| -> Vector { std::array::from_fn(|r| v[r][order[k]]) };
+    let (first, second) = (column(0), column(1));
+    let third = cross(&first, &second);
+    let axes = std::array::from_fn(|r| [first[r], second[r], third[r]]);
+    (order.map(|k| a[k][k]), axes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(found: f64, golden: f64, tolerance: f64) {
+        assert!((found - golden).abs() <= tolerance * golden.abs().max(1e-3), "{found} {golden}");
+    }
+
+    /// Volumes, surfaces, inertia and sphericity of the union of equal spheres of diameter 1.
+    #[test]
+    fn the_moments_of_known_shapes_are_met() {
+        let row = |xs: &[f64]| -> Vec<(Vector, f64)> { xs.iter().map(|x| ([*x, 0.0, 0.0], 0.5)).collect() };
+        let q = 0.25;
+        let tetrapod = vec![([q, q, q], 0.5), ([q, -q, -q], 0.5), ([-q, q, -q], 0.5), ([-q, -q, q], 0.5)];
+        let cases = [
+            (row(&[0.0]), std::f64::consts::PI / 6.0, std::f64::consts::PI, [0.1; 3], 1.0),
+            (
+                row(&[-0.25, 0.25]),
+                0.8835729338221,
+                4.712388980385,
+                [0.10625, 0.184375, 0.184375],
+                0.9449407874,
+            ),
+            (
+                row(&[0.0, 1.0]),
+                std::f64::consts::FRAC_PI_3,
+                std::f64::consts::TAU,
+                [0.1, 0.35, 0.35],
+                0.7937005260,
+            ),
+            (
+                row(&[-0.5, 0.0, 0.5]),
+                1.243547092046,
+                std::f64::consts::TAU,
+                [0.108881578947, 0.308717105263, 0.308717105263],
+                0.8900459199,
+            ),
+            (tetrapod, 1.7752003059736, 8.235120734032, [0.251204377166; 3], 0.8609522457),
+        ];
+        for (spheres, volume, surface, inertia, sphericity) in cases {
+            let found = ShapeOfSpheres::new(&spheres).unwrap();
+            near(found.shape.volume, volume, 2e-12);
+            near(found.surface, surface, 2e-12);
+            for k in 0..3 {
+                near(found.shape.inertia_over_mass[k], inertia[k], 1e-11);
+            }
+            near(found.sphericity(), sphericity, 1e-9);
+        }
+    }
+
+    /// Four unlike spheres: centre, inertia in the given axes and principal moments.
+    #[test]
+    fn an_asymmetric_shape_has_its_centre_and_its_axes() {
+        let spheres =
+            [([0.0; 3], 0.5), ([0.45, 0.1, 0.0], 0.35), ([-0.2, 0.4, 0.1], 0.3), ([0.1, -0.15, 0.5], 0.25)];
+        let found = moments(&spheres);
+        near(found.volume, 0.7260173672085, 1e-11);
+        near(found.surface, 4.418893287345, 1e-11);
+        for (k, golden) in [0.0641825704637, 0.0464705577759, 0.0439973258698].into_iter().enumerate() {
+            near(found.centre[k], golden, 1e-10);
+        }
+        let inertia = found.inertia_over_volume();
+        for ((r, c), golden) in [
+            ((0, 0), 0.122602012166),
+            ((1, 1), 0.144570647036),
+            ((2, 2), 0.146988051635),
+            ((0, 1), 0.004352260758),
+            ((0, 2), 0.001446280677),
+            ((1, 2), 0.002943169375),
+        ] {
+            near(inertia[r][c], golden, 1e-9);
+            near(inertia[c][r], golden, 1e-9);
+        }
+        let shape = ShapeOfSpheres::new(&spheres).unwrap();
+        for (k, golden) in [0.121740791939, 0.142948051739, 0.149471867159].into_iter().enumerate() {
+            near(shape.shape.inertia_over_mass[k], golden, 1e-10);
+        }
+        // In its own axes the shape is about its centre, and its products of inertia vanish.
+        let pieces: Vec<(Vector, f64)> = shape.shape.pieces.iter().map(|p| (p.centre, p.radius)).collect();
+        let own = moments(&pieces);
+        assert!(own.centre.iter().all(|x| x.abs() < 1e-10), "{:?}", own.centre);
+        let inertia = own.inertia_over_volume();
+        assert!([inertia[0][1], inertia[0][2], inertia[1][2]].iter().all(|x| x.abs() < 1e-10), "{inertia:?}");
+        near(shape.sphericity(), 0.8840332851, 1e-9);
+    }
+
+    #[test]
+    fn spheres_inside_others_count_for_nothing_and_impossible_ones_are_named() {
+        let alone = ShapeOfSpheres::new(&[([1.0, 2.0, 3.0], 0.5), ([1.1, 2.0, 3.0], 0.2)]).unwrap();
+        assert_eq!(alone.shape.as_sphere(), Some(0.5));
+        let said = |spheres: &[(Vector, f64)], text: &str| {
+            let message = ShapeOfSpheres::new(spheres).unwrap_err();
+            assert!(message.contains(text), "{message}");
+        };
+        said(&[], "at least one sphere");
+        said(&[([0.0; 3], -1.0)], "sphere 0 is -1 m");
+        said(&[([f64::NAN, 0.0, 0.0], 1.0)], "not finite");
+        said(&[([0.0; 3], 1.0), ([0.0; 3], 1.0)], "the spheres 0 and 1 are equal");
+    }
+}
