@@ -5,13 +5,12 @@
 //! of granum leaves out. The tangential force of a contact is that of LAMMPS, with its dashpot. The resultant on a grain is the sum of the
 //! forces that LAMMPS has, with the dashpots as in granum.
 
-use std::any::Any;
 use std::collections::HashMap;
 use std::path::Path;
 
 use granum_core::assembly::{Assembly, Body, Vector};
 use granum_core::geometry::{apply, dot, invert};
-use granum_core::{MacroState, ObservedState, Part, Parts};
+use granum_core::{Part, Parts};
 use granum_dem::simulation::Properties;
 use granum_io::formats::lammps_dump::LammpsDump;
 use granum_io::formats::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
@@ -46,30 +45,6 @@ pub(super) struct Seen {
     pub(super) assembly: Assembly,
     /// Largest `dt sqrt(k_t / m)` of a contact.
     pub(super) time_step_fraction: f64,
-}
-
-impl ObservedState for Seen {
-    fn grains(&self) -> usize {
-        self.assembly.bodies.len()
-    }
-    fn contacts(&self) -> usize {
-        self.assembly.contacts.len()
-    }
-    fn step(&self) -> u64 {
-        self.assembly.step
-    }
-    fn macro_state(&self) -> MacroState {
-        MacroState::from_assembly(&self.assembly)
-    }
-    fn parts(&self) -> Parts {
-        parts()
-    }
-    fn assembly_into(&self, assembly: &mut Assembly) {
-        assembly.clone_from(&self.assembly);
-    }
-    fn as_any(&self) -> &dyn Any {
-        self
-    }
 }
 
 impl Grains {
