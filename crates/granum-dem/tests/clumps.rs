@@ -5,6 +5,7 @@ use granum_core::assembly::{Assembly, Vector};
 use granum_core::cell::Cell;
 use granum_core::geometry::{cross, dot};
 use granum_core::rotation::{IDENTITY, Quaternion, about, matrix, to_body, to_space};
+use granum_dem::clump::union_of_spheres::ShapeOfSpheres;
 use granum_dem::config::{AdhesionKind, ContactModel, Material, NormalKind, TangentialKind};
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{
@@ -312,4 +313,68 @@ fn what_clumps_cannot_do_is_refused_by_name() {
     wet.contact.adhesion = AdhesionKind::CAPILLARY_BRIDGE_FILMS;
     let refused = Simulation::of_bodies(Cell::cuboid([4.0; 3]), &[dimer()], &[body], &[], wet);
     assert!(matches!(refused.err(), Some(SimulationError::LiquidOfClumps { .. })));
+}
+
+/// A packing of one shape without friction under isotropic pressure, E/p = 1e4, made from a gas of bodies.
+fn frictionless(spheres: &[(Vector, f64)], edge: usize) -> Simulation {
+    let shape = ShapeOfSpheres::new(spheres).unwrap().shape;
+    let spacing = 2.1 * shape.reach();
+    let mut x = 0.41;
+    let mut next = || {
+        x = (x * 997.0 + 0.618_f64).fract();
+        2.0 * x - 1.0
+    };
+    let bodies: Vec<InitialBody> = (0..edge.pow(3))
+        .map(|k| InitialBody {
+            id: k as u64 + 1,
+            position: [k % edge, k / edge % edge, k / edge / edge].map(|n| (n as f64 + 0.5) * spacing),
+            orientation: about(&[next(), next(), next()], 3.0 * next()),
+            shape: 0,
+        })
+        .collect();
+    let mut properties = elastic();
+    properties.material.friction = 0.0;
+    properties.contact.damping = 0.3;
+    let cell = Cell::cuboid([spacing * edge as f64; 3]);
+    let mut s = Simulation::of_bodies(cell, &[shape], &bodies, &[], properties).unwrap();
+    let fast = |next: &mut dyn FnMut() -> f64| -> Vec<Vector> {
+        bodies.iter().map(|_| [0.7 * next(), 0.7 * next(), 0.7 * next()]).collect()
+    };
+    let (velocities, spins) = (fast(&mut next), fast(&mut next));
+    s.set_velocities(&velocities, &spins);
+    s.expect_force(1.0);
+    s.set_control(CellControl::isotropic(1.0, 0.1));
+    s.advance(40_000).unwrap();
+    s.set_global_damping(0.3);
+    s.advance(60_000).unwrap();
+    s
+}
+
+/// Solid fraction, contacts a grain and neighbours a grain of packings of 150 bodies that were prepared without friction by an independent
+/// program; here of 125. Both are of one sample each.
+#[test]
+fn frictionless_packings_are_as_dense_as_those_of_an_independent_program() {
+    let row = |xs: &[f64]| -> Vec<(Vector, f64)> { xs.iter().map(|x| ([*x, 0.0, 0.0], 0.5)).collect() };
+    let q = 0.25;
+    let tetrapod = vec![([q, q, q], 0.5), ([q, -q, -q], 0.5), ([-q, q, -q], 0.5), ([-q, -q, q], 0.5)];
+    for (name, spheres, golden) in [
+        ("sphere", row(&[0.0]), [0.640, 6.55, 6.55]),
+        ("dimer at half a diameter", row(&[-0.25, 0.25]), [0.699, 11.33, 8.51]),
+        ("dimer at a diameter", row(&[-0.5, 0.5]), [0.635, 11.12, 8.52]),
+        ("capsule of three", row(&[-0.5, 0.0, 0.5]), [0.681, 11.88, 9.29]),
+        ("tetrapod", tetrapod, [0.691, 13.81, 8.27]),
+    ] {
+        let s = frictionless(&spheres, 5);
+        let assembly = s.assembly();
+        let a_grain = |count: usize| 2.0 * count as f64 / assembly.bodies.len() as f64;
+        let found = [
+            s.state().solid_fraction(),
+            a_grain(assembly.contacts.len()),
+            a_grain(assembly.pairs_of_bodies().len()),
+        ];
+        println!("{name}: {found:?} for {golden:?}");
+        assert!(s.state().unbalanced_force() < 1e-6);
+        near(&found[..1], &golden[..1], 0.012, name);
+        near(&found[1..], &golden[1..], 0.6, name);
+    }
 }
