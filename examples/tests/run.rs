@@ -1,5 +1,7 @@
 //! Runs all examples.
 
+#[path = "../clumps.rs"]
+mod clumps;
 #[path = "../compare_surrogates.rs"]
 mod compare_surrogates;
 #[path = "../draw_a_figure.rs"]
@@ -62,6 +64,11 @@ fn measure_a_packing_runs() {
 #[test]
 fn own_contact_law_runs() {
     own_contact_law::main().unwrap();
+}
+
+#[test]
+fn clumps_runs() {
+    clumps::main().unwrap();
 }
 
 #[test]
