@@ -6,7 +6,7 @@ use granum_core::geometry::invert;
 use granum_core::rotation::{matrix, to_space};
 use granum_simd::{LANES, Real, Row8, ScalarKernel, fused, prefetch};
 
-use crate::assembly::{Assembly, Body, Contact, Matrix, Piece, Rigid, Sphere, Vector};
+use crate::assembly::{Assembly, Body, Contact, Matrix, Piece, Rigid, Sphere};
 use crate::clump::rigid_shape::equivalent_radius;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
@@ -157,37 +157,30 @@ impl State {
         out.rigid.clear();
         out.bodies.clear();
         out.pieces.clear();
-        for place in bodies {
-            match *place {
-                BodyPlace::Sphere(row) => {
-                    out.push_sphere(fused(OneSphere { state: self, inverse: &inverse, row }));
-                }
-                BodyPlace::Clump(k) => self.add_clump(k, &inverse, out),
-            }
-        }
+        fused(AddBodies { state: self, inverse, places: bodies, out });
     }
 
-    fn add_clump(&self, k: usize, inverse: &Matrix, out: &mut Assembly) {
+    #[inline(always)]
+    fn add_clump<R: Real>(&self, k: usize, inverse: &Matrix, out: &mut Assembly) {
         let clump = &self.clumps.bodies[k];
         let pieces = self.clumps.pieces_of(clump);
         let rotation = matrix(&clump.orientation);
         let [x, y, z] = clump.centre;
-        let wrapped = |row: Row8| fused(OnePosition { state: self, inverse, row });
+        let centre = Row8([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let [force, torque] = self.loads_of(clump);
         let material = self.materials.get(pieces[0].row as usize).copied().unwrap_or(0);
         for piece in pieces {
             let row = self.particles[piece.row as usize];
-            let arm = to_space(&rotation, &piece.centre);
             out.pieces.push(Piece {
                 body: out.bodies.len(),
-                position: wrapped(row),
+                position: images::wrapped::<R>(&self.cell, inverse, &row).0,
                 radius: row.radius(),
-                arm,
+                arm: to_space(&rotation, &piece.centre),
             });
         }
         out.bodies.push(Body {
             id: clump.id,
-            position: wrapped(Row8([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0])),
+            position: images::wrapped::<R>(&self.cell, inverse, &centre).0,
             velocity: clump.velocity,
             spin: clump.spin(),
             equivalent_radius: equivalent_radius(clump.volume),
@@ -338,34 +331,24 @@ impl ScalarKernel for AddSpheres<'_> {
     }
 }
 
-/// One sphere of a state, with the fused operations of the processor.
-struct OneSphere<'a> {
+/// Copies spheres and clumps, with the fused operations of the processor.
+struct AddBodies<'a> {
     state: &'a State,
-    inverse: &'a Matrix,
-    row: usize,
+    inverse: Matrix,
+    places: &'a [BodyPlace],
+    out: &'a mut Assembly,
 }
 
-impl ScalarKernel for OneSphere<'_> {
-    type Output = Sphere;
+impl ScalarKernel for AddBodies<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<R: Real>(self) -> Sphere {
-        self.state.sphere::<R>(self.row, self.inverse)
-    }
-}
-
-/// The position of a row inside the cell, with the fused operations of the processor.
-struct OnePosition<'a> {
-    state: &'a State,
-    inverse: &'a Matrix,
-    row: Row8,
-}
-
-impl ScalarKernel for OnePosition<'_> {
-    type Output = Vector;
-
-    #[inline(always)]
-    fn run<R: Real>(self) -> Vector {
-        images::wrapped::<R>(&self.state.cell, self.inverse, &self.row).0
+    fn run<R: Real>(self) {
+        for place in self.places {
+            match *place {
+                BodyPlace::Sphere(row) => self.out.push_sphere(self.state.sphere::<R>(row, &self.inverse)),
+                BodyPlace::Clump(k) => self.state.add_clump::<R>(k, &self.inverse, self.out),
+            }
+        }
     }
 }

@@ -218,10 +218,12 @@ impl Integrator {
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
         let laws = self.properties.contact;
+        self.find_rows_of_clumps();
+        let state = &mut self.state;
         self.range = self.table.range(self.largest_radius);
         let near =
             search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin + self.range);
-        let near = between_bodies(near, &state.clumps.of_rows(n));
+        let near = between_bodies(near, &self.clump_of);
         let [tangential, moments, adhesion, normal] = laws.history();
         let columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         let old = std::mem::take(&mut state.pairs);
@@ -237,7 +239,6 @@ impl Integrator {
         state.steps_since_rebuild = 0;
         state.rebuilds += 1;
         state.inner_list.travel = f64::NEG_INFINITY;
-        self.find_rows_of_clumps();
         self.prepare_constants();
     }
 

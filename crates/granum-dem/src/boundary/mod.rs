@@ -10,8 +10,6 @@ mod weight;
 
 use std::fmt::Debug;
 
-use granum_core::geometry::cross;
-
 use crate::assembly::Vector;
 
 pub use weight::Weight;
@@ -87,10 +85,4 @@ pub trait Boundary: Debug + Send + Sync {
         let _ = body;
         [0.0; 3]
     }
-}
-
-/// Velocity of the point of a piece at an arm from its centre, m/s.
-pub fn velocity_at(piece: &BoundedPiece, arm: &Vector) -> Vector {
-    let turning = cross(&piece.spin, arm);
-    std::array::from_fn(|a| piece.velocity[a] + turning[a])
 }
