@@ -2,11 +2,11 @@
 
 use granum::core::assembly::Vector;
 use granum::core::rotation::about;
-use granum::dem::clump::union_of_spheres::ShapeOfSpheres;
 use granum::dem::servo::CellControl;
 use granum::dem::simulation::{InitialBody, RigidShape};
 use granum::prelude::*;
 use granum::sensors::Sensors;
+use granum::shape::ShapeOfSpheres;
 
 /// Four spheres of 0.2 mm whose centres are at the corners of a tetrahedron.
 fn tetrapod() -> Vec<(Vector, f64)> {
@@ -33,6 +33,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         position: place(k),
         orientation: about(&axis(k as f64), k as f64),
         shape: 0,
+        scale: 1.0,
     };
     let bodies: Vec<InitialBody> = (0..edge.pow(3)).map(body).collect();
     let material = Material::default().with(|material| {

@@ -7,7 +7,6 @@ use granum_core::rotation::{matrix, to_space};
 use granum_simd::{LANES, Real, Row8, ScalarKernel, fused, prefetch};
 
 use crate::assembly::{Assembly, Body, Contact, Matrix, Piece, Rigid, Sphere};
-use crate::clump::rigid_shape::equivalent_radius;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::images::{self, NO_IMAGE, image_vector};
@@ -15,6 +14,7 @@ use crate::observed_pairs::{Observing, TOGETHER};
 use crate::particle_row::ParticleRow;
 use crate::state::State;
 use crate::state::bodies::BodyPlace;
+use granum_shape::equivalent_radius;
 
 /// Number of grains between prefetching one and copying it.
 const GRAINS_AHEAD: usize = 12;

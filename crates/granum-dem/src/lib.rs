@@ -6,7 +6,7 @@
 
 pub mod boundary;
 pub mod checkpoint;
-pub mod clump;
+mod clump;
 pub mod config;
 pub mod contact;
 pub mod contact_history;
@@ -30,6 +30,7 @@ mod contact_sums;
 mod discarded;
 mod hardware;
 mod images;
+mod initial_body;
 mod initial_sphere;
 mod inner_list;
 mod integrator;
@@ -51,4 +52,5 @@ mod stepping;
 mod team;
 
 pub use granum_core::{assembly, cell};
+pub use granum_shape as shape;
 pub use granum_simd::Isa;

@@ -29,11 +29,12 @@ use crate::state::bodies::BodyPlace;
 use crate::state::{ServoError, State};
 use crate::{images, stepping};
 
-pub use crate::clump::rigid_shape::{InitialBody, RigidShape, ShapePiece};
 pub use crate::hardware::Hardware;
+pub use crate::initial_body::InitialBody;
 pub use crate::initial_sphere::InitialSphere;
 pub use crate::properties::{LARGEST_REACH, Properties};
 pub use crate::simulation_error::SimulationError;
+pub use granum_shape::{RigidShape, ShapePiece};
 
 /// A simulation.
 #[derive(Clone)]

@@ -5,12 +5,12 @@ use granum_core::assembly::{Assembly, Vector};
 use granum_core::cell::Cell;
 use granum_core::geometry::{cross, dot};
 use granum_core::rotation::{IDENTITY, Quaternion, about, matrix, to_body, to_space};
-use granum_dem::clump::union_of_spheres::ShapeOfSpheres;
 use granum_dem::config::{AdhesionKind, ContactModel, Material, NormalKind, TangentialKind};
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{
     Hardware, InitialBody, Properties, RigidShape, ShapePiece, Simulation, SimulationError,
 };
+use granum_shape::ShapeOfSpheres;
 
 /// Inertia over mass of two spheres of diameter 1 at the distance 0.5, about their axis and across.
 const INERTIA: Vector = [0.10625, 0.184375, 0.184375];
@@ -150,6 +150,7 @@ fn two_dimers_collide_as_in_an_independent_integration() {
             position: if k == 0 { middle } else { sum(middle, impact.place) },
             orientation: impact.orientations[k],
             shape: 0,
+            scale: 1.0,
         });
         let cell = Cell::cuboid([EDGE; 3]);
         let mut s = Simulation::of_bodies(cell, &[dimer()], &bodies, &[], elastic()).unwrap();
@@ -186,6 +187,7 @@ fn loose(count: usize) -> (Cell, Vec<InitialBody>) {
             position: [x, y, z].map(|n| (n as f64 + 0.5) * spacing),
             orientation: about(&axis, k as f64),
             shape: k % 4 / 3,
+            scale: 1.0,
         }
     };
     (Cell::cuboid([spacing * count as f64; 3]), (0..count.pow(3)).map(body).collect())
@@ -297,7 +299,7 @@ fn what_clumps_cannot_do_is_refused_by_name() {
             .err()
             .map(|e| e.to_string())
     };
-    let body = InitialBody { id: 7, position: [1.0; 3], orientation: IDENTITY, shape: 0 };
+    let body = InitialBody { id: 7, position: [1.0; 3], orientation: IDENTITY, shape: 0, scale: 1.0 };
     assert_eq!(make(&[dimer()], &[body]), None);
     let said = |shapes: &[RigidShape], bodies: &[InitialBody], text: &str| {
         let message = make(shapes, bodies).expect("refused");
@@ -330,6 +332,7 @@ fn frictionless(spheres: &[(Vector, f64)], edge: usize) -> Simulation {
             position: [k % edge, k / edge % edge, k / edge / edge].map(|n| (n as f64 + 0.5) * spacing),
             orientation: about(&[next(), next(), next()], 3.0 * next()),
             shape: 0,
+            scale: 1.0,
         })
         .collect();
     let mut properties = elastic();

@@ -62,4 +62,5 @@ pub use granum_nets as nets;
 pub use granum_report as report;
 pub use granum_run as run;
 pub use granum_sensors as sensors;
+pub use granum_shape as shape;
 pub use granum_simd as simd;

@@ -25,8 +25,8 @@ mod tests {
 
     use super::*;
     use crate::cell::Cell;
-    use crate::clump::rigid_shape::{InitialBody, RigidShape, ShapePiece};
     use crate::config::{ContactModel, Material};
+    use crate::simulation::{InitialBody, RigidShape, ShapePiece};
     use crate::simulation::{Properties, Simulation};
     use granum_core::rotation::IDENTITY;
 
@@ -45,6 +45,7 @@ mod tests {
             position: [0.01 + 0.02 * shape as f64, 0.02, 0.05],
             orientation: IDENTITY,
             shape,
+            scale: 1.0,
         };
         let properties = Properties::new(Material::default(), ContactModel::default());
         let cell = Cell::cuboid([0.06; 3]);

@@ -12,7 +12,5 @@
 
 pub(crate) mod clumps;
 pub(crate) mod placed;
-pub mod rigid_shape;
 pub(crate) mod rotor;
 pub(crate) mod time_step;
-pub mod union_of_spheres;

@@ -3,11 +3,12 @@
 use std::collections::HashSet;
 
 use granum_core::rotation::{matrix, normalized, to_space};
+use granum_shape::RigidShape;
 
 use super::clumps::{Clump, ClumpPiece, Clumps};
-use super::rigid_shape::{InitialBody, RigidShape};
 use super::time_step;
 use crate::cell::Cell;
+use crate::initial_body::InitialBody;
 use crate::initial_sphere::InitialSphere;
 use crate::properties::Properties;
 use crate::simulation_error::SimulationError;
@@ -38,6 +39,7 @@ impl PlacedBodies {
                 .materials
                 .extend(material.iter().flat_map(|m| std::iter::repeat_n(*m, shape.pieces.len())));
             if let Some(radius) = shape.as_sphere() {
+                let radius = body.scale * radius;
                 placed.rows.push(InitialSphere { id: body.id, position: body.position, radius });
             } else {
                 let density = properties.density_of(material);
@@ -48,16 +50,19 @@ impl PlacedBodies {
     }
 
     fn add_clump(&mut self, body: &InitialBody, shape: &RigidShape, density: f64, time_step_share: f64) {
-        let mass = density * shape.volume;
+        let (scale, square) = (body.scale, body.scale * body.scale);
+        let volume = square * scale * shape.volume;
+        let mass = density * volume;
         let first = self.clumps.pieces.len() as u32;
         let orientation = normalized(&body.orientation);
         let rotation = matrix(&orientation);
         for piece in &shape.pieces {
-            let arm = to_space(&rotation, &piece.centre);
+            let centre = piece.centre.map(|x| scale * x);
+            let arm = to_space(&rotation, &centre);
             let position = std::array::from_fn(|a| body.position[a] + arm[a]);
             let row = self.rows.len() as u32;
-            self.clumps.pieces.push(ClumpPiece { centre: piece.centre, row, image: [0; 3] });
-            self.rows.push(InitialSphere { id: body.id, position, radius: piece.radius });
+            self.clumps.pieces.push(ClumpPiece { centre, row, image: [0; 3] });
+            self.rows.push(InitialSphere { id: body.id, position, radius: scale * piece.radius });
         }
         self.clumps.bodies.push(Clump {
             id: body.id,
@@ -66,8 +71,8 @@ impl PlacedBodies {
             orientation,
             momentum: [0.0; 3],
             mass,
-            inertia: shape.inertia_over_mass.map(|moment| mass * moment),
-            volume: shape.volume,
+            inertia: shape.inertia_over_mass.map(|moment| mass * square * moment),
+            volume,
             time_step_share,
             pieces: [first, self.clumps.pieces.len() as u32],
         });
@@ -101,8 +106,11 @@ fn check(cell: &Cell, shapes: &[RigidShape], bodies: &[InitialBody]) -> Result<(
         if body.orientation == [0.0; 4] {
             return Err(wrong("its orientation has no length; no rotation is [1, 0, 0, 0]".into()));
         }
+        if !(body.scale > 0.0 && body.scale.is_finite()) {
+            return Err(wrong(format!("the scale of its shape is {}; it must be positive", body.scale)));
+        }
         // Two images of a body must not touch the same piece of another.
-        let diameter = 2.0 * shape.reach();
+        let diameter = 2.0 * body.scale * shape.reach();
         if shape.as_sphere().is_none() && height < 2.0 * diameter {
             return Err(SimulationError::ThinForClumps { height, diameter });
         }

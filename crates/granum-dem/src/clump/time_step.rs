@@ -6,9 +6,9 @@
 
 use granum_core::geometry::length;
 
-use super::rigid_shape::RigidShape;
 use crate::assembly::{Matrix, Vector};
 use crate::invariants::eigenvalues;
+use granum_shape::RigidShape;
 
 /// The value of a sphere: `1 + 1/0.4`.
 const OF_SPHERES: f64 = 3.5;
@@ -71,8 +71,8 @@ fn directions() -> impl Iterator<Item = Vector> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rigid_shape::ShapePiece;
     use super::*;
+    use granum_shape::ShapePiece;
 
     /// The values of dimers: two spheres of diameter 1 at a distance.
     #[test]

@@ -2,8 +2,8 @@
 
 use super::State;
 use crate::clump::clumps::NO_CLUMP;
-use crate::clump::rigid_shape::equivalent_radius;
 use crate::particle_row::ParticleRow;
+use granum_shape::equivalent_radius;
 
 /// Where the data of a body are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::assembly::{EnergyBalance, Matrix, Vector};
 use crate::cell::Cell;
 use crate::clump::clumps::{Clump, Clumps, NO_CLUMP};
-use crate::clump::rigid_shape::equivalent_radius;
 use crate::contact_sums::ContactSums;
 use crate::images::{NO_IMAGE, image_vector};
 use crate::inner_list::InnerList;
@@ -19,6 +18,7 @@ use crate::pairs::{Pairs, resultant};
 use crate::particle_row::ParticleRow;
 use crate::servo::{CellControl, Row, Servo};
 use crate::{invariants, rows};
+use granum_shape::equivalent_radius;
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

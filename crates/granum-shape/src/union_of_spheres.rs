@@ -12,7 +12,7 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{cross, dot, length};
 use granum_core::rotation::{normalized, to_body, to_space};
 
-use super::rigid_shape::{RigidShape, ShapePiece};
+use crate::rigid_shape::{RigidShape, ShapePiece};
 
 /// Number of nodes between two cuts.
 const NODES: usize = 48;
@@ -75,6 +75,16 @@ impl ShapeOfSpheres {
         };
         let shape = RigidShape { pieces, volume: moments.volume, inertia_over_mass: values };
         Ok(ShapeOfSpheres { shape, centre: moments.centre, axes, surface: moments.surface })
+    }
+
+    /// The same shape with all lengths multiplied by a factor.
+    pub fn scaled(&self, factor: f64) -> ShapeOfSpheres {
+        ShapeOfSpheres {
+            shape: self.shape.scaled(factor),
+            centre: self.centre.map(|x| factor * x),
+            axes: self.axes,
+            surface: self.surface * factor * factor,
+        }
     }
 
     /// Sphericity: surface of the sphere of equal volume over the surface, `pi^(1/3) (6 V)^(2/3) / S`.
@@ -381,10 +391,12 @@ fn gauss_legendre() -> Vec<(f64, f64)> {
 /// Principal values of a symmetric matrix in rising order, and a right-handed frame of their axes in its columns (Jacobi rotations).
 fn principal(matrix: &Matrix) -> (Vector, Matrix) {
     let mut a = *matrix;
+    // Rounding beside equal moments must not choose the axes.
+    let least = 1e-11 * (a[0][0] + a[1][1] + a[2][2]);
     let mut v: Matrix = std::array::from_fn(|r| std::array::from_fn(|c| if r == c { 1.0 } else { 0.0 }));
     for _ in 0..16 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q] == 0.0 {
+            if a[p][q].abs() <= least {
                 continue;
             }
             let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);

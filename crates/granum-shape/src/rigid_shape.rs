@@ -1,8 +1,6 @@
-//! The shape of rigid bodies, and where one of them is before a simulation begins.
+//! The shape of rigid bodies.
 
-use granum_core::rotation::Quaternion;
-
-use crate::assembly::Vector;
+use granum_core::assembly::Vector;
 
 /// A sphere that is fixed on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +51,21 @@ impl RigidShape {
         self.pieces.iter().map(|p| granum_core::geometry::length(&p.centre) + p.radius).fold(0.0, f64::max)
     }
 
+    /// The same shape with all lengths multiplied by a factor.
+    pub fn scaled(&self, factor: f64) -> RigidShape {
+        let piece = |piece: &ShapePiece| ShapePiece {
+            centre: piece.centre.map(|x| factor * x),
+            radius: factor * piece.radius,
+        };
+        RigidShape {
+            pieces: self.pieces.iter().map(piece).collect(),
+            volume: self.volume * factor * factor * factor,
+            inertia_over_mass: self.inertia_over_mass.map(|moment| moment * factor * factor),
+        }
+    }
+
     /// What is impossible about it and what would be right.
-    pub(crate) fn fault(&self) -> Option<String> {
+    pub fn fault(&self) -> Option<String> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if self.pieces.is_empty() {
             return Some("its shape has no pieces; a body needs at least one".into());
@@ -93,21 +104,8 @@ impl RigidShape {
 }
 
 /// Radius of the sphere of a volume, m3.
-pub(crate) fn equivalent_radius(volume: f64) -> f64 {
+pub fn equivalent_radius(volume: f64) -> f64 {
     granum_simd::cbrt(volume / (4.0 / 3.0 * std::f64::consts::PI))
-}
-
-/// Where a body is before a simulation begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InitialBody {
-    /// Its id.
-    pub id: u64,
-    /// Its centre of mass, m.
-    pub position: Vector,
-    /// Its orientation: the rotation from its principal axes to those of space.
-    pub orientation: Quaternion,
-    /// Its shape, as its place among the shapes of the simulation.
-    pub shape: usize,
 }
 
 #[cfg(test)]

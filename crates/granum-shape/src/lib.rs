@@ -1,0 +1,17 @@
+//! Shapes of grains.
+//!
+//! - [`RigidShape`]: a rigid body of spheres in its principal axes, with the volume and the inertia of their union.
+//! - [`union_of_spheres`]: those moments, exactly but for rounding.
+//! - [`family`]: families of shapes with their parameters, as case files name them. A new family needs a file and a line in
+//!   [`family::ALL`].
+
+pub mod entry;
+pub mod families;
+pub mod family;
+mod rigid_shape;
+pub mod union_of_spheres;
+
+pub use entry::{ShapeEntry, SizeMeasure};
+pub use family::{ShapeDescription, ShapeError, ShapeFamily, ShapeKind, ShapeParameter, Spheres};
+pub use rigid_shape::{RigidShape, ShapePiece, equivalent_radius};
+pub use union_of_spheres::ShapeOfSpheres;
