@@ -43,6 +43,15 @@ with!(
 /// Number of stiff contacts of a grain up to which the time step is stable.
 pub const MOST_CONTACTS: f64 = 12.0;
 
+/// How grains lie that were deposited in layers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bedding {
+    /// Angle between the normal of the layers and axis 1, rad, in the plane of the axes 1 and 2.
+    pub tilt: f64,
+    /// Standard deviation of the angle between the long axes of the grains and their layer, rad.
+    pub spread: f64,
+}
+
 /// How a sample is prepared: random insertion from a seed, isotropic compression, then relaxation with the final properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -53,6 +62,9 @@ pub struct Preparation {
     pub mean_stress: f64,
     /// Solid fraction of the loose initial state.
     pub initial_solid_fraction: f64,
+    /// How grains that are not spheres lie in the loose initial state; `None`: in all directions alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bedding: Option<Bedding>,
     /// Coefficient of friction during compaction; `None`: found such that `solid_fraction` is met or, without a target, the
     /// friction of the material.
     pub friction: Option<f64>,
@@ -139,6 +151,7 @@ impl Default for Preparation {
             seed: 1,
             mean_stress: 20e3,
             initial_solid_fraction: 0.35,
+            bedding: None,
             friction: None,
             compaction_stress: None,
             interface_energy: 0.0,

@@ -4,6 +4,7 @@
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
 
+pub mod body_insertion;
 pub mod boundary;
 pub mod checkpoint;
 mod clump;
@@ -28,6 +29,7 @@ mod blocks;
 mod boundary_loads;
 mod contact_sums;
 mod discarded;
+mod grain_shapes;
 mod hardware;
 mod images;
 mod initial_body;

@@ -52,6 +52,9 @@ pub enum InsertionError {
     /// The grains cannot have these sizes.
     #[error(transparent)]
     Sizes(#[from] SizeError),
+    /// The grains cannot have these shapes.
+    #[error("grains.shape: {0}")]
+    Shapes(#[from] granum_shape::ShapeError),
 }
 
 /// Places grains one after the other at random in a cubic cell of the given solid fraction (random sequential addition).
@@ -84,7 +87,7 @@ pub fn followed_insertion(
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     let length = libm::cbrt(solid / solid_fraction);
-    let mut listen = Listen { observer, calls: 0, count: grains.count };
+    let mut listen = Listen::new(observer, grains.count);
     let mut most = 0;
     for _ in 0..FRESH_STARTS {
         match placed(&radii, length, &mut rng, &mut listen)? {
@@ -136,14 +139,18 @@ fn placed(
 }
 
 /// Tells the observer of the work now and then.
-struct Listen<'a> {
+pub(crate) struct Listen<'a> {
     observer: &'a mut dyn SimulationObserver,
     calls: u64,
     count: usize,
 }
 
-impl Listen<'_> {
-    fn tell(&mut self, placed: usize) -> Result<(), InsertionError> {
+impl<'a> Listen<'a> {
+    pub(crate) fn new(observer: &'a mut dyn SimulationObserver, count: usize) -> Listen<'a> {
+        Listen { observer, calls: 0, count }
+    }
+
+    pub(crate) fn tell(&mut self, placed: usize) -> Result<(), InsertionError> {
         let (due, count) = (self.calls.is_multiple_of(ATTEMPTS_AT_ONCE), self.count);
         self.calls += 1;
         if due && self.observer.work(&Work::Placing { placed, count }) == Flow::Stop {
@@ -234,14 +241,14 @@ impl Rooms {
 }
 
 /// Placed grains, by box.
-struct Boxes {
+pub(crate) struct Boxes {
     length: f64,
     count: usize,
     content: Vec<Vec<Row8>>,
 }
 
 impl Boxes {
-    fn new(length: f64, diameter: f64) -> Boxes {
+    pub(crate) fn new(length: f64, diameter: f64) -> Boxes {
         let count = ((length / diameter).floor() as usize).clamp(1, 400);
         Boxes { length, count, content: vec![Vec::new(); count.pow(3)] }
     }
@@ -250,13 +257,13 @@ impl Boxes {
         x.map(|v| ((v / self.length * self.count as f64) as usize).min(self.count - 1))
     }
 
-    fn insert(&mut self, x: Vector, radius: f64) {
+    pub(crate) fn insert(&mut self, x: Vector, radius: f64) {
         let [a, b, c] = self.index(&x);
         self.content[(a * self.count + b) * self.count + c]
             .push(Row8([x[0], x[1], x[2], radius, 0.0, 0.0, 0.0, 0.0]));
     }
 
-    fn free(&self, x: &Vector, radius: f64) -> bool {
+    pub(crate) fn free(&self, x: &Vector, radius: f64) -> bool {
         let here = self.index(x);
         let n = self.count as i64;
         (0..27).all(|step| {

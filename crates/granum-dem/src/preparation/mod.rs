@@ -28,6 +28,7 @@
 mod density_measure;
 mod error;
 mod next_trial;
+mod placed_sample;
 mod procedure_search;
 mod progress;
 mod specification;
@@ -37,18 +38,17 @@ mod state;
 pub use self::density_measure::DensityMeasure;
 pub use self::error::{PreparationError, StageFault};
 pub use self::next_trial::NextTrial;
+use self::placed_sample::{PlacedSample, place};
 pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, closer, repeats};
 pub use self::progress::{Sample, Trial};
 pub use self::specification::SampleSpecification;
 use self::state::PhaseState;
 pub use self::state::PreparationState;
-use crate::cell::Cell;
 use crate::config::Preparation;
-use crate::initial_sphere::InitialSphere;
 use crate::observer::NoObserver;
 pub use crate::observer::{Flow, Phase, SimulationObserver, SimulationProgress};
-use crate::random_insertion::{InsertionError, followed_insertion};
+use crate::random_insertion::InsertionError;
 use crate::servo::CellControl;
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
@@ -217,9 +217,9 @@ impl Preparing {
     fn trial(
         specification: &SampleSpecification,
         next: NextTrial,
-        (cell, spheres): &Placed,
+        placed: &PlacedSample,
     ) -> Result<Preparing, PreparationError> {
-        let s = Simulation::new(*cell, spheres, next.properties(specification))?;
+        let s = placed.simulation(next.properties(specification))?;
         let diameter = specification.grains.mean_diameter().map_err(InsertionError::from)?;
         Ok(Preparing::compaction(s, specification, next, diameter))
     }
@@ -451,22 +451,6 @@ impl Preparing {
         finish(&mut simulation, p);
         Sample { simulation, trials, steps, time, unbalanced_force, settled, solid_fraction_met }
     }
-}
-
-/// The cell and the grains of a random insertion.
-type Placed = (Cell, Vec<InitialSphere>);
-
-/// Places the grains at random, unless the observer stops it.
-fn place(
-    specification: &SampleSpecification,
-    observer: &mut dyn SimulationObserver,
-) -> Result<Placed, PreparationError> {
-    let p = &specification.preparation;
-    let placed = followed_insertion(&specification.grains, p.initial_solid_fraction, p.seed, observer);
-    placed.map_err(|error| match error {
-        InsertionError::Stopped { .. } => PreparationError::Stopped { phase: Phase::Placing },
-        error => error.into(),
-    })
 }
 
 /// Twenty times the number of steps that the strain from a loose random state to a dense packing takes at a rate, 1/s, plus

@@ -1,5 +1,6 @@
 //! The grains of a sample: number, sizes and material.
 
+use granum_shape::{ShapeEntry, SizeMeasure};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +21,21 @@ pub struct Grains {
     /// Another distribution of sizes in place of that one.
     #[serde(default, skip_serializing_if = "Sizes::is_standard")]
     pub sizes: Sizes,
+    /// What their diameters mean where they are not spheres.
+    #[serde(default, skip_serializing_if = "is_by_volume")]
+    pub size_measure: SizeMeasure,
+    /// Their shapes; empty for spheres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<ShapeEntry>,
     /// Their material.
     pub material: Material,
     /// Several materials, which replace that one; empty if there is one material. In a case its seed is [`Preparation::seed`](crate::config::Preparation::seed).
     #[serde(default, skip_serializing_if = "Mixture::is_empty")]
     pub mixture: Mixture,
+}
+
+fn is_by_volume(measure: &SizeMeasure) -> bool {
+    *measure == SizeMeasure::Volume
 }
 
 impl Default for Grains {
@@ -34,6 +45,8 @@ impl Default for Grains {
             diameter: 1e-4,
             spread: 0.0,
             sizes: Sizes::default(),
+            size_measure: SizeMeasure::Volume,
+            shapes: Vec::new(),
             material: Material::default(),
             mixture: Mixture::default(),
         }
