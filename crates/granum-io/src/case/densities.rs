@@ -69,6 +69,9 @@ const RANDOM_PACKING: f64 = 0.64;
 
 /// The largest solid fraction that the grains can have at the stress of the sample, if a bound is known.
 fn densest(case: &Case) -> Option<f64> {
+    if !case.grains.are_spheres() {
+        return None;
+    }
     let [smallest, largest] = case.grains.size_range().ok()?;
     let ratio = largest / smallest;
     let bound = if ratio <= NEARLY_EQUAL {
@@ -103,6 +106,9 @@ fn strong_overlap(case: &Case) -> Option<f64> {
 
 /// True if only friction and no adhesion or resistance to rolling holds the grains, with laws whose contacts are known to do neither.
 fn holds_by_friction_alone(case: &Case) -> bool {
+    if !case.grains.are_spheres() {
+        return false;
+    }
     let (contact, p) = (&case.contact, &case.preparation);
     let repels_only =
         [NormalKind::HERTZ, NormalKind::HOOKE, NormalKind::ROUGH_HERTZ].contains(&contact.normal);

@@ -56,6 +56,7 @@ impl Case {
         values.extend(
             undeclared.into_iter().map(|(key, value)| (format!("recording.{key}"), format_number(value))),
         );
+        values.extend(self.shape_values());
         values.extend(self.material_values());
         for (heading, text) in
             [(STAGE, self.stages_toml()), (PREPARATION_STAGE, self.preparation_stages_toml())]
@@ -91,7 +92,7 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
     let mut values: Vec<(String, Vec<String>)> = Vec::new();
     for (name, case) in cases {
         // A material or a stage that one case has and the other has not is a difference, not another version's key.
-        let of_tables = ["material.", "pair."].iter().any(|table| key.starts_with(table))
+        let of_tables = ["material.", "pair.", "grains.shape."].iter().any(|table| key.starts_with(table))
             || [STAGE, PREPARATION_STAGE].contains(&key.as_str());
         let absent = of_tables.then(|| NOT_GIVEN.to_string());
         let Some(value) = case.get(&key).or(absent.as_ref()) else { continue };
@@ -146,6 +147,20 @@ mod tests {
                 let kind = granum_dem::sizes::ALL.iter().find(has).unwrap();
                 one.set("grains.distribution", kind.name()).unwrap();
             }
+            if field.is_of_shapes() {
+                let has = |kind: &&granum_dem::shape::ShapeKind| {
+                    let parameters = kind.family().description().parameters;
+                    parameters.iter().any(|known| known.key == field.key)
+                };
+                let kind = granum_dem::shape::family::ALL.iter().find(has).unwrap();
+                one.set("grains.shape.kind", kind.name()).unwrap();
+            }
+            if field.is_spheres() {
+                one.set("grains.shape.kind", "pieces").unwrap();
+            }
+            if field.key == "bedding_spread" {
+                one.set("preparation.bedding_tilt", "10 deg").unwrap();
+            }
             let mut two = one.clone();
             let values = [0.1, 0.3, 0.55, 0.99].map(|place| field.draw(place));
             let value = values.into_iter().find(|value| Some(value) != field.value(&one).as_ref()).unwrap();
@@ -155,7 +170,8 @@ mod tests {
             // Measures of density exclude each other.
             let brings_keys = field.path() == "shear.inertial_number"
                 || field.path().starts_with("contact.")
-                || ["distribution", "void_ratio", "relative_density"].contains(&field.key);
+                || ["distribution", "void_ratio", "relative_density", "kind", "bedding_tilt"]
+                    .contains(&field.key);
             if brings_keys || keys.len() == 1 {
                 assert!(keys.contains(&field.path()), "{} is not compared", field.path());
             } else {

@@ -7,14 +7,20 @@ use super::field::{Field, Value};
 use super::fields::RENAMED;
 
 /// Sections that determine the sample.
-const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
+const PREPARATION: [&str; 6] =
+    ["grains", "grains.shape", "grains.material", "contact", "preparation", "numerics"];
 
 /// Parameters of sensors that are in every digest, since they were keys of the first cases.
 const ALWAYS: [&str; 2] = ["recording.bin_width", "recording.largest_force"];
 
 /// Keys that were added after the first digests had been published: they are omitted where they are not in use, so that a
 /// case without them keeps its digest.
-const LATER: [&str; 20] = [
+const LATER: [&str; 25] = [
+    "grains.size_measure",
+    "grains.shape.kind",
+    "grains.shape.spheres",
+    "preparation.bedding_tilt",
+    "preparation.bedding_spread",
     "grains.distribution",
     "grains.smallest",
     "grains.largest",
@@ -72,6 +78,7 @@ impl Case {
                 Some(Value::List(values)) => values.is_empty(),
                 Some(Value::Names(names)) => names.is_empty(),
                 Some(Value::Curve(points)) => points.is_empty(),
+                Some(Value::Spheres(spheres)) => spheres.is_empty(),
                 Some(Value::Number(None)) | None => true,
                 Some(Value::Choice(name)) => *name == "none",
                 Some(_) => false,
@@ -84,7 +91,7 @@ impl Case {
                 }
                 continue;
             }
-            if unused && (field.is_of_law() || field.is_of_sizes() || later) {
+            if unused && (field.is_of_law() || field.is_of_sizes() || field.is_of_shapes() || later) {
                 continue;
             }
             if later && (value == field.value(&standard) || field.is_default_of_law(&value)) {
@@ -99,6 +106,9 @@ impl Case {
                 Some(Value::Curve(points)) => {
                     points.iter().flatten().map(|value| format!("{:016x} ", value.to_bits())).collect()
                 }
+                Some(Value::Spheres(spheres)) => {
+                    spheres.iter().flatten().map(|value| format!("{:016x} ", value.to_bits())).collect()
+                }
                 Some(Value::List(values)) => {
                     values.iter().map(|value| format!("{:016x} ", value.to_bits())).collect()
                 }
@@ -110,6 +120,9 @@ impl Case {
             for (key, value) in self.parameters_of_other_sensors() {
                 text.push_str(&format!("recording.{key}={:016x}\n", value.to_bits()));
             }
+        }
+        if wanted("grains.shape") {
+            text.push_str(&self.shapes_toml());
         }
         if wanted("grains.material") {
             text.push_str(&self.materials_for_digest());

@@ -1,11 +1,13 @@
 //! One key of the case file: its position, meaning and bounds, and the functions that transfer it to and from a [`Case`].
 
 use super::definition::Case;
+use super::shape::{self, SHAPE};
 use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::contact::LawParameter;
 use granum_dem::contact::choice::check;
 use granum_dem::contact::choice::registry::Laws;
+use granum_dem::shape::{ShapeKind, ShapeParameter};
 use granum_dem::sizes;
 use granum_sensors::{DeclaredParameter, ParameterDefault, SensorParameter};
 
@@ -24,6 +26,8 @@ pub enum Value {
     Names(Vec<String>),
     /// Points of a sieve curve: diameter, m, and share of the mass that is finer; empty for the keyword ("none").
     Curve(Vec<[f64; 2]>),
+    /// Spheres of a shape: centre and radius; empty for the keyword ("none").
+    Spheres(Vec<[f64; 4]>),
 }
 
 /// "a, b or c".
@@ -86,6 +90,15 @@ pub(super) enum FieldKind {
         absent: Option<[&'static str; 2]>,
         of_granum: bool,
     },
+    /// A parameter of families of shapes, in use where the chosen one has it.
+    Shape(&'static ShapeParameter),
+    /// The spheres of a shape.
+    Spheres {
+        /// The word for no list, with its meaning.
+        absent: [&'static str; 2],
+        get: fn(&Case) -> Vec<[f64; 4]>,
+        set: fn(&mut Case, Vec<[f64; 4]>),
+    },
     /// A sieve curve.
     Curve {
         /// The word for no curve, with its meaning.
@@ -127,6 +140,24 @@ impl Field {
         let help = format!("{}; with {}.", parameter.meaning.trim_end_matches('.'), names.join(" or "));
         let example = format_number(parameter.default);
         Field { section: "grains", key: parameter.key, help, example, kind: FieldKind::Size(parameter) }
+    }
+
+    /// The field of a parameter of families of shapes.
+    pub(super) fn of_shapes((parameter, kinds): (&'static ShapeParameter, Vec<ShapeKind>)) -> Field {
+        let names: Vec<String> = kinds.iter().map(|kind| format!("kind = {:?}", kind.name())).collect();
+        let help = format!("{}; with {}.", parameter.meaning.trim_end_matches('.'), any_of(&names));
+        let example = format_number(parameter.default);
+        Field { section: SHAPE, key: parameter.key, help, example, kind: FieldKind::Shape(parameter) }
+    }
+
+    /// True if the field is a parameter of families of shapes.
+    pub(super) fn is_of_shapes(&self) -> bool {
+        matches!(self.kind, FieldKind::Shape(_))
+    }
+
+    /// True if the value of the field is a list of spheres.
+    pub(super) fn is_spheres(&self) -> bool {
+        matches!(self.kind, FieldKind::Spheres { .. })
     }
 
     /// The field of a parameter that sensors declare.
@@ -199,6 +230,9 @@ impl Field {
 
     /// The value of this field in a case; `None` for the form of the rate that is not in use.
     pub fn value(&self, case: &Case) -> Option<Value> {
+        if self.section == SHAPE && case.has_shape_tables() {
+            return None;
+        }
         match &self.kind {
             FieldKind::Number { get, absent, .. } => match (get(case), absent) {
                 (None, None) => None,
@@ -219,6 +253,16 @@ impl Field {
                 Some(Value::Number(Some(case.grains.sizes.value(known))))
             }
             FieldKind::Sensor { parameter, .. } => Some(Value::Number(parameter.value(&case.recording))),
+            FieldKind::Shape(parameter) => {
+                let entry = shape::only(case);
+                let used = entry.kind.family().description().parameters;
+                let known = used.iter().find(|known| known.key == parameter.key)?;
+                Some(Value::Number(Some(entry.value(known))))
+            }
+            FieldKind::Spheres { get, .. } => {
+                let used = shape::only(case).kind.family().description().takes_spheres;
+                used.then(|| Value::Spheres(get(case)))
+            }
             FieldKind::Curve { get, .. } => Some(Value::Curve(get(case))),
         }
     }
@@ -237,7 +281,11 @@ impl Field {
     pub(super) fn is_real(&self) -> bool {
         matches!(
             self.kind,
-            FieldKind::Number { .. } | FieldKind::Law(_) | FieldKind::Size(_) | FieldKind::Sensor { .. }
+            FieldKind::Number { .. }
+                | FieldKind::Law(_)
+                | FieldKind::Size(_)
+                | FieldKind::Shape(_)
+                | FieldKind::Sensor { .. }
         )
     }
 
@@ -260,6 +308,19 @@ impl Field {
             (FieldKind::List { set, .. }, Value::List(value)) => set(case, value),
             (FieldKind::Names { set, .. }, Value::Names(value)) => set(case, value),
             (FieldKind::Curve { set, .. }, Value::Curve(points)) => set(case, points),
+            (FieldKind::Spheres { set, .. }, Value::Spheres(spheres)) => set(case, spheres),
+            (FieldKind::Shape(parameter), Value::Number(Some(value))) => {
+                shape::change(case, |entry| {
+                    // As with laws, the default counts as not given.
+                    let used = entry.kind.family().description().parameters;
+                    let known = used.iter().find(|known| known.key == parameter.key);
+                    if known.is_some_and(|known| known.default == value) {
+                        entry.values.remove(parameter.key);
+                    } else {
+                        entry.values.insert(parameter.key.to_string(), value);
+                    }
+                });
+            }
             (FieldKind::Size(parameter), Value::Number(Some(value))) => {
                 case.grains.sizes.values.insert(parameter.key.to_string(), value);
             }
@@ -291,6 +352,7 @@ impl Field {
             }
             FieldKind::Law(parameter) => parameter.bounds,
             FieldKind::Size(parameter) => parameter.bounds,
+            FieldKind::Shape(parameter) => parameter.bounds,
             FieldKind::Sensor { parameter, .. } => parameter.bounds,
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
@@ -313,6 +375,11 @@ impl Field {
                 let [low, high] = parameter.bounds.map(|bound| in_si(bound, parameter));
                 format!("from {low} to {high}")
             }
+            FieldKind::Shape(parameter) => {
+                let [low, high] = parameter.bounds.map(format_number);
+                format!("from {low} to {high}")
+            }
+            FieldKind::Spheres { .. } => "a list of spheres [x, y, z, radius]".into(),
             FieldKind::Curve { .. } => sieve::bounds_text(),
             FieldKind::Choice { options, .. } => {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
@@ -334,8 +401,9 @@ impl Field {
             FieldKind::Choice { options, .. } => options,
             FieldKind::List { absent, .. }
             | FieldKind::Names { absent, .. }
+            | FieldKind::Spheres { absent, .. }
             | FieldKind::Curve { absent, .. } => std::slice::from_ref(absent),
-            FieldKind::Count { .. } | FieldKind::Law(_) | FieldKind::Size(_) => &[],
+            FieldKind::Count { .. } | FieldKind::Law(_) | FieldKind::Size(_) | FieldKind::Shape(_) => &[],
         }
     }
 
@@ -347,6 +415,8 @@ impl Field {
             Value::Count(value) => value.to_string(),
             Value::Choice(name) => format!("\"{name}\""),
             Value::Curve(points) if points.is_empty() => self.toml(&Value::Number(None)),
+            Value::Spheres(spheres) if spheres.is_empty() => self.toml(&Value::Number(None)),
+            Value::Spheres(spheres) => shape::spheres_toml(spheres),
             Value::Curve(points) => sieve::toml(points),
             Value::List(values) if values.is_empty() => self.toml(&Value::Number(None)),
             Value::Names(names) if names.is_empty() => self.toml(&Value::Number(None)),
@@ -394,6 +464,12 @@ impl Field {
                 let [low, high] = self.number_bounds();
                 Value::Number(Some((low + place * (high - low)).clamp(low, high)))
             }
+            FieldKind::Shape(parameter) => {
+                let [low, high] = parameter.bounds;
+                let value = low + place * (high - low);
+                Value::Number(Some(if parameter.whole { value.round() } else { value }))
+            }
+            FieldKind::Spheres { .. } => Value::Spheres(vec![[0.0, 0.0, 0.0, 1.0], [place, 0.0, 0.0, 0.9]]),
             FieldKind::Count { bounds: [low, high], .. } => {
                 Value::Count(low + (place * (high - low) as f64) as u64 / 2)
             }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::field::{Field, FieldKind, Value};
-use super::sieve;
+use super::{shape, sieve};
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_dem::contact::{LawParameter, Unit};
 
@@ -35,6 +35,17 @@ impl Field {
                 self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
             FieldKind::Size(_) => self.check_number(parse_quantity(text, Dimension::NUMBER)?),
+            FieldKind::Shape(parameter) => {
+                let value = parse_quantity(text, Dimension::NUMBER)?;
+                if parameter.whole && value.fract() != 0.0 {
+                    return Err(format!("is not a whole number; it must be {}", self.bounds_text()));
+                }
+                self.check_number(value)
+            }
+            FieldKind::Spheres { absent: [word, _], .. } => match text.trim() {
+                text if text == *word => Ok(Value::Spheres(Vec::new())),
+                text => shape::parse_spheres(text).map(Value::Spheres),
+            },
             FieldKind::Curve { absent: [word, _], .. } => match text.trim() {
                 text if text == *word => Ok(Value::Curve(Vec::new())),
                 text if text.starts_with('[') => sieve::parse(text).map(Value::Curve),

@@ -3,12 +3,15 @@
 use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
-use granum_dem::config::{Preparation, Rate, Shear, Spacing};
+use granum_dem::config::{Bedding, Preparation, Rate, Shear, Spacing};
 use granum_dem::contact::choice::registry::Laws;
+use granum_dem::shape::family::parameters as shape_parameters;
+use granum_dem::shape::{ShapeKind, SizeMeasure};
 use granum_dem::sizes;
 
 use super::Case;
 use super::field::{Field, FieldKind};
+use super::shape;
 use super::vocabulary::Vocabulary;
 use granum_core::quantity::Dimension;
 
@@ -21,12 +24,22 @@ pub fn field(path: &str) -> Option<Arc<Field>> {
 /// computed from the old names and do not change.
 pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
 
+/// Spread of the long axes about their layer where none is given: 15 degrees.
+const USUAL_SPREAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+
+/// Key of the family of the shape.
+const KIND_OF_SHAPE: &str = "grains.shape.kind";
+
 /// Key of the sensors that a case names.
 const SENSORS: &str = "recording.sensors";
 
 /// Help and meaning of every section, in the order of the file.
 pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["grains", "The grains: how many and how large."],
+    [
+        "grains.shape",
+        "The shape of the grains: rigid bodies of several spheres. Several shapes: tables [[grains.shape]] with share.",
+    ],
     ["grains.material", "What the grains are made of."],
     ["contact", "The contact law."],
     [
@@ -127,6 +140,8 @@ impl Fields {
         let mut fields = fields(laws);
         let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
         fields.splice(after..after, sizes::parameters().into_iter().map(Field::of_sizes));
+        let after = fields.iter().position(|field| field.path() == KIND_OF_SHAPE).map_or(0, |at| at + 1);
+        fields.splice(after..after, shape_parameters().into_iter().map(Field::of_shapes));
         let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
         let parameters = laws.parameters();
         fields.splice(after..after, parameters.into_iter().map(|parameter| Field::of_law(parameter, laws)));
@@ -190,6 +205,26 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         set: |case, points| case.grains.sizes.curve = points,
     }),
 
+    entry("grains", "size_measure", "What a diameter means where grains are not spheres.", "volume", FieldKind::Choice {
+        options: vec![
+            ["volume", "the diameter of the sphere of equal volume"],
+            ["sieve", "the edge of the smallest square hole that the grain passes: its intermediate length"],
+        ],
+        get: |case| match case.grains.size_measure { SizeMeasure::Volume => "volume", SizeMeasure::Sieve => "sieve" },
+        set: |case, name| case.grains.size_measure = if name == "sieve" { SizeMeasure::Sieve } else { SizeMeasure::Volume },
+    }),
+
+    entry("grains.shape", "kind", "Family of the shape.", "sphere", FieldKind::Choice {
+        options: shape::kinds(),
+        get: |case| shape::only(case).kind.name(),
+        set: |case, name| if let Some(kind) = ShapeKind::named(name) { shape::change(case, |entry| entry.kind = kind) },
+    }),
+    entry("grains.shape", "spheres", "The spheres of kind = \"pieces\": centre and radius of each, [[x, y, z, radius], ...], in any unit of length.", "none", FieldKind::Spheres {
+        absent: ["none", "no list"],
+        get: |case| shape::only(case).spheres,
+        set: |case, spheres| shape::change(case, |entry| entry.spheres = spheres),
+    }),
+
     entry("grains.material", "density", "Density rho of the solid.", "2650 kg/m3",
         number!(DENSITY, "1 kg/m3"..="100000 kg/m3", grains.material.density)),
     entry("grains.material", "youngs_modulus", "Young's modulus E.", "70 GPa",
@@ -230,6 +265,20 @@ fn fields(laws: &Laws) -> Vec<Field> { vec![
         number!(STRESS, "0.001 Pa"..="100 GPa", preparation.mean_stress)),
     entry("preparation", "initial_solid_fraction", "Solid fraction of the loose initial state, in which no grains touch.", "0.35",
         number!(NUMBER, "0.01"..="0.5", preparation.initial_solid_fraction)),
+    entry("preparation", "bedding_tilt", "Angle between the normal of the layers in which grains that are not spheres were deposited and axis 1, in the plane of the axes 1 and 2: long axes lie in the layers.", "none", FieldKind::Number {
+        dimension: Dimension::ANGLE,
+        bounds: ["0 deg", "90 deg"],
+        absent: Some(["none", "no layers: all orientations are alike"]),
+        get: |case| case.preparation.bedding.map(|bedding| bedding.tilt),
+        set: |case, value| case.preparation.bedding = value.map(|tilt| Bedding { tilt, spread: case.preparation.bedding.map_or(USUAL_SPREAD, |bedding| bedding.spread) }),
+    }),
+    entry("preparation", "bedding_spread", "Standard deviation of the angle between the long axes and their layer; only with bedding_tilt.", "15 deg", FieldKind::Number {
+        dimension: Dimension::ANGLE,
+        bounds: ["0 deg", "60 deg"],
+        absent: None,
+        get: |case| case.preparation.bedding.map(|bedding| bedding.spread),
+        set: |case, value| if let (Some(spread), Some(bedding)) = (value, case.preparation.bedding.as_mut()) { bedding.spread = spread },
+    }),
     entry("preparation", "friction", "Coefficient of friction while compacting.", "auto",
         optional!(NUMBER, "0"..="10", "auto": "found so that the target density is met; without a target the friction of the material", preparation.friction)),
     entry("preparation", "compaction_stress", "Mean stress while compacting, from which the sample is brought to mean_stress: a smaller one makes looser samples.", "auto",

@@ -26,7 +26,11 @@ fn place_of(key: &str, number: usize) -> String {
 
 impl Reader<'_> {
     /// The tables of a list of tables; others are mistakes.
-    fn tables<'t, 'a>(&mut self, key: &str, value: &'t Node<'a>) -> Vec<(&'t DeTable<'a>, Range<usize>)> {
+    pub(super) fn tables<'t, 'a>(
+        &mut self,
+        key: &str,
+        value: &'t Node<'a>,
+    ) -> Vec<(&'t DeTable<'a>, Range<usize>)> {
         let DeValue::Array(items) = value.get_ref() else {
             let message = format!("{key} = {} is not a list of tables", self.shown(&value.span()));
             self.error(value.span(), message).help = Some(format!("write [[{key}]] with its keys below"));
@@ -84,7 +88,7 @@ impl Reader<'_> {
     }
 
     /// The values of the fields of a table; keys that are neither fields nor others are mistakes.
-    fn values_of(
+    pub(super) fn values_of(
         &mut self,
         place: &str,
         table: &DeTable<'_>,
@@ -103,7 +107,11 @@ impl Reader<'_> {
                 self.error(key.span(), format!("unknown key {place}.{name}")).help = Some(help);
                 continue;
             };
-            match scalar(&field, value.get_ref()).and_then(|text| field.parse(&text)) {
+            let parsed = match value.get_ref() {
+                DeValue::Array(items) if field.is_spheres() => Self::spheres(items).map_err(|(_, why)| why),
+                other => scalar(&field, other).and_then(|text| field.parse(&text)),
+            };
+            match parsed {
                 Ok(found) => values.push((field, found, key.span())),
                 Err(why) => {
                     let message = format!("{place}.{name} = {} {why}", self.shown(&value.span()));

@@ -28,6 +28,8 @@ mod reading;
 mod rules;
 mod schema;
 mod sensor_parameters;
+mod shape;
+mod shape_read;
 mod sieve;
 mod stage;
 mod stage_control;
@@ -87,6 +89,8 @@ mod bare_number_tests;
 mod material_tests;
 #[cfg(test)]
 mod preparation_stage_tests;
+#[cfg(test)]
+mod shape_tests;
 #[cfg(test)]
 mod stage_tests;
 #[cfg(test)]
@@ -352,7 +356,13 @@ mod tests {
         if !has_mean || case.grains.check_sizes().is_err() {
             case.grains.sizes = Default::default();
         }
+        if case.grains.check_shapes().is_err() {
+            case.grains.shapes = Vec::new();
+        }
         let p = &mut case.preparation;
+        if case.grains.are_spheres() {
+            p.bedding = None;
+        }
         if p.densest_void_ratio.zip(p.loosest_void_ratio).is_none_or(|(dense, loose)| dense >= loose) {
             (p.relative_density, p.densest_void_ratio, p.loosest_void_ratio) = (None, None, None);
         }
@@ -370,8 +380,11 @@ mod tests {
                     let of_rate = matches!(field.key, "strain_rate" | "density_scaling");
                     let of_inertia = field.section == "shear" && field.key == "inertial_number";
                     // A parameter of laws that were not drawn is not a part of the case.
-                    let of_other_law =
-                        (field.is_of_law() || field.is_of_sizes()) && field.value(&case).is_none();
+                    let of_one_kind = field.is_of_law()
+                        || field.is_of_sizes()
+                        || field.is_of_shapes()
+                        || field.is_spheres();
+                    let of_other_law = of_one_kind && field.value(&case).is_none();
                     if of_other_law || (of_rate && !by_rate) || (of_inertia && by_rate) {
                         continue;
                     }

@@ -82,6 +82,7 @@ impl Case {
         for (key, value) in self.undeclared_parameters() {
             all.push(CaseParameter::new(format!("recording.{key}"), "", ParameterValue::Number(value)));
         }
+        all.extend(self.shape_parameters());
         for (key, field, value) in self.material_fields() {
             let (unit, value) = match field {
                 Some(field) => (field.si_unit(), of_field(&value, &field.toml(&value))),
@@ -122,7 +123,7 @@ fn of_field(value: &Value, text: &str) -> ParameterValue {
         Value::Count(count) => ParameterValue::Number(*count as f64),
         Value::Choice(word) => ParameterValue::Word((*word).to_string()),
         Value::List(values) if !values.is_empty() => ParameterValue::List(values.clone()),
-        Value::Number(None) | Value::List(_) | Value::Names(_) | Value::Curve(_) => {
+        Value::Number(None) | Value::List(_) | Value::Names(_) | Value::Curve(_) | Value::Spheres(_) => {
             ParameterValue::Word(text.trim_matches('"').to_string())
         }
     }

@@ -21,6 +21,7 @@ use super::reader::{Reader, scalar};
 use super::reading::Reading;
 use super::rules::RULES;
 use super::sensor_parameters;
+use super::shape::{FILE, SHAPE};
 use super::sieve;
 use super::suggestion;
 use crate::error::{Error, InputError, Result};
@@ -100,6 +101,8 @@ impl Case {
             preparation_stages: Vec::new(),
             materials: Vec::new(),
             pairs: Vec::new(),
+            shapes: Vec::new(),
+            file_of_shape: None,
             undeclared_parameters: BTreeMap::new(),
         };
         reader.table(document.get_ref(), "");
@@ -124,6 +127,8 @@ impl Case {
         if !(materials.is_empty() && pairs.is_empty()) {
             case.grains.mixture = reader.mixture(&case, materials, pairs);
         }
+        let shapes = std::mem::take(&mut reader.shapes);
+        reader.finish_shapes(&mut case, shapes);
         if reader.errors.is_empty() {
             reader.check_rules(&case);
         }
@@ -146,6 +151,11 @@ impl Case {
         }
         if path.starts_with("material.") || path.starts_with("pair.") {
             return self.set_material(path, text);
+        }
+        if path.strip_prefix(SHAPE).is_some_and(|rest| rest.matches('.').count() > 1)
+            || self.has_shape_tables() && path.starts_with(SHAPE)
+        {
+            return self.set_shape(path, text);
         }
         if !self.test.uses(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
@@ -175,7 +185,13 @@ impl Reader<'_> {
             } else {
                 format!("{section}.{}", key.get_ref())
             };
-            if SECTIONS.iter().any(|[name, _]| *name == path) {
+            if path == SHAPE && matches!(value.get_ref(), DeValue::Array(_)) {
+                self.keys.insert(path, key.span());
+                self.shapes = self.shape_tables(value);
+            } else if section == SHAPE && key.get_ref() == FILE[0] {
+                self.keys.insert(path, key.span());
+                self.shape_file(value);
+            } else if SECTIONS.iter().any(|[name, _]| *name == path) {
                 match value.get_ref() {
                     DeValue::Table(inner) => self.table(inner, &path),
                     _ => {
@@ -222,6 +238,7 @@ impl Reader<'_> {
         self.keys.insert(field.path(), key);
         let parsed = match value.get_ref() {
             DeValue::Array(items) if field.is_curve() => Self::points(field, items),
+            DeValue::Array(items) if field.is_spheres() => Self::spheres(items),
             DeValue::String(name)
                 if field.is_curve() && field.words().iter().all(|[word, _]| word != name) =>
             {
@@ -378,6 +395,12 @@ impl Reader<'_> {
                 self.keys.get(&format!("grains.{}", error.key)).or(self.keys.get("grains.distribution"));
             let span = span.cloned().unwrap_or(0..0);
             self.error(span, error.to_string());
+            return;
+        }
+        if let Err(error) = case.grains.check_shapes() {
+            let span = self.keys.get(&format!("{SHAPE}.{}", error.key)).or(self.keys.get(SHAPE));
+            let span = span.or(self.keys.get("grains.shape.kind")).cloned().unwrap_or(0..0);
+            self.error(span, format!("{SHAPE}.{error}"));
             return;
         }
         let law_only = self.reading.law_only;

@@ -12,6 +12,7 @@ use super::field::{Field, Value};
 use super::fields::Fields;
 use super::material_table::{MaterialTable, PairTable};
 use super::reading::Reading;
+use super::shape_read::ShapeTable;
 use crate::error::InputError;
 use crate::named_file::named_file;
 
@@ -43,6 +44,9 @@ pub(super) struct Reader<'a> {
     pub(super) preparation_stages: Vec<CaseStage>,
     pub(super) materials: Vec<MaterialTable>,
     pub(super) pairs: Vec<PairTable>,
+    pub(super) shapes: Vec<ShapeTable>,
+    /// The file of the section `[grains.shape]`.
+    pub(super) file_of_shape: Option<(String, Range<usize>)>,
     /// Parameters of sensors that this program does not know, by key.
     pub(super) undeclared_parameters: BTreeMap<String, f64>,
 }

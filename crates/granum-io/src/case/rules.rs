@@ -31,6 +31,29 @@ impl Rule {
 
 pub(super) const RULES: &[Rule] = &[
     Rule {
+        fields: &["preparation.bedding_tilt", "preparation.bedding_spread"],
+        broken: |case| {
+            let unused = case.preparation.bedding.is_some() && case.grains.are_spheres();
+            unused.then(|| {
+                "preparation.bedding_tilt means nothing for spheres, which have no long axes; give grains.shape, or leave it out".into()
+            })
+        },
+    },
+    Rule {
+        fields: &["grains.shape.kind", "grains.shape", "contact.adhesion"],
+        broken: |case| {
+            let adhesion = case.contact.adhesion;
+            let unclear = adhesion.law().shares_liquid() && !case.grains.are_spheres();
+            unclear.then(|| {
+                format!(
+                    "contact.adhesion = {:?} shares the liquid of a grain among its bridges, which is defined for spheres alone: a film belongs \
+                     to a body, and a bridge to two of its pieces; choose another law, or grains.shape.kind = \"sphere\"",
+                    adhesion.name()
+                )
+            })
+        },
+    },
+    Rule {
         fields: &["grains.material.interface_energy", "grains.material.youngs_modulus", "grains.diameter"],
         broken: |case| too_sticky(case, "grains.material", case.grains.material.interface_energy),
     },
@@ -178,9 +201,10 @@ fn holds_while_compacting(case: &Case) -> bool {
     constants(case.preparation.interface_energy) != constants(0.0)
 }
 
-/// Smallest radius of the grains, m.
+/// Smallest radius of a grain or of a piece of one, m.
 fn smallest_radius(case: &Case) -> f64 {
-    0.5 * case.grains.size_range().map_or(case.grains.diameter, |[smallest, _]| smallest)
+    case.grains.smallest_piece().unwrap_or(0.5)
+        * case.grains.size_range().map_or(case.grains.diameter, |[smallest, _]| smallest)
 }
 
 /// What is wrong with the void ratios between which a relative density is measured.
@@ -284,6 +308,7 @@ impl Case {
         check::check_among(&self.contact, self.vocabulary.laws())
             .map_err(|error| Error::Rule(error.to_string()))?;
         self.grains.check_sizes().map_err(|error| Error::Rule(error.to_string()))?;
+        self.grains.check_shapes().map_err(|error| Error::Rule(format!("grains.shape.{error}")))?;
         self.check_materials()
     }
 }

@@ -9,6 +9,7 @@ use super::definition::Case;
 use super::field::Field;
 use super::fields::{Fields, SECTIONS};
 use super::material::{BETWEEN, NAME, SHARE};
+use super::shape::{self, FILE, OF_TABLE};
 use super::stage::bounds;
 use super::stage_control::STAGE_KEYS;
 use super::stage_read::DRIVER_KEYS;
@@ -37,6 +38,7 @@ impl Case {
             }
             place["properties"][last] = object(help, keys);
         }
+        add_shapes(&mut root, &fields);
         root["properties"]["material"] = json!({
             "description": "Several materials; keys that one leaves out are taken from [grains.material] and \
                             [contact].",
@@ -71,6 +73,21 @@ impl Case {
     }
 }
 
+/// The section `[grains.shape]` has a file, and there may be tables of it.
+fn add_shapes(root: &mut Value, fields: &Fields) {
+    let place = &mut root["properties"]["grains"]["properties"]["shape"];
+    let file = json!({ "description": FILE[1], "type": "string" });
+    place["properties"][FILE[0]] = file.clone();
+    let mut keys: Map<String, Value> = shape::fields(fields).map(|field| without_default(&field)).collect();
+    keys.insert(FILE[0].into(), file);
+    for [key, help] in OF_TABLE {
+        let kind = if key == "material" { json!("string") } else { json!(["number", "string"]) };
+        keys.insert(key.into(), json!({ "description": help, "type": kind }));
+    }
+    place["type"] = json!(["object", "array"]);
+    place["items"] = object("One of several shapes.", keys);
+}
+
 fn object(help: &str, properties: Map<String, Value>) -> Value {
     json!({ "description": help, "type": "object", "additionalProperties": false, "properties": properties })
 }
@@ -87,6 +104,11 @@ fn of_field(field: &Field) -> Value {
         _ if field.is_curve() => {
             let point = json!({ "type": "array", "items": { "type": ["number", "string"] }, "minItems": 2, "maxItems": 2 });
             json!({ "anyOf": [{ "type": "array", "items": point }, { "type": "string" }], "description": field.help })
+        }
+        _ if field.is_spheres() => {
+            let sphere =
+                json!({ "type": "array", "items": { "type": "number" }, "minItems": 4, "maxItems": 4 });
+            json!({ "anyOf": [{ "type": "array", "items": sphere }, { "enum": ["none"] }], "description": field.help })
         }
         _ if field.is_list() => {
             let items = json!({ "type": if field.is_names() { json!("string") } else { json!(["number", "string"]) } });

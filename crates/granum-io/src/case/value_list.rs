@@ -45,7 +45,7 @@ impl Case {
         match self.fields().named(key) {
             _ if of_material => ValueShape::Number,
             Some(field) if field.is_list() => ValueShape::List,
-            Some(field) if field.is_curve() => ValueShape::File,
+            Some(field) if field.is_curve() || field.is_spheres() => ValueShape::File,
             Some(field) if field.is_real() => ValueShape::Number,
             _ => ValueShape::Plain,
         }

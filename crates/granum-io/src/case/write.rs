@@ -6,6 +6,7 @@ use super::field::Field;
 use super::fields::SECTIONS;
 use super::read::LARGEST_FILE;
 use super::reading::Reading;
+use super::shape::SHAPE;
 use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
@@ -18,6 +19,16 @@ const TEMPLATE_HEAD: &str = "\
 ";
 
 const TEMPLATE_TAIL: &str = "
+# Several shapes, with their shares of the mass; each may be of one material or of some sizes alone. A mesh or an image of
+# grains is read from a file.
+# [[grains.shape]]
+# kind = \"sphere\"
+# share = 0.3
+# [[grains.shape]]
+# kind = \"mesh\"
+# file = \"grain.stl\"
+# pieces = 20
+
 # Several materials: keys that a table leaves out are taken from [grains.material] and [contact]. Elastic moduli of a
 # pair follow from contact theory, other properties from a mean, unless [[pair]] gives them.
 # [[material]]
@@ -86,6 +97,9 @@ impl Case {
         }
         let all = self.fields();
         for [section, _] in SECTIONS {
+            if *section == SHAPE && (self.grains.shapes.is_empty() || self.has_shape_tables()) {
+                continue;
+            }
             let of_section = all.iter().filter(|field| field.section == *section);
             let fields: Vec<_> = of_section.filter(|field| self.test.uses(&field.path())).collect();
             if fields.is_empty() {
@@ -109,6 +123,7 @@ impl Case {
                 }
             }
         }
+        text.push_str(&self.shapes_toml());
         text.push_str(&self.materials_toml());
         text.push_str(&self.preparation_stages_toml());
         text.push_str(&self.stages_toml());
