@@ -68,6 +68,8 @@ pub mod unbalanced_force;
 pub mod void_ratio;
 
 #[cfg(test)]
+mod clumps;
+#[cfg(test)]
 mod lattice;
 
 pub use declared::{DeclaredParameter, OWN_KEYS};
