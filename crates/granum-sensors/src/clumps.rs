@@ -1,7 +1,11 @@
 //! Small assemblies of grains of several pieces for the tests of the sensors.
 
 use granum_core::assembly::{Assembly, Body, Contact, Piece, Quaternion, Rigid, Sphere, Vector};
+use granum_core::cell::Cell;
 use granum_core::rotation::{IDENTITY, about, matrix, to_space};
+use granum_dem::config::{ContactModel, Material, NormalKind, TangentialKind};
+use granum_dem::servo::CellControl;
+use granum_dem::simulation::{InitialBody, Properties, RigidShape, ShapePiece, Simulation};
 
 /// A rigid grain of spheres of radius 0.5.
 pub(crate) struct Clump<'a> {
@@ -66,4 +70,34 @@ pub(crate) fn few() -> Assembly {
         });
     }
     assembly
+}
+
+/// A loose sample of `edge^3` dimers, two spheres of diameter 1 at the distance 0.5, that begins to be compressed to a pressure of 1: modulus 1e4,
+/// friction 0.3, density 1, without dashpots.
+pub(crate) fn packing(edge: usize) -> Simulation {
+    let piece = |x: f64| ShapePiece { centre: [x, 0.0, 0.0], radius: 0.5 };
+    let inertia_over_mass = [0.10625, 0.184375, 0.184375];
+    let dimer =
+        RigidShape { pieces: vec![piece(-0.25), piece(0.25)], volume: 0.8835729338221, inertia_over_mass };
+    let spacing = 1.6;
+    let body = |k: usize| InitialBody {
+        id: k as u64 + 1,
+        position: [k % edge, k / edge % edge, k / edge / edge].map(|n| (n as f64 + 0.5) * spacing),
+        orientation: about(&[1.0 + k as f64 % 3.0, (k as f64 * 0.7).sin(), (k as f64 * 1.3).cos()], k as f64),
+        shape: 0,
+        scale: 1.0,
+    };
+    let bodies: Vec<InitialBody> = (0..edge.pow(3)).map(body).collect();
+    let material = Material::default().with(|m| {
+        (m.youngs_modulus, m.poissons_ratio, m.friction, m.density) = (1e4, 0.3, 0.3, 1.0);
+        m.interface_energy = 0.0;
+    });
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
+    let cell = Cell::cuboid([spacing * edge as f64; 3]);
+    let mut simulation =
+        Simulation::of_bodies(cell, &[dimer], &bodies, &[], Properties::new(material, contact)).unwrap();
+    simulation.expect_force(1.0);
+    simulation.set_control(CellControl::isotropic(1.0, 0.2));
+    simulation.set_global_damping(0.5);
+    simulation
 }
