@@ -5,6 +5,9 @@
 //! [`Sensors::standard`]; a program that uses this library adds its own sensors with [`Sensors::with`]. Axis 1 is the
 //! axis of compression; axes 2 and 3 are averaged, as in Antony, Zhou and Wang (2006).
 //!
+//! Grains can have several pieces. Sensors that say nothing of spheres (contacts of a pair of grains, directions of their axes, ...) are
+//! measured where an assembly has such grains, and recorded in tests with [`Sensors::for_clumps`].
+//!
 //! Every column is a finite number for any finite assembly: a mean over nothing (no contacts, no grains, no
 //! strong contacts) is 0, and another column gives the count.
 //!

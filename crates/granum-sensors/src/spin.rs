@@ -1,11 +1,11 @@
 //! Spin of the grains, along and across their long axes, and the energy of their rotation.
 //!
 //! Root mean squares of the spin omega over all grains, and of its parts `omega . u` and `|omega - (omega . u) u|` over the grains with a
-//! single long axis u, that of the least moment of inertia ([`crate::orientation`]). Were the energy shared evenly, the square across the
-//! axis, of two components, would be `2 I_u / I_t` of that along it; elongated grains that interlock spin about their long axis rather
-//! than across it. Over the observations of a state squares are averaged.
+//! single long axis u, that of the least moment of inertia I_u ([`crate::orientation`]). If the energy of rotation were shared evenly by
+//! the axes of a grain with the equal moments I_t across u, the square across would be `2 I_u / I_t` of that along u. Over the observations of
+//! a state the squares are averaged.
 //!
-//! The energy of rotation `1/2 sum I_k omega_k^2` in the principal axes, of spheres `1/5 m R^2 omega^2`, is a part of the
+//! The energy of rotation is `1/2 sum I_k omega_k^2` in the principal axes, of spheres `1/5 m R^2 omega^2`; it is a part of the
 //! [kinetic energy](crate::energy).
 
 use granum_core::Part;
