@@ -10,6 +10,9 @@
 //! `q/p = 2/5 (a_c + a_n + 3/2 a_t)` with the von Mises stress q, if the anisotropies are coaxial with the stress and all branches
 //! have the same length. The column `stress_force_fabric_ratio` is the right-hand side, to be compared with the measured ratio.
 //!
+//! Grains of several pieces have branches between their centres of mass that are not along the normals, so that of them the right-hand side
+//! differs from the measured ratio also where the anisotropies are small (compare [`crate::pair_fabric`]).
+//!
 //! The expansion is of second order, so that in a strongly anisotropic assembly the density can become negative for some
 //! directions; w is therefore limited to 10.
 

@@ -2,9 +2,10 @@
 //!
 //! The relative velocity of the two surfaces at a contact has the tangential part
 //! `v_s = (1 - n n) (v_j - v_i + L l) - (R_i omega_i + R_j omega_j) x n`, the sliding velocity, with the velocity gradient L of
-//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which does not
-//! change in a rotation of the pair as a rigid body. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
-//! friction are those of [`crate::sliding`]: a contact may creep without reaching it.
+//! the cell and the branch l; of a grain of several pieces R is the radius of the piece, v the velocity of its centre, `omega x c` of its
+//! arm c included, and l joins the centres of mass. Rolling has the velocity `v_r = R* (omega_i - omega_j) x n`,
+//! `1/R* = 1/R_i + 1/R_j`, which does not change in a rotation of the pair as a rigid body. A contact counts as rolling where
+//! `|v_r| > |v_s|`. The contacts at the limit of friction are those of [`crate::sliding`]: a contact may creep without reaching it.
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Contact, Vector};
@@ -74,6 +75,7 @@ fn squares(assembly: &Assembly, contact: &Contact) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clumps;
     use crate::sensor::measured;
     use granum_core::assembly::Sphere;
 
@@ -113,6 +115,30 @@ mod tests {
         for assembly in [turning, with_cell] {
             let [roll, slide] = squares(&assembly, &assembly.contacts[0]).unwrap();
             assert!(roll < 1e-28 && slide < 1e-28, "{roll} {slide}");
+        }
+    }
+
+    /// Clumps that turn together as a rigid body, about any axis and point, neither roll nor slide at any of their contacts, and the contacts
+    /// of two grains have their own velocities where only one turns.
+    #[test]
+    fn clumps_slide_by_the_velocity_of_their_surfaces() {
+        let mut assembly = clumps::few();
+        let (spin, point) = ([0.3, -0.5, 0.7], [1.0, 4.0, -2.0]);
+        for body in &mut assembly.bodies {
+            body.spin = spin;
+            body.velocity = cross(&spin, &std::array::from_fn(|a| body.position[a] - point[a]));
+        }
+        for contact in &assembly.contacts {
+            let [roll, slide] = squares(&assembly, contact).unwrap();
+            assert!(roll < 1e-28 && slide < 1e-28, "{roll} {slide}");
+        }
+        // The first turns about its centre by 1 about z: the surfaces at (+-0.5, 0.5, 0) move by -0.5 along x, which is slip, and by
+        // +-0.5 along y, which is not; both contacts roll by R* = 1/4.
+        assembly.bodies.iter_mut().for_each(|body| (body.spin, body.velocity) = ([0.0; 3], [0.0; 3]));
+        assembly.bodies[0].spin = [0.0, 0.0, 1.0];
+        for contact in &assembly.contacts[..2] {
+            let [roll, slide] = squares(&assembly, contact).unwrap();
+            assert!((roll - 1.0 / 16.0).abs() < 1e-14 && (slide - 0.25).abs() < 1e-14, "{roll} {slide}");
         }
     }
 }

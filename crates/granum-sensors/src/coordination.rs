@@ -9,8 +9,13 @@
 //!   contacts, repeatedly until none is left.
 //!
 //! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
+//!
+//! Two grains of several pieces can touch at several places, and a grain that touches one neighbour only cannot be in equilibrium by its
+//! contact forces, at however many places. Where grains have several pieces, a rattler is therefore a grain that touches fewer than two others: Z
+//! counts contacts, `Z_m = (2 N_k - C_1) / (N - N_0 - N_1)` with the C_1 contacts of the N_1 grains with one neighbour, and the backbone is what is
+//! left after the removal of such grains.
 
-use granum_core::Part;
+use granum_core::{Assembly, Part};
 
 use crate::ratio::mean;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};
@@ -81,48 +86,69 @@ pub struct Coordination {
 impl Coordination {
     /// Computes the coordination numbers; 0 where there is no grain to divide by.
     pub fn from_observation(observation: &Observation) -> Self {
-        let grains = observation.assembly.bodies.len();
-        let mut degree = vec![0u32; grains];
-        let mut contacts = Vec::with_capacity(observation.assembly.contacts.len());
-        let mut compressive = 0;
-        for contact in &observation.assembly.contacts {
-            // A contact with a grain that does not exist (in a file of another code) is not counted.
-            let Some([i, j]) = observation.assembly.bodies_of(contact) else { continue };
-            degree[i] += 1;
-            degree[j] += 1;
-            compressive += usize::from(contact.normal_force > 0.0);
-            contacts.push([i as u32, j as u32]);
+        let assembly = observation.assembly;
+        let grains = assembly.bodies.len();
+        let (links, compressive) = links(assembly);
+        let (mut neighbours, mut contacts) = (vec![0u32; grains], vec![0usize; grains]);
+        for ([i, j], count) in &links {
+            for grain in [*i as usize, *j as usize] {
+                neighbours[grain] += 1;
+                contacts[grain] += *count;
+            }
         }
-        let count = contacts.len();
-        let alone = degree.iter().filter(|&&d| d == 0).count();
-        let single = degree.iter().filter(|&&d| d == 1).count();
+        let count: usize = links.iter().map(|(_, count)| count).sum();
+        let alone = neighbours.iter().filter(|&&n| n == 0).count();
+        let single = neighbours.iter().filter(|&&n| n == 1).count();
+        let of_single: usize =
+            neighbours.iter().zip(&contacts).filter(|(n, _)| **n == 1).map(|(_, own)| own).sum();
         Coordination {
             all: mean(2.0 * count as f64, grains),
-            mechanical: mean((2 * count - single) as f64, grains - alone - single),
+            mechanical: mean((2 * count - of_single) as f64, grains - alone - single),
             compressive: mean(2.0 * compressive as f64, grains),
-            backbone: backbone(contacts, degree),
+            backbone: backbone(links, neighbours),
             rattler_fraction: mean((alone + single) as f64, grains),
         }
     }
 }
 
-/// Coordination number of the contacts that are left after grains with fewer than two contacts have been removed until none
+/// Two grains that touch, and the number of their contacts.
+type Link = ([u32; 2], usize);
+
+/// The links of all grains, and the number of contacts in compression. Every contact of spheres is a link of its own; the contacts of two
+/// grains of several pieces are one. A contact with a grain that does not exist (in a file of another code) is not counted.
+fn links(assembly: &Assembly) -> (Vec<Link>, usize) {
+    let mut links: Vec<Link> = Vec::with_capacity(assembly.contacts.len());
+    let mut compressive = 0;
+    for contact in &assembly.contacts {
+        let Some([i, j]) = assembly.bodies_of(contact) else { continue };
+        compressive += usize::from(contact.normal_force > 0.0);
+        links.push(([i as u32, j as u32], 1));
+    }
+    if !assembly.all_spheres() {
+        let link = |([i, j], count): ([usize; 2], usize)| ([i as u32, j as u32], count);
+        links = assembly.pairs_of_bodies().into_iter().map(link).collect();
+    }
+    (links, compressive)
+}
+
+/// Coordination number of the contacts that are left after grains with fewer than two neighbours have been removed until none
 /// is left.
-fn backbone(mut left: Vec<[u32; 2]>, mut degree: Vec<u32>) -> f64 {
+fn backbone(mut left: Vec<Link>, mut neighbours: Vec<u32>) -> f64 {
     loop {
         let before = left.len();
-        left.retain(|pair| {
+        left.retain(|(pair, _)| {
             let [i, j] = pair.map(|g| g as usize);
-            let kept = degree[i] >= 2 && degree[j] >= 2;
+            let kept = neighbours[i] >= 2 && neighbours[j] >= 2;
             if !kept {
-                degree[i] -= 1;
-                degree[j] -= 1;
+                neighbours[i] -= 1;
+                neighbours[j] -= 1;
             }
             kept
         });
         if left.len() == before {
-            let grains = degree.iter().filter(|&&d| d >= 2).count();
-            return mean(2.0 * left.len() as f64, grains);
+            let grains = neighbours.iter().filter(|&&n| n >= 2).count();
+            let contacts: usize = left.iter().map(|(_, count)| count).sum();
+            return mean(2.0 * contacts as f64, grains);
         }
     }
 }
@@ -130,8 +156,8 @@ fn backbone(mut left: Vec<[u32; 2]>, mut degree: Vec<u32>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice;
-    use granum_core::assembly::{Assembly, Contact, Sphere};
+    use crate::{clumps, lattice};
+    use granum_core::assembly::{Contact, Sphere};
 
     #[test]
     fn lattices_have_six_and_twelve() {
@@ -164,5 +190,20 @@ mod tests {
         assert!((c.compressive - 8.0 / 6.0).abs() < 1e-15);
         assert!((c.backbone - 2.0).abs() < 1e-15, "the ring is left");
         assert!((c.rattler_fraction - 2.0 / 6.0).abs() < 1e-15);
+    }
+
+    /// A clump with two contacts with its only neighbour is a rattler, and so is a sphere with one; what is left of the chain falls apart.
+    #[test]
+    fn a_clump_with_one_neighbour_is_a_rattler() {
+        let c = Coordination::from_observation(&Observation::new(&clumps::few()));
+        assert_eq!(c.all, 8.0 / 5.0);
+        assert_eq!(c.mechanical, 5.0 / 2.0, "the two in the middle have three and two contacts");
+        assert_eq!((c.compressive, c.backbone, c.rattler_fraction), (6.0 / 5.0, 0.0, 3.0 / 5.0));
+        // A ring: the first touches the third by two contacts, too.
+        let mut ring = clumps::few();
+        let closing = |i: usize, j: usize| Contact { i, j, ..Contact::default() };
+        ring.contacts.extend([closing(0, 4), closing(1, 5)]);
+        let c = Coordination::from_observation(&Observation::new(&ring));
+        assert_eq!((c.all, c.backbone, c.rattler_fraction), (12.0 / 5.0, 10.0 / 3.0, 2.0 / 5.0));
     }
 }

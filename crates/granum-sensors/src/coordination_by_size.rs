@@ -2,6 +2,8 @@
 //! number of contacts of each class. Grains of equal size count with the mean number of contacts of all grains of that size, so that
 //! it does not matter to which classes they belong.
 //!
+//! Sizes are the radii of the spheres of equal volume, and all contacts of the pieces of a grain count.
+//!
 //! In a polydisperse sample small grains have fewer contacts and are more often rattlers; large grains have many contacts.
 
 use granum_core::Part;
@@ -68,7 +70,7 @@ pub fn coordination_by_size(observation: &Observation) -> [f64; CLASSES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice;
+    use crate::{clumps, lattice};
     use granum_core::assembly::{Assembly, Contact, Sphere};
 
     #[test]
@@ -100,5 +102,15 @@ mod tests {
         let contacts = vec![to(0), to(2), to(3), to(4), Contact { i: 0, j: 4, ..Default::default() }];
         let star = Assembly { contacts, ..Default::default() }.with_spheres(grains);
         assert_eq!(coordination_by_size(&Observation::new(&star)), [1.0, 1.0, 2.0, 2.0, 4.0]);
+    }
+
+    /// The first clump has two contacts with one neighbour; sizes are those of the spheres of equal volume, 0.6 for the three clumps.
+    #[test]
+    fn contacts_of_the_pieces_are_those_of_the_grain() {
+        let found = coordination_by_size(&Observation::new(&clumps::few()));
+        let of_clumps = 7.0 / 3.0;
+        for (found, exact) in found.into_iter().zip([0.5, 0.5, of_clumps, of_clumps, of_clumps]) {
+            assert!((found - exact).abs() < 1e-15, "{found} {exact}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Directions of contacts, forces and branches: the tensors `<n n>`, `<N n n> / <N>` and `<l l> / <l . l>`, each of trace one,
 //! with the principal values and the direction of the largest (Satake 1982; Kanatani 1984).
+//! Every contact of two grains of several pieces counts, with its own normal and the branch between their centres of mass.
 //!
 //! The direction is a unit vector with a positive x component, so that it is continuous as long as the major direction is not
 //! perpendicular to x; over the observations of a state its components are averaged like any other column. In simple shear it

@@ -5,6 +5,8 @@
 //! (`N > <N>`) and weak contacts separately, each divided by its own number of contacts (Radjai et al. 1998). The difference
 //! of the largest and smallest eigenvalue is reported as well: it is independent of the axes, but biased upwards by noise
 //! (it is positive even for a finite isotropic sample).
+//!
+//! Every contact of two grains of several pieces counts, with its own normal; [`crate::pair_fabric`] has one branch for each pair of grains.
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};

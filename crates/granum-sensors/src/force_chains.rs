@@ -163,8 +163,8 @@ fn grain_stresses(observation: &Observation) -> Vec<Matrix> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::lattice;
     use crate::sensor::measured;
+    use crate::{clumps, lattice};
     use granum_core::assembly::{Assembly, Contact, Sphere};
 
     /// Grains of radius 1 at these places, which touch where they are nearer than 2.1, with a force for each pair.
@@ -247,5 +247,26 @@ pub(crate) mod tests {
         let found = Chains::from_observation(&Observation::new(&assembly));
         assert_eq!((found.chains.len(), found.highly_stressed), (8, 32));
         assert!(found.chains.iter().all(|chain| chain.len() == 4));
+    }
+
+    /// The stresses of the grains, weighted with their volumes, are the stress of the sample: of clumps with the branches between the centres
+    /// of mass.
+    #[test]
+    fn the_stresses_of_the_grains_are_that_of_the_sample() {
+        let mut packing = clumps::packing(3);
+        packing.advance(3000).unwrap();
+        for assembly in [clumps::few(), packing.assembly(), lattice::random_contacts(50, 2)] {
+            let observation = Observation::new(&assembly);
+            let mut sum = [[0.0; 3]; 3];
+            for (stress, body) in grain_stresses(&observation).iter().zip(&assembly.bodies) {
+                let volume = 4.0 / 3.0 * std::f64::consts::PI * body.equivalent_radius.powi(3);
+                (0..9).for_each(|k| sum[k / 3][k % 3] += stress[k / 3][k % 3] * volume / observation.volume);
+            }
+            let (tensor, p) = (observation.stress.tensor(), observation.stress.mean());
+            assert!(p != 0.0);
+            for (own, whole) in sum.iter().flatten().zip(tensor.iter().flatten()) {
+                assert!((own - whole).abs() < 1e-12 * p.abs(), "{sum:?} {tensor:?}");
+            }
+        }
     }
 }

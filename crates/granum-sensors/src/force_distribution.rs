@@ -5,6 +5,8 @@
 //! likelihood (Antony 2001 found the half-Gaussian under shear); the difference of their log-likelihoods per strong contact
 //! shows which of them fits better.
 //!
+//! Every contact of two grains of several pieces counts; [`crate::pair_forces`] takes those of a pair together.
+//!
 //! Without contacts, or where `<N>` is not positive, f is undefined and every moment is 0.
 
 use crate::numerics::{ln, mills_ratio};

@@ -1,5 +1,6 @@
 //! Granular temperature `T = <(v' - <v'>)^2> / 3`, the mean square of one component of the fluctuating velocity (Ogawa 1978;
-//! Campbell 1990), and that of the rotation, `<(R omega)^2> / 3`.
+//! Campbell 1990), and that of the rotation, `<(R omega)^2> / 3`; a grain of several pieces
+//! counts in the latter as the sphere of its mass with its energy of rotation, `(R omega)^2 = 5/2 sum I_k omega_k^2 / m`.
 //!
 //! Its square root, divided by the relative velocity `rate d` of neighbours (with the strain rate of [`crate::inertial_number`]
 //! and the mean diameter d), is the ratio of the fluctuating motion to the mean shear; in slow flow it tends to a constant.
@@ -60,8 +61,8 @@ fn square(v: &Vector) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice;
     use crate::sensor::measured;
+    use crate::{clumps, lattice};
 
     /// Half of the grains move by (3, 0, 4) and half by (1, 0, 4): T = 1/3 about the drift of (2, 0, 4).
     #[test]
@@ -76,5 +77,16 @@ mod tests {
         for (value, exact) in row.iter().zip([1.0 / 3.0, 3.0, (1.0f64 / 3.0).sqrt()]) {
             assert!((value - exact).abs() < 1e-14, "{row:?}");
         }
+    }
+
+    /// A clump counts with the energy of its rotation: 2.5 (0.1 1^2 + 0.35 2^2) / m instead of (R omega)^2 = 0.36 x 5, and a sphere with
+    /// (0.5 x 2)^2, over five grains and three components.
+    #[test]
+    fn clumps_have_the_temperature_of_their_energy() {
+        let mut assembly = clumps::few();
+        assembly.bodies[0].spin = [1.0, 2.0, 0.0];
+        assembly.bodies[3].spin = [0.0, 2.0, 0.0];
+        let found = measured(&GranularTemperature, &assembly)[1];
+        assert!((found - (2.5 * 1.5 + 1.0) / 15.0).abs() < 1e-14, "{found}");
     }
 }

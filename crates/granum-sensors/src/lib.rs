@@ -5,6 +5,9 @@
 //! [`Sensors::standard`]; a program that uses this library adds its own sensors with [`Sensors::with`]. Axis 1 is the
 //! axis of compression; axes 2 and 3 are averaged, as in Antony, Zhou and Wang (2006).
 //!
+//! Grains can have several pieces. Sensors that say nothing of spheres (contacts of a pair of grains, directions of their axes, ...) are
+//! measured where an assembly has such grains, and recorded in tests with [`Sensors::for_clumps`].
+//!
 //! Every column is a finite number for any finite assembly: a mean over nothing (no contacts, no grains, no
 //! strong contacts) is 0, and another column gives the count.
 //!
@@ -20,6 +23,7 @@ pub mod anisotropies;
 pub mod attraction;
 pub mod chain_buckling;
 pub mod contact_motion;
+pub mod contacts_per_pair;
 pub mod coordination;
 pub mod coordination_by_size;
 pub mod d2min;
@@ -43,9 +47,15 @@ pub mod networks;
 pub mod nonaffine_displacement;
 mod numerics;
 mod observation;
+pub mod orientation;
 pub mod overlap;
 pub mod overlap_distribution;
+pub mod pair_fabric;
+pub mod pair_forces;
+pub mod pair_sliding;
+pub mod pairs;
 mod parameter;
+pub mod principal_axes;
 pub mod radial_distribution;
 mod ratio;
 mod record;
@@ -59,14 +69,18 @@ mod sensor;
 pub mod servo;
 pub mod sliding;
 pub mod solid_fraction;
+pub mod spin;
 pub mod state_parameter;
 pub mod strain;
 pub mod stress;
+pub mod stress_asymmetry;
 mod stress_tensor;
 pub mod tensor;
 pub mod unbalanced_force;
 pub mod void_ratio;
 
+#[cfg(test)]
+mod clumps;
 #[cfg(test)]
 mod lattice;
 

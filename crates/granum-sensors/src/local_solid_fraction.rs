@@ -7,6 +7,9 @@
 //! nearly meet in one point. A neighbour that is farther away than the corners of the cell allow cannot cut it; the search
 //! distance is increased until this is the case for all neighbours beyond it.
 //!
+//! The cell of a grain of several pieces is that of its pieces together, without the faces between them, and its solid volume is that of
+//! the union of the pieces. Towards one neighbour it can have several faces.
+//!
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::assembly::{Matrix, Vector};
@@ -57,8 +60,10 @@ impl Sensor for LocalSolidFraction {
         let Assembly { bodies, pieces, .. } = observation.assembly;
         let positions: Vec<Vector> = pieces.iter().map(|piece| piece.position).collect();
         let radii: Vec<f64> = pieces.iter().map(|piece| piece.radius).collect();
+        let owners: Vec<usize> = pieces.iter().map(|piece| piece.body).collect();
         let mut work = Work(most_work(pieces.len()));
-        let Some(cells) = tessellation(&observation.assembly.cell, &positions, &radii, &mut work) else {
+        let cell = &observation.assembly.cell;
+        let Some(cells) = tessellation(cell, &positions, &radii, &owners, &mut work) else {
             return values.give_up(TOO_MUCH_WORK);
         };
         let solid = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
@@ -73,7 +78,7 @@ impl Sensor for LocalSolidFraction {
         let faces: usize = cells.iter().map(|cell| cell.faces).sum();
         let volume: f64 = cells.iter().map(|cell| cell.volume).sum();
         let gap = if volume > 0.0 { ratio(volume, observation.volume) - 1.0 } else { 0.0 };
-        values.extend([average, square.sqrt(), mean(faces as f64, cells.len()), gap]);
+        values.extend([average, square.sqrt(), mean(faces as f64, bodies.len()), gap]);
         values.count(0, fractions);
     }
 }
@@ -108,7 +113,7 @@ pub struct VoronoiCell {
 /// assert_eq!(cells[0].faces, 6);
 /// ```
 pub fn radical_voronoi(cell: &Matrix, centres: &[Vector], radii: &[f64]) -> Vec<VoronoiCell> {
-    tessellation(cell, centres, radii, &mut Work(f64::INFINITY)).unwrap_or_default()
+    tessellation(cell, centres, radii, &[], &mut Work(f64::INFINITY)).unwrap_or_default()
 }
 
 /// Steps of work that are left.
@@ -122,11 +127,12 @@ impl Work {
     }
 }
 
-/// As [`radical_voronoi`]; `None` if it would take more work.
+/// As [`radical_voronoi`]; `None` if it would take more work. Faces between spheres of one owner do not count.
 fn tessellation(
     cell: &Matrix,
     centres: &[Vector],
     radii: &[f64],
+    owners: &[usize],
     work: &mut Work,
 ) -> Option<Vec<VoronoiCell>> {
     let largest = radii.iter().fold(0.0f64, |largest, radius| largest.max(*radius));
@@ -138,7 +144,7 @@ fn tessellation(
         let open: Vec<usize> = (0..cells.len()).filter(|&i| cells[i].is_none()).collect();
         work.take(neighbours.work(open.iter().copied(), work.0))?;
         for i in open {
-            let planes = planes_of(i, &neighbours, radii);
+            let planes = planes_of(i, &neighbours, radii, owners);
             cells[i] = cell_of(&planes, reach, [radii[i], largest], work)?;
         }
         if cells.iter().all(Option::is_some) {
@@ -154,17 +160,20 @@ fn tessellation(
 struct Plane {
     normal: Vector,
     height: f64,
+    /// True if it is between two spheres of one owner.
+    inner: bool,
 }
 
 /// The planes between a grain and its neighbours, the nearest first.
-fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
+fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64], owners: &[usize]) -> Vec<Plane> {
     let mut planes = Vec::new();
     neighbours.each_of(i, |j, branch, distance| {
         // Spheres with one centre have no plane between them.
         if distance > 0.0 {
             let (own, other) = (radii[i], radii[j]);
             let height = 0.5 * (distance * distance + own * own - other * other) / distance;
-            planes.push(Plane { normal: branch.map(|x| x / distance), height });
+            let inner = i != j && owners.get(i).is_some_and(|owner| owners.get(j) == Some(owner));
+            planes.push(Plane { normal: branch.map(|x| x / distance), height, inner });
         }
     });
     planes.sort_by(|a, b| a.height.total_cmp(&b.height));
@@ -226,7 +235,7 @@ fn intersection(planes: &[Plane], reach: f64, work: &mut Work) -> Option<(Vorono
         if area > 0.0 {
             found.volume += area * plane.height / 3.0;
             // Rounding leaves slivers where more than three planes meet in a point.
-            found.faces += usize::from(area > 1e-12 * reach * reach);
+            found.faces += usize::from(area > 1e-12 * reach * reach && !plane.inner);
             farthest = face.iter().fold(farthest, |far, x| far.max(dot(x, x).sqrt()));
         }
     }
@@ -278,9 +287,11 @@ fn area(polygon: &[Vector], normal: &Vector) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clumps::{self, Clump};
     use crate::lattice;
     use crate::sensor::measured;
     use granum_core::geometry::{apply, determinant};
+    use granum_core::rotation::IDENTITY;
     use granum_core::{Part, Parts};
     use proptest::prelude::*;
 
@@ -312,13 +323,13 @@ mod tests {
         let rows: Vec<Vector> = (0..1000).map(row).collect();
         for centres in [block, rows] {
             let mut work = Work(1e6);
-            assert!(tessellation(&cell, &centres, &[5e-4; 1000], &mut work).is_none());
+            assert!(tessellation(&cell, &centres, &[5e-4; 1000], &[], &mut work).is_none());
             assert!(work.0 > -1e5, "{}", work.0);
         }
         let lattice = lattice::simple_cubic(10, 1e-3, 0.0, 0.0);
         let positions: Vec<Vector> = lattice.bodies.iter().map(|grain| grain.position).collect();
         let mut work = Work(20_000.0 * 1000.0);
-        assert!(tessellation(&lattice.cell, &positions, &[5e-4; 1000], &mut work).is_some());
+        assert!(tessellation(&lattice.cell, &positions, &[5e-4; 1000], &[], &mut work).is_some());
         // The limit is several times what equal grains need.
         assert!(work.0 > 10_000.0 * 1000.0, "{}", work.0);
     }
@@ -419,5 +430,22 @@ mod tests {
     fn without_grains_or_a_volume_everything_is_zero() {
         assert_eq!(measured(&LocalSolidFraction, &Assembly::default()), [0.0; 4]);
         assert!(radical_voronoi(&[[0.0; 3]; 3], &[[0.0; 3]], &[1.0]).is_empty());
+    }
+
+    /// Two dimers in a row along x, each in a half of a box with edges of 4, 1 and 1: five faces on each side of a dimer, none within it.
+    #[test]
+    fn a_clump_has_one_cell_without_the_faces_within_it() {
+        let mut assembly =
+            Assembly { cell: [[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Assembly::default() };
+        for x in [1.0, 3.0] {
+            let (inertia, centres) = ([0.1, 0.35, 0.35], &[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+            let position = [x, 0.5, 0.5];
+            clumps::push(&mut assembly, &Clump { position, orientation: IDENTITY, inertia, centres });
+        }
+        let row = measured(&LocalSolidFraction, &assembly);
+        let fraction = 4.0 / 3.0 * std::f64::consts::PI * 0.6f64.powi(3) / 2.0;
+        for (value, exact) in row.iter().zip([fraction, 0.0, 10.0, 0.0]) {
+            assert!((value - exact).abs() < 1e-12, "{row:?}");
+        }
     }
 }

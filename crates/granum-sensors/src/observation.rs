@@ -1,10 +1,11 @@
 //! One observation of an assembly: the assembly and the quantities that several sensors need.
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use granum_core::assembly::{Assembly, Contact};
 use granum_dem::config::Recording;
 
+use crate::pairs::{Pair, Pairs};
 use crate::ratio::mean;
 use crate::stress_tensor::Stress;
 
@@ -20,6 +21,8 @@ pub struct Observation<'a> {
     pub stress: Stress,
     /// The recording of the observation, with the parameters of sensors.
     pub recording: &'a Recording,
+    /// The pairs of bodies that touch, found where a sensor asks for them.
+    pairs: OnceLock<Pairs>,
 }
 
 /// The recording of an observation without one of its own.
@@ -31,12 +34,17 @@ impl<'a> Observation<'a> {
         let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
         let (mean_normal_force, volume) = (mean(sum, assembly.contacts.len()), assembly.volume());
         let stress = Stress::from_assembly(assembly, mean_normal_force, volume);
-        Observation { assembly, mean_normal_force, volume, stress, recording: &USUAL }
+        Observation { assembly, mean_normal_force, volume, stress, recording: &USUAL, pairs: OnceLock::new() }
     }
 
     /// The same observation as part of a recording, which has the parameters of sensors.
     pub fn with_recording(self, recording: &'a Recording) -> Self {
         Observation { recording, ..self }
+    }
+
+    /// The pairs of bodies that touch, in the order of their indices.
+    pub fn pairs(&self) -> impl Iterator<Item = Pair<'_>> {
+        self.pairs.get_or_init(|| Pairs::from_assembly(self.assembly)).each(self.assembly)
     }
 
     /// True for a contact of the strong network: `N > <N>` (Radjai et al. 1998).

@@ -1,4 +1,5 @@
 //! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
+//! Two grains of several pieces can have several contacts, each of which counts; [`crate::pair_sliding`] counts pairs of grains.
 
 use crate::ratio::mean;
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Subject, Values};

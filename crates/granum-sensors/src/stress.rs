@@ -1,7 +1,8 @@
 //! Stress from the contacts.
 //!
 //! `sigma_ij = -(1/V) sum_c f_i l_j`, with f the elastic force on grain i of the contact and l the branch vector from i to j
-//! (Drescher and de Josselin de Jong 1972; dashpots are excluded). With `f = -N n + T` it splits into a normal part
+//! (Drescher and de Josselin de Jong 1972; dashpots are excluded); of grains of several pieces it joins their centres of mass.
+//! With `f = -N n + T` it splits into a normal part
 //! `(1/V) sum N n_i l_j` and a tangential part `-(1/V) sum T_i l_j`, and each sum into strong (`N > <N>`) and weak contacts
 //! (Radjai et al. 1998). The kinetic part `(1/V) sum m v'_i v'_j` is reported separately and not added: in quasi-static
 //! shear it is below 1e-5 of p.

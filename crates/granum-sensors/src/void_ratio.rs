@@ -1,5 +1,6 @@
 //! Void ratio `e = (V - V_s) / V_s`: the volume of the voids over that of the grains. With the solid fraction phi it is
-//! `(1 - phi) / phi`; overlaps are counted twice, as in the [solid fraction](crate::solid_fraction).
+//! `(1 - phi) / phi`; overlaps are counted twice, as in the [solid fraction](crate::solid_fraction), where the volume
+//! of a grain of several pieces is that of their union.
 
 use granum_core::Part;
 

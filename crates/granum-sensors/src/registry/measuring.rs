@@ -8,7 +8,8 @@ use crate::histogram::{Bins, Histogram};
 use crate::{Memory, Observation, SensorColumn, SensorDescription, Values};
 
 impl Sensors {
-    /// Evaluates every sensor for which the known parts of an assembly suffice, and reports the others with the reason.
+    /// Evaluates every sensor for which the known parts of an assembly suffice, and reports the others with the reason. Sensors that
+    /// are recorded only of grains of several pieces are passed over where every grain has one.
     pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
         self.measure_with(assembly, parts, &Recording::default())
     }
@@ -22,7 +23,7 @@ impl Sensors {
     pub fn measure_with(&self, assembly: &Assembly, parts: Parts, recording: &Recording) -> Measurement {
         let observation = Observation::new(assembly).with_recording(recording);
         let mut found = Measurement::default();
-        for known in &self.0 {
+        for known in self.known.iter().filter(|known| known.applies(assembly.all_spheres())) {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly).map(String::from));
@@ -88,7 +89,8 @@ impl Sensors {
             .map(|(assembly, _)| Observation::new(assembly).with_recording(recording))
             .collect();
         let (mut found, mut left_out) = (MeasuredSeries::default(), Measurement::default());
-        for known in &self.0 {
+        let all_spheres = observations.iter().all(|one| one.assembly.all_spheres());
+        for known in self.known.iter().filter(|known| known.applies(all_spheres)) {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;

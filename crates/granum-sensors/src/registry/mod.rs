@@ -18,12 +18,12 @@ use crate::histogram::Bins;
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use crate::{
-    anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
-    dilatancy, directions, energy, fabric, force_chains, force_distribution, friction_angle,
-    granular_temperature, inertial_number, invariants, liquid, local_solid_fraction, networks,
-    nonaffine_displacement, overlap, overlap_distribution, radial_distribution, rolling, rose,
-    second_order_work, servo, sliding, solid_fraction, state_parameter, strain, stress, unbalanced_force,
-    void_ratio,
+    anisotropies, attraction, chain_buckling, contact_motion, contacts_per_pair, coordination,
+    coordination_by_size, d2min, dilatancy, directions, energy, fabric, force_chains, force_distribution,
+    friction_angle, granular_temperature, inertial_number, invariants, liquid, local_solid_fraction,
+    networks, nonaffine_displacement, orientation, overlap, overlap_distribution, pair_fabric, pair_forces,
+    pair_sliding, radial_distribution, rolling, rose, second_order_work, servo, sliding, solid_fraction,
+    spin, state_parameter, strain, stress, stress_asymmetry, unbalanced_force, void_ratio,
 };
 
 pub use self::measuring::{LeftOut, MeasuredSeries, Measurement};
@@ -35,6 +35,8 @@ enum Recorded {
     Always,
     /// In every test with all columns ([`RecordedColumns::All`]), and where a case names it: it is newer than the section `[shear]`.
     SinceStages,
+    /// In every test of grains of several pieces ([`Sensors::for_clumps`]), and where a case names it.
+    OfClumps,
     /// Where a case names it in `recording.sensors`.
     WhereNamed,
 }
@@ -75,6 +77,11 @@ impl Known {
         needed.or_else(|| self.sensor.lacks(recording))
     }
 
+    /// True if it measures such grains without being asked: some sensors say nothing of grains that all have one piece.
+    pub(crate) fn applies(&self, all_spheres: bool) -> bool {
+        self.recorded != Recorded::OfClumps || !all_spheres
+    }
+
     /// The reason if the sensor would have to look at too many neighbours.
     pub(crate) fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
         let (grains, reach) = (&assembly.bodies, self.sensor.reach(assembly));
@@ -102,12 +109,16 @@ impl Known {
 /// assert_eq!(fabric.to_string(), "fabric: the data have no contacts");
 /// ```
 #[derive(Clone)]
-pub struct Sensors(Vec<Arc<Known>>);
+pub struct Sensors {
+    known: Vec<Arc<Known>>,
+    /// True if a test with them has grains of several pieces.
+    clumps: bool,
+}
 
 /// [`Sensors::standard`], made once.
 static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
-    use Recorded::{Always, SinceStages, WhereNamed};
-    let mut sensors = Sensors(Vec::new());
+    use Recorded::{Always, OfClumps, SinceStages, WhereNamed};
+    let mut sensors = Sensors { known: Vec::new(), clumps: false };
     sensors.add(Always, strain::Strain);
     sensors.add(Always, stress::StressSensor);
     sensors.add(Always, servo::Servo);
@@ -144,6 +155,13 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(WhereNamed, force_chains::ForceChains);
     sensors.add(WhereNamed, chain_buckling::ChainBuckling);
     sensors.add(WhereNamed, local_solid_fraction::LocalSolidFraction);
+    sensors.add(OfClumps, contacts_per_pair::ContactsPerPair);
+    sensors.add(OfClumps, pair_forces::PairForces);
+    sensors.add(OfClumps, pair_sliding::PairSliding);
+    sensors.add(OfClumps, pair_fabric::PairFabric);
+    sensors.add(OfClumps, orientation::Orientation);
+    sensors.add(OfClumps, spin::Spin);
+    sensors.add(OfClumps, stress_asymmetry::StressAsymmetry);
     sensors
 });
 
@@ -151,6 +169,23 @@ impl Sensors {
     /// The sensors that come with granum.
     pub fn standard() -> Sensors {
         STANDARD.clone()
+    }
+
+    /// The same sensors for a test whose grains have several pieces, or have one each: only of the former are the pairs of grains, the
+    /// directions of their axes and the like recorded, unless a case names them. Without a call they are those of grains of one piece.
+    ///
+    /// ```
+    /// use granum_dem::config::{RecordedColumns, Recording};
+    /// use granum_sensors::Sensors;
+    ///
+    /// let of = |clumps: bool| {
+    ///     Sensors::standard().for_clumps(clumps).of_test(&Recording::default(), RecordedColumns::All)
+    /// };
+    /// assert!(of(true)?.contains(&"contacts_per_pair") && !of(false)?.contains(&"contacts_per_pair"));
+    /// # Ok::<(), granum_sensors::SensorError>(())
+    /// ```
+    pub fn for_clumps(&self, clumps: bool) -> Sensors {
+        Sensors { clumps, ..self.clone() }
     }
 
     /// The same sensors and one more for each of these energy channels of a contact law, which every test records.
@@ -162,7 +197,7 @@ impl Sensors {
             let sensor = ChannelEnergy(*channel);
             let description = sensor.description();
             // Laws can share a channel.
-            if !self.0.iter().any(|known| known.description == description) {
+            if !self.known.iter().any(|known| known.description == description) {
                 self.check(&sensor)?;
                 self.add(Recorded::Always, sensor);
             }
@@ -183,7 +218,7 @@ impl Sensors {
 
     fn add(&mut self, recorded: Recorded, sensor: impl Sensor + 'static) {
         let description = sensor.description();
-        self.0.push(Arc::new(Known { sensor: Box::new(sensor), description, recorded }));
+        self.known.push(Arc::new(Known { sensor: Box::new(sensor), description, recorded }));
     }
 
     /// Refuses a sensor whose names are taken, or which measures another number of values than it has columns.
@@ -238,9 +273,9 @@ impl Sensors {
 
     /// Every parameter that these sensors declare, granum's first.
     pub fn declared_parameters(&self) -> Vec<DeclaredParameter> {
-        let of_granum = |known: &Arc<Known>| STANDARD.0.iter().any(|own| Arc::ptr_eq(own, known));
+        let of_granum = |known: &Arc<Known>| STANDARD.known.iter().any(|own| Arc::ptr_eq(own, known));
         declared_parameters(
-            self.0
+            self.known
                 .iter()
                 .map(|known| (&known.description, known.recorded == Recorded::Always, of_granum(known))),
         )
@@ -248,7 +283,7 @@ impl Sensors {
 
     /// The descriptions of all sensors.
     pub fn descriptions(&self) -> impl Iterator<Item = &SensorDescription> {
-        self.0.iter().map(|known| &known.description)
+        self.known.iter().map(|known| &known.description)
     }
 
     /// The description of the sensor of the given name.
@@ -266,29 +301,32 @@ impl Sensors {
             Recorded::SinceStages => {
                 "in every test but that of [shear], and there where recording.sensors names it"
             }
+            Recorded::OfClumps => {
+                "in every test of grains of several pieces, and elsewhere where recording.sensors names it"
+            }
             Recorded::WhereNamed => "where recording.sensors names it",
         })
     }
 
     /// The columns of all sensors.
     pub fn columns(&self) -> impl Iterator<Item = &SensorColumn> {
-        self.0.iter().flat_map(|known| &known.description.columns)
+        self.known.iter().flat_map(|known| &known.description.columns)
     }
 
     /// The bins of all histograms, for a recording.
     pub fn bins(&self, recording: &Recording) -> Vec<Bins> {
-        self.0.iter().flat_map(|known| known.sensor.histograms(recording)).collect()
+        self.known.iter().flat_map(|known| known.sensor.histograms(recording)).collect()
     }
 
     pub(crate) fn find(&self, name: &str) -> Result<&Arc<Known>, SensorError> {
-        self.0.iter().find(|known| known.description.name == name).ok_or_else(|| SensorError::Unknown {
+        self.known.iter().find(|known| known.description.name == name).ok_or_else(|| SensorError::Unknown {
             name: name.to_string(),
-            suggestion: suggestion(name, self.0.iter().map(|known| known.description.name)),
+            suggestion: suggestion(name, self.known.iter().map(|known| known.description.name)),
         })
     }
 
     /// The names of the sensors that a test records, in the order of their columns: those of every test, those that came with
-    /// stages, then those that the recording names.
+    /// stages, those of grains of several pieces where it [has such](Sensors::for_clumps), then those that the recording names.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] for a name that no sensor has.
@@ -300,10 +338,11 @@ impl Sensors {
         let usual = |known: &&Arc<Known>| match known.recorded {
             Recorded::Always => true,
             Recorded::SinceStages => columns == RecordedColumns::All,
+            Recorded::OfClumps => self.clumps,
             Recorded::WhereNamed => false,
         };
         let mut names: Vec<&'static str> =
-            self.0.iter().filter(usual).map(|known| known.description.name).collect();
+            self.known.iter().filter(usual).map(|known| known.description.name).collect();
         for name in &recording.sensors {
             let known = self.find(name)?;
             let name = known.description.name;
@@ -325,7 +364,7 @@ impl std::fmt::Debug for Sensors {
 }
 
 fn always() -> impl Iterator<Item = &'static Arc<Known>> {
-    STANDARD.0.iter().filter(|known| known.recorded == Recorded::Always)
+    STANDARD.known.iter().filter(|known| known.recorded == Recorded::Always)
 }
 
 /// The columns of granum's sensors that every test records, in the order of [`measure_row`].

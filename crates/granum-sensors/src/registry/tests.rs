@@ -2,7 +2,7 @@ use granum_core::{Part, Parts};
 
 use super::*;
 use crate::histogram::Histogram;
-use crate::{SensorParameter, lattice};
+use crate::{Recorder, SensorParameter, clumps, lattice};
 
 #[test]
 fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
@@ -10,12 +10,13 @@ fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
         Assembly::default(),
         lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4),
         lattice::random_contacts(60, 5),
+        clumps::few(),
     ];
-    let mut so_far = Sensors(Vec::new());
-    for known in &STANDARD.0 {
+    let mut so_far = Sensors { known: Vec::new(), clumps: false };
+    for known in &STANDARD.known {
         let Known { sensor, description, .. } = &**known;
         assert_eq!(so_far.check(sensor.as_ref()), Ok(()));
-        so_far.0.push(known.clone());
+        so_far.known.push(known.clone());
         assert!(!description.help.is_empty());
         let mut memory = Memory::new();
         for assembly in &assemblies {
@@ -52,7 +53,13 @@ fn grains_without_contacts_and_one_single_contact_are_measured() {
 /// What a sensor declares is what it needs: with only those parts known, its values are those of the whole assembly.
 #[test]
 fn a_sensor_needs_what_it_says_and_nothing_else() {
-    let mut whole = lattice::random_contacts(80, 3);
+    let sensors = STANDARD.for_clumps(true);
+    for whole in [lattice::random_contacts(80, 3), clumps::few()] {
+        needs_what_it_says(&sensors, whole);
+    }
+}
+
+fn needs_what_it_says(sensors: &Sensors, mut whole: Assembly) {
     whole.strain = [[0.1, 0.02, 0.0], [0.01, -0.03, 0.0], [0.0, 0.0, -0.05]];
     whole.arc_length = 0.2;
     whole.time = 3.0;
@@ -69,12 +76,12 @@ fn a_sensor_needs_what_it_says_and_nothing_else() {
         contact.tangential_energy = 1.0;
         contact.rolling_energy = 0.5;
     }
-    let all = STANDARD.measure(&whole, Parts::all());
-    for known in &STANDARD.0 {
+    let all = sensors.measure(&whole, Parts::all());
+    for known in &sensors.known {
         let mut wanted: Vec<Part> = known.description.needs.clone();
         wanted.extend(known.description.columns.iter().flat_map(|column| column.needs));
         let parts = Parts::new(&wanted);
-        let part = STANDARD.measure(&with_only(&whole, parts), parts);
+        let part = sensors.measure(&with_only(&whole, parts), parts);
         for column in &known.description.columns {
             assert_eq!(part.value(column.name), all.value(column.name), "{}", column.name);
         }
@@ -101,7 +108,10 @@ fn with_only(whole: &Assembly, parts: Parts) -> Assembly {
     for g in &mut a.bodies {
         unless(Part::Positions, &mut || g.position = [0.0; 3]);
         unless(Part::Radii, &mut || g.equivalent_radius = 0.0);
-        unless(Part::Masses, &mut || g.mass = 0.0);
+        // Of a grain of several pieces mass and moments of inertia are known together, or neither.
+        if g.rigid.is_none() {
+            unless(Part::Masses, &mut || g.mass = 0.0);
+        }
         unless(Part::Velocities, &mut || g.velocity = [0.0; 3]);
         unless(Part::Spins, &mut || g.spin = [0.0; 3]);
         unless(Part::ResultantForces, &mut || (g.force, g.torque) = ([0.0; 3], [0.0; 3]));
@@ -216,4 +226,42 @@ fn a_sensor_declares_its_parameters() {
     assert!(declared.iter().all(|known| known.of_granum != (known.parameter.key == "counting_reach")));
     let other = sensors.with(Counting("other", parameter("counting_reach", 0.2))).map(drop).unwrap_err();
     assert!(other.to_string().contains("in use"));
+}
+
+/// The columns of a record of grains of several pieces, and those of spheres, whatever the program was told.
+#[test]
+fn sensors_of_clumps_are_recorded_and_measured_where_there_are_clumps() {
+    let recording = Recording::default().with(|recording| recording.states = 2);
+    let record = |sensors: &Sensors, assembly: &Assembly| {
+        let mut recorder = Recorder::new(sensors, &recording, 0.1).unwrap();
+        recorder.observe(assembly);
+        (recorder.record(), serde_json::to_string(&recorder).unwrap())
+    };
+    let (spheres, few) = (lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), clumps::few());
+    let (before, after) = (&STANDARD.for_clumps(false), &STANDARD.for_clumps(true));
+    assert_eq!(record(&STANDARD, &spheres), record(before, &spheres), "it is the default");
+    let ((plain, saved), (more, _)) = (record(before, &few), record(after, &few));
+    assert!(!saved.contains("pair"));
+    let new: Vec<&str> = more.series.names().filter(|name| plain.series.values(name).is_none()).collect();
+    let ends = ["pair_forces_below", "pair_forces_above"];
+    let own = after.known.iter().filter(|known| known.recorded == Recorded::OfClumps);
+    let own: Vec<&str> = own.flat_map(|known| &known.description.columns).map(|column| column.name).collect();
+    assert_eq!(new, [own.clone(), ends.to_vec()].concat());
+    for column in plain.series.columns() {
+        assert_eq!(more.series.values(&column.name), Some(&column.values[..]), "{}", column.name);
+    }
+    assert_eq!(more.series.values("pairs"), Some(&[3.0][..]));
+    assert_eq!((more.histograms("pair_forces")[0].total(), plain.histograms.len()), (3, 1));
+    // What is measured follows from the grains themselves.
+    let of = |assembly: &Assembly| STANDARD.measure(assembly, Parts::all());
+    assert!(own.iter().all(|name| of(&few).value(name).is_some() && of(&spheres).value(name).is_none()));
+    assert!(of(&spheres).left_out.iter().all(|left_out| left_out.sensor != "spin"));
+    let series = |one: &Assembly| STANDARD.measure_series(&[(one, Parts::all())]).values("spin").is_some();
+    assert!(series(&few) && !series(&spheres));
+    // A case can name them for spheres, too.
+    let named = recording.with(|recording| recording.sensors = vec!["spin".into(), "stress".into()]);
+    let names = |sensors: &Sensors| sensors.of_test(&named, RecordedColumns::All).unwrap();
+    assert_eq!(names(before).last(), Some(&"spin"));
+    assert_eq!(names(after).iter().filter(|name| **name == "spin").count(), 1);
+    assert!(STANDARD.recorded("spin").unwrap().starts_with("in every test of grains of several pieces"));
 }
