@@ -8,6 +8,7 @@
 pub mod entry;
 pub mod families;
 pub mod family;
+mod principal_axes;
 mod rigid_shape;
 pub mod union_of_spheres;
 
