@@ -5,6 +5,8 @@
 //! - [`family`]: families of shapes with their parameters, as case files name them. A new family needs a file and a line in
 //!   [`family::ALL`].
 
+pub mod descriptors;
+mod directions;
 pub mod entry;
 pub mod families;
 pub mod family;
@@ -12,6 +14,7 @@ mod principal_axes;
 mod rigid_shape;
 pub mod union_of_spheres;
 
+pub use descriptors::ShapeDescriptors;
 pub use entry::{ShapeEntry, SizeMeasure};
 pub use family::{ShapeDescription, ShapeError, ShapeFamily, ShapeKind, ShapeParameter, Spheres};
 pub use rigid_shape::{RigidShape, ShapePiece, equivalent_radius};

@@ -15,7 +15,7 @@ use granum_core::rotation::{normalized, to_body, to_space};
 use crate::principal_axes::principal;
 use crate::rigid_shape::{RigidShape, ShapePiece};
 
-mod cuts;
+pub(crate) mod cuts;
 
 use cuts::{cuts, neighbours};
 
@@ -94,9 +94,14 @@ impl ShapeOfSpheres {
 
     /// Sphericity: surface of the sphere of equal volume over the surface, `pi^(1/3) (6 V)^(2/3) / S`.
     pub fn sphericity(&self) -> f64 {
-        let edge = granum_simd::cbrt(6.0 * self.shape.volume);
-        granum_simd::cbrt(std::f64::consts::PI) * edge * edge / self.surface
+        sphericity(self.shape.volume, self.surface)
     }
+}
+
+/// Sphericity of a body of this volume and surface.
+pub(crate) fn sphericity(volume: f64, surface: f64) -> f64 {
+    let edge = granum_simd::cbrt(6.0 * volume);
+    granum_simd::cbrt(std::f64::consts::PI) * edge * edge / surface
 }
 
 fn check(spheres: &[(Vector, f64)]) -> Result<(), String> {
@@ -351,7 +356,7 @@ fn gauss_legendre() -> Vec<(f64, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn near(found: f64, golden: f64, tolerance: f64) {
@@ -450,16 +455,21 @@ mod tests {
         said(&[([0.0; 3], 1.0), ([0.0; 3], 1.0)], "the spheres 0 and 1 are equal");
     }
 
-    /// Thirty spheres and more take milliseconds, and their moments are those of a simple count of points.
-    #[test]
-    fn many_spheres_have_the_volume_of_a_count_of_points() {
-        let spiral = |k: usize| {
+    /// Overlapping spheres on an ellipsoid.
+    pub(crate) fn spiral(count: usize) -> Vec<(Vector, f64)> {
+        let sphere = |k: usize| {
             let (sine, cosine) = libm::sincos(2.4 * k as f64);
-            let z = 1.0 - 2.0 * (k as f64 + 0.5) / 40.0;
+            let z = 1.0 - 2.0 * (k as f64 + 0.5) / count as f64;
             let rho = (1.0 - z * z).sqrt();
             ([0.5 * rho * cosine, 0.6 * rho * sine, 0.9 * z], 0.4 + 0.1 * libm::sin(5.0 * k as f64))
         };
-        let spheres: Vec<(Vector, f64)> = (0..40).map(spiral).collect();
+        (0..count).map(sphere).collect()
+    }
+
+    /// Thirty spheres and more take milliseconds, and their moments are those of a simple count of points.
+    #[test]
+    fn many_spheres_have_the_volume_of_a_count_of_points() {
+        let spheres = spiral(40);
         let start = std::time::Instant::now();
         let found = moments(&spheres);
         println!("{:?}", start.elapsed());
