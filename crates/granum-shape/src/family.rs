@@ -96,6 +96,7 @@ kinds! {
     SPHERE = families::sphere::Sphere,
     DIMER = families::dimer::Dimer,
     CAPSULE = families::capsule::Capsule,
+    ELLIPSOID = families::ellipsoid::Ellipsoid,
     TETRAPOD = families::tetrapod::Tetrapod,
     PIECES = families::pieces::Pieces,
 }

@@ -5,12 +5,19 @@
 //! - [`family`]: families of shapes with their parameters, as case files name them. A new family needs a file and a line in
 //!   [`family::ALL`].
 
+pub mod cover;
+pub mod descriptors;
+mod directions;
 pub mod entry;
 pub mod families;
 pub mod family;
+pub mod mesh;
+mod principal_axes;
+mod random;
 mod rigid_shape;
 pub mod union_of_spheres;
 
+pub use descriptors::ShapeDescriptors;
 pub use entry::{ShapeEntry, SizeMeasure};
 pub use family::{ShapeDescription, ShapeError, ShapeFamily, ShapeKind, ShapeParameter, Spheres};
 pub use rigid_shape::{RigidShape, ShapePiece, equivalent_radius};

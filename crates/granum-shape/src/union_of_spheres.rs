@@ -6,13 +6,18 @@
 //! which powers of sine and cosine are integrated in closed form. The heights are cut at the poles of the spheres, at the extremes of the
 //! circles in which two of them meet and at the points where three meet; between two cuts a Gauss-Legendre rule in the angle
 //! `z = z_m - delta/2 cos(theta)` takes away the roots at the ends. The spheres are sliced along an oblique axis, along which shapes that people make have
-//! no symmetry.
+//! no symmetry. Of the cuts only those are needed that are exposed.
 
 use granum_core::assembly::{Matrix, Vector};
-use granum_core::geometry::{cross, dot, length};
+use granum_core::geometry::{dot, length};
 use granum_core::rotation::{normalized, to_body, to_space};
 
+use crate::principal_axes::principal;
 use crate::rigid_shape::{RigidShape, ShapePiece};
+
+pub(crate) mod cuts;
+
+use cuts::{cuts, neighbours};
 
 /// Number of nodes between two cuts.
 const NODES: usize = 48;
@@ -89,9 +94,14 @@ impl ShapeOfSpheres {
 
     /// Sphericity: surface of the sphere of equal volume over the surface, `pi^(1/3) (6 V)^(2/3) / S`.
     pub fn sphericity(&self) -> f64 {
-        let edge = granum_simd::cbrt(6.0 * self.shape.volume);
-        granum_simd::cbrt(std::f64::consts::PI) * edge * edge / self.surface
+        sphericity(self.shape.volume, self.surface)
     }
+}
+
+/// Sphericity of a body of this volume and surface.
+pub(crate) fn sphericity(volume: f64, surface: f64) -> f64 {
+    let edge = granum_simd::cbrt(6.0 * volume);
+    granum_simd::cbrt(std::f64::consts::PI) * edge * edge / surface
 }
 
 fn check(spheres: &[(Vector, f64)]) -> Result<(), String> {
@@ -165,22 +175,18 @@ struct Sums {
 
 fn integrals(spheres: &[(Vector, f64)]) -> Sums {
     let rule = gauss_legendre();
-    let cuts = cuts(spheres);
     let mut sums = Sums::default();
-    for (centre, radius) in spheres {
-        let (low, high) = (centre[2] - radius, centre[2] + radius);
-        for ends in cuts.windows(2) {
-            let (from, to) = (ends[0].max(low), ends[1].min(high));
-            if to <= from {
-                continue;
-            }
-            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    for (k, (centre, radius)) in spheres.iter().enumerate() {
+        let neighbours = neighbours(spheres, k);
+        let arcs: Vec<Cap> = neighbours.iter().map(|other| Cap::new((centre, *radius), other)).collect();
+        for ends in cuts((centre, *radius), &neighbours).windows(2) {
+            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             for (node, weight) in &rule {
                 // theta from 0 to pi.
                 let theta = 0.5 * std::f64::consts::PI * (1.0 + node);
                 let (sine, cosine) = libm::sincos(theta);
                 let dz = weight * 0.5 * std::f64::consts::PI * half * sine;
-                add_slice(&mut sums, spheres, (centre, *radius), middle - half * cosine, dz);
+                add_slice(&mut sums, &arcs, (centre, *radius), middle - half * cosine, dz);
             }
         }
     }
@@ -191,10 +197,10 @@ fn integrals(spheres: &[(Vector, f64)]) -> Sums {
 }
 
 /// Adds what is exposed of a sphere at a height.
-fn add_slice(sums: &mut Sums, spheres: &[(Vector, f64)], (centre, radius): (&Vector, f64), z: f64, dz: f64) {
+fn add_slice(sums: &mut Sums, caps: &[Cap], (centre, radius): (&Vector, f64), z: f64, dz: f64) {
     let h = z - centre[2];
     let rho = (radius * radius - h * h).max(0.0).sqrt();
-    let Some(arcs) = exposed(spheres, centre, radius, h, rho) else { return };
+    let Some(arcs) = exposed(caps, h, rho) else { return };
     let [x, y] = [centre[0], centre[1]];
     for [from, to] in arcs {
         let p = Powers::between(from, to);
@@ -224,24 +230,37 @@ fn add_slice(sums: &mut Sums, spheres: &[(Vector, f64)], (centre, radius): (&Vec
     }
 }
 
+/// What another sphere covers of a sphere, at every height.
+struct Cap {
+    /// Distance of the centres across the axis of slicing, m.
+    across: f64,
+    /// Angle of the other centre about that axis.
+    angle: f64,
+    /// `R_i^2 + |d|^2 - R_j^2`, m2.
+    limit: f64,
+    /// Distance of the centres along the axis, m.
+    along: f64,
+}
+
+impl Cap {
+    fn new((centre, radius): (&Vector, f64), (other, larger): &(Vector, f64)) -> Cap {
+        let d: Vector = std::array::from_fn(|a| other[a] - centre[a]);
+        Cap {
+            across: (d[0] * d[0] + d[1] * d[1]).sqrt(),
+            angle: libm::atan2(d[1], d[0]),
+            limit: radius * radius + dot(&d, &d) - larger * larger,
+            along: d[2],
+        }
+    }
+}
+
 /// The arcs of a circle on a sphere that no other sphere covers; `None` if one covers all of it.
-fn exposed(
-    spheres: &[(Vector, f64)],
-    centre: &Vector,
-    radius: f64,
-    h: f64,
-    rho: f64,
-) -> Option<Vec<[f64; 2]>> {
+fn exposed(caps: &[Cap], h: f64, rho: f64) -> Option<Vec<[f64; 2]>> {
     let whole = std::f64::consts::TAU;
     let mut covered: Vec<[f64; 2]> = Vec::new();
-    for (other, larger) in spheres {
-        let d: Vector = std::array::from_fn(|a| other[a] - centre[a]);
-        if d == [0.0; 3] {
-            continue;
-        }
-        let across = (d[0] * d[0] + d[1] * d[1]).sqrt();
-        let limit = radius * radius + dot(&d, &d) - larger * larger - 2.0 * d[2] * h;
-        let reach = 2.0 * rho * across;
+    for cap in caps {
+        let limit = cap.limit - 2.0 * cap.along * h;
+        let reach = 2.0 * rho * cap.across;
         if limit >= reach {
             continue;
         }
@@ -249,7 +268,7 @@ fn exposed(
             return None;
         }
         let half = libm::acos(limit / reach);
-        let mut from = libm::atan2(d[1], d[0]) - half;
+        let mut from = cap.angle - half;
         if from < 0.0 {
             from += whole;
         }
@@ -316,58 +335,6 @@ impl Powers {
     }
 }
 
-/// The heights between which the exposed arcs change smoothly.
-fn cuts(spheres: &[(Vector, f64)]) -> Vec<f64> {
-    let mut cuts = Vec::new();
-    for (k, (centre, radius)) in spheres.iter().enumerate() {
-        cuts.extend([centre[2] - radius, centre[2] + radius]);
-        for (j, (other, larger)) in spheres.iter().enumerate().skip(k + 1) {
-            let Some((middle, axis, seam)) = seam((centre, *radius), (other, *larger)) else { continue };
-            let rise = seam * (1.0 - axis[2] * axis[2]).max(0.0).sqrt();
-            cuts.extend([middle[2] - rise, middle[2] + rise]);
-            for (third, third_radius) in &spheres[j + 1..] {
-                cuts.extend(triple_points(&middle, &axis, seam, third, *third_radius).into_iter().flatten());
-            }
-        }
-    }
-    cuts.sort_by(f64::total_cmp);
-    cuts.dedup();
-    cuts
-}
-
-/// The circle in which two spheres meet: its middle, its axis and its radius.
-fn seam((a, r): (&Vector, f64), (b, s): (&Vector, f64)) -> Option<(Vector, Vector, f64)> {
-    let d: Vector = std::array::from_fn(|k| b[k] - a[k]);
-    let distance = length(&d);
-    if distance >= r + s || distance <= (r - s).abs() {
-        return None;
-    }
-    let axis = d.map(|x| x / distance);
-    let along = 0.5 * (distance + (r * r - s * s) / distance);
-    let radius = (r * r - along * along).max(0.0).sqrt();
-    Some((std::array::from_fn(|k| a[k] + along * axis[k]), axis, radius))
-}
-
-/// The heights of the two points of a circle that are on a sphere.
-fn triple_points(middle: &Vector, axis: &Vector, seam: f64, third: &Vector, radius: f64) -> Option<[f64; 2]> {
-    let d: Vector = std::array::from_fn(|k| third[k] - middle[k]);
-    let along = dot(&d, axis);
-    let flat: Vector = std::array::from_fn(|k| d[k] - along * axis[k]);
-    let across = length(&flat);
-    if across == 0.0 {
-        return None;
-    }
-    // Of the points at the angle phi from `flat`: seam^2 + d^2 - 2 seam across cos(phi) = radius^2.
-    let cosine = (seam * seam + dot(&d, &d) - radius * radius) / (2.0 * seam * across);
-    if cosine.abs() >= 1.0 {
-        return None;
-    }
-    let sine = (1.0 - cosine * cosine).sqrt();
-    let u = flat.map(|x| x / across);
-    let v = cross(axis, &u);
-    Some([1.0, -1.0].map(|side| middle[2] + seam * (cosine * u[2] + side * sine * v[2])))
-}
-
 /// Nodes and weights of the Gauss-Legendre rule between -1 and 1.
 fn gauss_legendre() -> Vec<(f64, f64)> {
     let n = NODES as f64;
@@ -388,44 +355,8 @@ fn gauss_legendre() -> Vec<(f64, f64)> {
     (0..NODES).map(node).collect()
 }
 
-/// Principal values of a symmetric matrix in rising order, and a right-handed frame of their axes in its columns (Jacobi rotations).
-fn principal(matrix: &Matrix) -> (Vector, Matrix) {
-    let mut a = *matrix;
-    // Rounding beside equal moments must not choose the axes.
-    let least = 1e-11 * (a[0][0] + a[1][1] + a[2][2]);
-    let mut v: Matrix = std::array::from_fn(|r| std::array::from_fn(|c| if r == c { 1.0 } else { 0.0 }));
-    for _ in 0..16 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q].abs() <= least {
-                continue;
-            }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            for k in 0..3 {
-                let (x, y) = (a[k][p], a[k][q]);
-                (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
-            }
-            for k in 0..3 {
-                let (x, y) = (a[p][k], a[q][k]);
-                (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
-                let (x, y) = (v[k][p], v[k][q]);
-                (v[k][p], v[k][q]) = (c * x - s * y, s * x + c * y);
-            }
-        }
-    }
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| a[i][i].total_cmp(&a[j][j]));
-    let column = |k: usize| -> Vector { std::array::from_fn(|r| v[r][order[k]]) };
-    let (first, second) = (column(0), column(1));
-    let third = cross(&first, &second);
-    let axes = std::array::from_fn(|r| [first[r], second[r], third[r]]);
-    (order.map(|k| a[k][k]), axes)
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn near(found: f64, golden: f64, tolerance: f64) {
@@ -522,5 +453,31 @@ mod tests {
         said(&[([0.0; 3], -1.0)], "sphere 0 is -1 m");
         said(&[([f64::NAN, 0.0, 0.0], 1.0)], "not finite");
         said(&[([0.0; 3], 1.0), ([0.0; 3], 1.0)], "the spheres 0 and 1 are equal");
+    }
+
+    /// Overlapping spheres on an ellipsoid.
+    pub(crate) fn spiral(count: usize) -> Vec<(Vector, f64)> {
+        let sphere = |k: usize| {
+            let (sine, cosine) = libm::sincos(2.4 * k as f64);
+            let z = 1.0 - 2.0 * (k as f64 + 0.5) / count as f64;
+            let rho = (1.0 - z * z).sqrt();
+            ([0.5 * rho * cosine, 0.6 * rho * sine, 0.9 * z], 0.4 + 0.1 * libm::sin(5.0 * k as f64))
+        };
+        (0..count).map(sphere).collect()
+    }
+
+    /// Thirty spheres and more take milliseconds, and their moments are those of a simple count of points.
+    #[test]
+    fn many_spheres_have_the_volume_of_a_count_of_points() {
+        let spheres = spiral(40);
+        let start = std::time::Instant::now();
+        let found = moments(&spheres);
+        println!("{:?}", start.elapsed());
+        let (n, edge) = (120, 3.0);
+        let step = edge / n as f64;
+        let at = |k: usize| (k as f64 + 0.5) * step - 0.5 * edge;
+        let inside = |p: Vector| cuts::is_covered(&p, &spheres, [usize::MAX; 2]);
+        let count = (0..n * n * n).filter(|k| inside([at(k % n), at(k / n % n), at(k / n / n)])).count();
+        near(found.volume, count as f64 * step * step * step, 2e-3);
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod capsule;
 pub mod dimer;
+pub mod ellipsoid;
 pub mod pieces;
 pub mod sphere;
 pub mod tetrapod;

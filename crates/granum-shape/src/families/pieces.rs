@@ -35,7 +35,7 @@ impl ShapeFamily for Pieces {
 }
 
 /// A sphere that is not connected to the first one, if there is one.
-fn islands(spheres: &[([f64; 3], f64)]) -> Option<usize> {
+pub(crate) fn islands(spheres: &[([f64; 3], f64)]) -> Option<usize> {
     let touch = |a: usize, b: usize| {
         let ((p, r), (q, s)) = (&spheres[a], &spheres[b]);
         let square: f64 = (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum();
