@@ -3,7 +3,7 @@
 //! Shapes are assigned in the order of falling size: each grain gets the shape that is farthest behind its share of the mass. So shares are
 //! met as closely as whole grains can, in every range of sizes, and no random numbers are used.
 
-use granum_shape::{RigidShape, ShapeEntry, ShapeError, ShapeOfSpheres, SizeMeasure};
+use granum_shape::{RigidShape, ShapeDescriptors, ShapeEntry, ShapeError, ShapeOfSpheres, SizeMeasure};
 
 use crate::config::Grains;
 
@@ -102,7 +102,7 @@ impl Grains {
             for shape in shapes.iter() {
                 let scale = match self.size_measure {
                     SizeMeasure::Volume => 1.0,
-                    SizeMeasure::Sieve => 1.0 / sieve_diameter(shape),
+                    SizeMeasure::Sieve => 1.0 / ShapeDescriptors::new(shape).sieve_diameter(),
                 };
                 let share = entry.share / shapes.len() as f64;
                 candidates.push(Candidate {
@@ -191,23 +191,6 @@ impl Grains {
         let shapes = made.iter().flat_map(|shapes| shapes.iter().map(|shape| shape.shape.clone())).collect();
         Ok(GrainShapes { shapes, of_grains, scales })
     }
-}
-
-/// The edge of the smallest square hole that a shape passes.
-fn sieve_diameter(shape: &ShapeOfSpheres) -> f64 {
-    let extent = |a: usize| {
-        let ends =
-            shape.shape.pieces.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], piece| {
-                [
-                    f64::min(low, piece.centre[a] - piece.radius),
-                    f64::max(high, piece.centre[a] + piece.radius),
-                ]
-            });
-        ends[1] - ends[0]
-    };
-    let mut lengths = [extent(0), extent(1), extent(2)];
-    lengths.sort_by(f64::total_cmp);
-    lengths[1]
 }
 
 /// The member that would be farthest behind its share of the volume without the next grain.

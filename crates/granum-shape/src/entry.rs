@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use serde::{Deserialize, Serialize};
 
+use crate::descriptors::ShapeDescriptors;
 use crate::family::{ShapeError, ShapeKind, ShapeParameter};
 use crate::union_of_spheres::ShapeOfSpheres;
 
@@ -56,8 +57,16 @@ impl Default for ShapeEntry {
     }
 }
 
-/// Shapes that were made, most recent last.
-static MADE: Mutex<Vec<(ShapeEntry, Arc<[ShapeOfSpheres]>)>> = Mutex::new(Vec::new());
+/// Shapes that were made, with their descriptors once somebody asked for them.
+#[derive(Clone)]
+struct Made {
+    entry: ShapeEntry,
+    shapes: Arc<[ShapeOfSpheres]>,
+    descriptors: Option<Arc<[ShapeDescriptors]>>,
+}
+
+/// The most recent ones, the last at the end.
+static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
 
 impl ShapeEntry {
     /// A family with its defaults, for all grains.
@@ -154,22 +163,34 @@ impl ShapeEntry {
     /// # Errors
     /// The key that is wrong, and what would be right.
     pub fn shapes(&self) -> Result<Arc<[ShapeOfSpheres]>, ShapeError> {
+        Ok(self.made()?.shapes)
+    }
+
+    /// The descriptors of these shapes.
+    ///
+    /// # Errors
+    /// As [`ShapeEntry::shapes`].
+    pub fn descriptors(&self) -> Result<Arc<[ShapeDescriptors]>, ShapeError> {
+        let mut made = self.made()?;
+        if let Some(descriptors) = made.descriptors {
+            return Ok(descriptors);
+        }
+        let descriptors: Arc<[ShapeDescriptors]> = made.shapes.iter().map(ShapeDescriptors::new).collect();
+        made.descriptors = Some(descriptors.clone());
+        keep(made);
+        Ok(descriptors)
+    }
+
+    fn made(&self) -> Result<Made, ShapeError> {
         // Which grains have it does not matter here.
-        let alike = ShapeEntry { share: 1.0, material: None, smallest: None, largest: None, ..self.clone() };
-        let kept = |made: &Vec<(ShapeEntry, Arc<[ShapeOfSpheres]>)>| {
-            made.iter().find(|(entry, _)| *entry == alike).map(|(_, shapes)| shapes.clone())
-        };
-        if let Some(shapes) = MADE.lock().ok().and_then(|made| kept(&made)) {
-            return Ok(shapes);
+        let entry = ShapeEntry { share: 1.0, material: None, smallest: None, largest: None, ..self.clone() };
+        let kept = MADE.lock().ok().and_then(|made| made.iter().find(|made| made.entry == entry).cloned());
+        if let Some(made) = kept {
+            return Ok(made);
         }
-        let shapes = alike.make()?;
-        if let Ok(mut made) = MADE.lock() {
-            if made.len() >= KEPT {
-                made.remove(0);
-            }
-            made.push((alike, shapes.clone()));
-        }
-        Ok(shapes)
+        let made = Made { shapes: entry.make()?, entry, descriptors: None };
+        keep(made.clone());
+        Ok(made)
     }
 
     fn make(&self) -> Result<Arc<[ShapeOfSpheres]>, ShapeError> {
@@ -182,6 +203,16 @@ impl ShapeEntry {
         };
         of_family.iter().map(shape).collect()
     }
+}
+
+/// Keeps shapes that were made, in place of the oldest ones where there are many.
+fn keep(new: Made) {
+    let Ok(mut made) = MADE.lock() else { return };
+    made.retain(|made| made.entry != new.entry);
+    if made.len() >= KEPT {
+        made.remove(0);
+    }
+    made.push(new);
 }
 
 #[cfg(test)]

@@ -467,7 +467,9 @@ impl Field {
             FieldKind::Shape(parameter) => {
                 let [low, high] = parameter.bounds;
                 let value = low + place * (high - low);
-                Value::Number(Some(if parameter.whole { value.round() } else { value }))
+                // Many spheres would take long.
+                let few = (low + place * (high - low).min(6.0)).round();
+                Value::Number(Some(if parameter.whole { few } else { value }))
             }
             FieldKind::Spheres { .. } => Value::Spheres(vec![[0.0, 0.0, 0.0, 1.0], [place, 0.0, 0.0, 0.9]]),
             FieldKind::Count { bounds: [low, high], .. } => {

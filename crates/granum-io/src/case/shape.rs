@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use granum_core::quantity::format_number;
 use granum_dem::shape::family::ALL;
-use granum_dem::shape::{ShapeEntry, ShapeOfSpheres};
+use granum_dem::shape::{ShapeDescriptors, ShapeEntry};
 
 use super::definition::Case;
 use super::field::{Field, Value};
@@ -138,11 +138,20 @@ impl Case {
         if self.grains.are_spheres() {
             return Vec::new();
         }
-        let Ok(shapes) = self.grains.shapes_with_shares() else { return Vec::new() };
-        let mean = |value: fn(&ShapeOfSpheres) -> f64| {
-            shapes.iter().map(|(shape, share)| share * value(shape)).sum()
-        };
-        vec![("sphericity", mean(|shape| shape.sphericity()))]
+        let mut all: Vec<(ShapeDescriptors, f64)> = Vec::new();
+        for entry in &self.grains.shapes {
+            let Ok(shapes) = entry.descriptors() else { return Vec::new() };
+            all.extend(shapes.iter().map(|shape| (*shape, entry.share / shapes.len() as f64)));
+        }
+        let mean =
+            |value: fn(&ShapeDescriptors) -> f64| all.iter().map(|(shape, share)| share * value(shape)).sum();
+        vec![
+            ("elongation", mean(|shape| shape.elongation)),
+            ("flatness", mean(|shape| shape.flatness)),
+            ("sphericity", mean(|shape| shape.sphericity)),
+            ("convexity", mean(|shape| shape.convexity)),
+            ("roundness", mean(|shape| shape.roundness)),
+        ]
     }
 
     /// The parameters of a run that follow from its shapes: the keys of tables, and the descriptors.
