@@ -180,7 +180,8 @@ impl Test {
     ) -> Result<Option<Recorder>, SensorError> {
         let Some(stage) = self.stages.get(at) else { return Ok(None) };
         let origin = self.stage_progress.origin(stage.record.measure);
-        Recorder::of_stage(sensors, &case.recording, self.columns, &stage.record, origin).map(Some)
+        let sensors = sensors.for_clumps(!case.grains.are_spheres());
+        Recorder::of_stage(&sensors, &case.recording, self.columns, &stage.record, origin).map(Some)
     }
 
     /// True if this can be a test of the case. A state with another end condition or rate might never reach its end.
