@@ -253,7 +253,8 @@ impl Integrator {
             self.table.reach(self.largest_radius)
         };
         self.state.pairs.constants = Vec::new();
-        self.equal = self.all_alike();
+        // Pieces of clumps have loops for unequal grains alone.
+        self.equal = !self.state.has_clumps() && self.all_alike();
         if self.equal {
             return;
         }

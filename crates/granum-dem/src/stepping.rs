@@ -6,7 +6,7 @@ use granum_simd::dispatch;
 
 use crate::contact_sums::ContactSums;
 use crate::integrator::Integrator;
-use crate::kernel::{self, ClumpStage, ContactStages, GrainStage, PruneStage, Views, larger};
+use crate::kernel::{self, ClumpStage, GrainStage, PruneStage, Views, larger};
 use crate::pairs::Block;
 use crate::simulation_error::SimulationError;
 use crate::team::{Guard, Work};
@@ -168,9 +168,6 @@ fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::R
 
 /// The contact stage of an integrator.
 fn contact_stage(integrator: &Integrator) -> kernel::ContactStageFunction {
-    if integrator.state.has_clumps() {
-        return ContactStages::any().by_batch;
-    }
     let stages = integrator.stages;
     if integrator.equal { stages.alike } else { stages.by_batch }
 }

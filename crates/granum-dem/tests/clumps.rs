@@ -318,10 +318,10 @@ fn what_clumps_cannot_do_is_refused_by_name() {
 }
 
 /// A packing of one shape without friction under isotropic pressure, E/p = 1e4, made from a gas of bodies.
-fn frictionless(spheres: &[(Vector, f64)], edge: usize) -> Simulation {
+fn frictionless(spheres: &[(Vector, f64)], edge: usize, start: f64) -> Simulation {
     let shape = ShapeOfSpheres::new(spheres).unwrap().shape;
     let spacing = 2.1 * shape.reach();
-    let mut x = 0.41;
+    let mut x = start;
     let mut next = || {
         x = (x * 997.0 + 0.618_f64).fract();
         2.0 * x - 1.0
@@ -354,7 +354,7 @@ fn frictionless(spheres: &[(Vector, f64)], edge: usize) -> Simulation {
 }
 
 /// Solid fraction, contacts a grain and neighbours a grain of packings of 150 bodies that were prepared without friction by an independent
-/// program; here of 125. Both are of one sample each.
+/// program, one sample each; here the means of two samples of 125.
 #[test]
 fn frictionless_packings_are_as_dense_as_those_of_an_independent_program() {
     let row = |xs: &[f64]| -> Vec<(Vector, f64)> { xs.iter().map(|x| ([*x, 0.0, 0.0], 0.5)).collect() };
@@ -367,16 +367,21 @@ fn frictionless_packings_are_as_dense_as_those_of_an_independent_program() {
         ("capsule of three", row(&[-0.5, 0.0, 0.5]), [0.681, 11.88, 9.29]),
         ("tetrapod", tetrapod, [0.691, 13.81, 8.27]),
     ] {
-        let s = frictionless(&spheres, 5);
-        let assembly = s.assembly();
-        let a_grain = |count: usize| 2.0 * count as f64 / assembly.bodies.len() as f64;
-        let found = [
-            s.state().solid_fraction(),
-            a_grain(assembly.contacts.len()),
-            a_grain(assembly.pairs_of_bodies().len()),
-        ];
+        let mut found = [0.0; 3];
+        for start in [0.41, 0.73] {
+            let s = frictionless(&spheres, 5, start);
+            assert!(s.state().unbalanced_force() < 1e-6);
+            let assembly = s.assembly();
+            let a_grain = |count: usize| 2.0 * count as f64 / assembly.bodies.len() as f64;
+            let of_sample = [
+                s.state().solid_fraction(),
+                a_grain(assembly.contacts.len()),
+                a_grain(assembly.pairs_of_bodies().len()),
+            ];
+            println!("{name}: {of_sample:?}");
+            (0..3).for_each(|k| found[k] += 0.5 * of_sample[k]);
+        }
         println!("{name}: {found:?} for {golden:?}");
-        assert!(s.state().unbalanced_force() < 1e-6);
         near(&found[..1], &golden[..1], 0.012, name);
         near(&found[1..], &golden[1..], 0.6, name);
     }

@@ -19,7 +19,7 @@ pub struct RigidShape {
     pub pieces: Vec<ShapePiece>,
     /// Volume of the union of the spheres, m3.
     pub volume: f64,
-    /// Principal moments of inertia over the mass, m2.
+    /// Principal moments of inertia over the mass, m2: the first axis has the smallest, the third the largest.
     pub inertia_over_mass: Vector,
 }
 
@@ -90,6 +90,13 @@ impl RigidShape {
             return Some(format!("its volume is {} m3; it must be positive", self.volume));
         }
         let [a, b, c] = self.inertia_over_mass;
+        // Equal moments may differ by rounding.
+        if a > b * (1.0 + 1e-9) || b > c * (1.0 + 1e-9) {
+            return Some(format!(
+                "its principal moments of inertia over its mass are {:?} m2; they must rise from the first axis to the third",
+                self.inertia_over_mass
+            ));
+        }
         // The moments of a body obey the triangle inequality.
         let possible = a + b >= c && b + c >= a && c + a >= b;
         if !(positive(a) && positive(b) && positive(c) && possible) {

@@ -48,6 +48,8 @@ impl Clump {
 pub(crate) struct ClumpPiece {
     /// Its centre in the axes of the body, m.
     pub(crate) centre: Vector,
+    /// Its radius, m.
+    pub(crate) radius: f64,
     /// Its row among the spheres.
     pub(crate) row: u32,
     /// Edges of the cell from the body's own image to that in which the row is: `x = X + R c + H s`.

@@ -61,7 +61,7 @@ impl PlacedBodies {
             let arm = to_space(&rotation, &centre);
             let position = std::array::from_fn(|a| body.position[a] + arm[a]);
             let row = self.rows.len() as u32;
-            self.clumps.pieces.push(ClumpPiece { centre, row, image: [0; 3] });
+            self.clumps.pieces.push(ClumpPiece { centre, radius: scale * piece.radius, row, image: [0; 3] });
             self.rows.push(InitialSphere { id: body.id, position, radius: scale * piece.radius });
         }
         self.clumps.bodies.push(Clump {

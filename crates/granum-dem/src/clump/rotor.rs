@@ -6,56 +6,89 @@
 //! `tan(x/2) = x/2 (1 + x^2/12)`: a function of conserved numbers, so that the whole is symplectic and reversible, leaves the angular
 //! momentum as it is, and is exact for a body with two equal moments. It needs no function of the platform.
 
-use granum_core::geometry::dot;
-use granum_core::rotation::{Quaternion, conjugate, matrix, normalized, product, to_body, to_space};
+use granum_core::rotation::{Quaternion, matrix, to_body, to_space};
+use granum_simd::Real;
 
 use crate::assembly::Vector;
 
 /// `tan(x/2)` to the third order.
-fn half_tangent(x: f64) -> f64 {
-    0.5 * x * (1.0 + x * x / 12.0)
+#[inline(always)]
+fn half_tangent<R: Real>(x: R) -> R {
+    let square = x * x;
+    R::splat(0.5) * x * square.mul_add(R::splat(1.0 / 12.0), R::splat(1.0))
 }
 
-/// The places of the largest, the intermediate and the smallest of three moments.
-fn by_size(inertia: &Vector) -> [usize; 3] {
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| inertia[b].total_cmp(&inertia[a]));
-    order
+/// The product of two quaternions: first the rotation `b`, then `a`.
+#[inline(always)]
+fn product<R: Real>(a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
 }
 
-/// The orientation of a body after a time `dt`, s, with a constant angular momentum, kg m2/s, in the axes of space.
-pub(crate) fn turned(orientation: &Quaternion, momentum: &Vector, inertia: &Vector, dt: f64) -> Quaternion {
-    let [largest, middle, smallest] = by_size(inertia);
-    let mut of_body = to_body(&matrix(orientation), momentum);
-    let mut q = *orientation;
-    let size = dot(momentum, momentum).sqrt();
-    if size > 0.0 {
-        let factor = half_tangent(size * dt / inertia[middle]) / size;
-        q = product(&[1.0, factor * momentum[0], factor * momentum[1], factor * momentum[2]], &q);
+/// The matrix of a rotation: its columns are the axes of the body in space.
+#[inline(always)]
+pub(crate) fn axes<R: Real>(q: &[R; 4]) -> [[R; 3]; 3] {
+    let [w, x, y, z] = *q;
+    let (one, two) = (R::splat(1.0), R::splat(2.0));
+    [
+        [one - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y)],
+        [two * (x * y + w * z), one - two * (x * x + z * z), two * (y * z - w * x)],
+        [two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)],
+    ]
+}
+
+/// One of the three rotations: about an axis of the body, whose moment has the reciprocal that differs by `difference` from that of the
+/// intermediate moment. Turns the angular momentum in the axes of the body, and the orientation.
+#[inline(always)]
+fn turn<R: Real>(axis: usize, dt: R, difference: R, of_body: &mut [R; 3], q: &mut [R; 4]) {
+    let tangent = half_tangent(of_body[axis] * dt * difference);
+    let square = tangent * tangent;
+    let reciprocal = R::splat(1.0) / (R::splat(1.0) + square);
+    let cosine = (R::splat(1.0) - square) * reciprocal;
+    let sine = (tangent + tangent) * reciprocal;
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (a, b) = (of_body[i], of_body[j]);
+    (of_body[i], of_body[j]) = (cosine * a + sine * b, cosine * b - sine * a);
+    let mut about = [R::zero(); 4];
+    (about[0], about[axis + 1]) = (R::splat(1.0), tangent);
+    *q = product(q, &about);
+}
+
+/// The orientation of a body after a time `dt`, s, with a constant angular momentum, kg m2/s, in the axes of space. Its moments of inertia,
+/// kg m2, rise.
+#[inline(always)]
+pub(crate) fn turned<R: Real>(orientation: &[R; 4], momentum: &[R; 3], inertia: &[R; 3], dt: R) -> [R; 4] {
+    let [x, y, z] = *momentum;
+    let rotation = axes(orientation);
+    let mut of_body = [R::zero(); 3];
+    for c in 0..3 {
+        of_body[c] = rotation[0][c] * x + rotation[1][c] * y + rotation[2][c] * z;
     }
-    let mut turn = |axis: usize, dt: f64| {
-        let angle = of_body[axis] * dt * (1.0 / inertia[axis] - 1.0 / inertia[middle]);
-        let tangent = half_tangent(angle);
-        let (whole, square) = (1.0 + tangent * tangent, 1.0 - tangent * tangent);
-        let (cosine, sine) = (square / whole, 2.0 * tangent / whole);
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (a, b) = (of_body[i], of_body[j]);
-        (of_body[i], of_body[j]) = (cosine * a + sine * b, cosine * b - sine * a);
-        let mut about = [1.0, 0.0, 0.0, 0.0];
-        about[axis + 1] = tangent;
-        q = product(&q, &about);
-    };
-    turn(largest, 0.5 * dt);
-    turn(smallest, dt);
-    turn(largest, 0.5 * dt);
-    normalized(&q)
+    let size = (x * x + y * y + z * z).sqrt();
+    let one = R::splat(1.0);
+    let middle = one / inertia[1];
+    let factor = half_tangent(size * dt * middle) / size;
+    // Without angular momentum there is no axis.
+    let factor = R::select(size.gt(R::zero()), factor, R::zero());
+    let mut q = product(&[one, factor * x, factor * y, factor * z], orientation);
+    let (half, least, largest) = (R::splat(0.5) * dt, one / inertia[0] - middle, one / inertia[2] - middle);
+    turn(2, half, largest, &mut of_body, &mut q);
+    turn(0, dt, least, &mut of_body, &mut q);
+    turn(2, half, largest, &mut of_body, &mut q);
+    let length = one / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+    [q[0] * length, q[1] * length, q[2] * length, q[3] * length]
 }
 
 /// The mean spin, rad/s, of a step of length `dt` between two orientations: `2/dt vec(dq)/dq_0` with `dq = q_new q_old*`. With it the arm c of a
 /// point of the body changes by exactly `dt omega x (c_old + c_new) / 2`.
-pub(crate) fn mean_spin(before: &Quaternion, after: &Quaternion, dt: f64) -> Vector {
-    let change = product(after, &conjugate(before));
-    let factor = 2.0 / (dt * change[0]);
+#[inline(always)]
+pub(crate) fn mean_spin<R: Real>(before: &[R; 4], after: &[R; 4], dt: R) -> [R; 3] {
+    let change = product(after, &[before[0], -before[1], -before[2], -before[3]]);
+    let factor = R::splat(2.0) / (dt * change[0]);
     [factor * change[1], factor * change[2], factor * change[3]]
 }
 

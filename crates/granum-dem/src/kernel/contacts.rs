@@ -351,7 +351,7 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     let force = [P::part(out.force[0]), P::part(out.force[1]), P::part(out.force[2])];
     let moment = [P::part(out.moment[0]), P::part(out.moment[1]), P::part(out.moment[2])];
     let mut branch = pair_batch.kinematics.branch;
-    if S::MAY_HAVE_CLUMPS && v.arms.len() > 0 {
+    if C::MAY_HAVE_CLUMPS && v.arms.len() > 0 {
         branch = branch_of_bodies::<L>(v, b, branch);
     }
     for r in 0..3 {

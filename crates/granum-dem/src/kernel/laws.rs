@@ -73,8 +73,6 @@ pub(crate) trait StageLaws {
     /// writes them there, and two batches may be evaluated side by side. With calls to laws, whose numbers pass through memory, one
     /// batch after the other is faster.
     const IN_PLACE: bool;
-    /// True if pieces of clumps may be among the grains: only in the loop over slots, so that spheres are not slowed down by it.
-    const MAY_HAVE_CLUMPS: bool;
     /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
     /// The laws of the simulation behind the views.
@@ -155,7 +153,6 @@ where
     const MAY_HAVE_ADHESION: bool = false;
     const MAY_HAVE_CHANNELS: bool = false;
     const IN_PLACE: bool = false;
-    const MAY_HAVE_CLUMPS: bool = false;
     type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
     fn from_views(_views: &Views) -> Self {
@@ -239,7 +236,6 @@ where
     const MAY_HAVE_ADHESION: bool = true;
     const MAY_HAVE_CHANNELS: bool = true;
     const IN_PLACE: bool = true;
-    const MAY_HAVE_CLUMPS: bool = true;
     type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
     fn from_views(views: &Views) -> Self {

@@ -4,6 +4,8 @@ use super::views::Views;
 
 /// Source of the constants of a batch.
 pub(crate) trait ConstantSource: Copy {
+    /// True if pieces of clumps may be among the grains. Equal grains are spheres.
+    const MAY_HAVE_CLUMPS: bool;
     /// True if each batch has its own constants.
     fn by_batch(v: &Views) -> bool;
 }
@@ -18,18 +20,21 @@ pub(crate) struct ByBatch;
 #[derive(Clone, Copy)]
 pub(crate) struct AlikeOrByBatch;
 impl ConstantSource for Alike {
+    const MAY_HAVE_CLUMPS: bool = false;
     #[inline(always)]
     fn by_batch(_v: &Views) -> bool {
         false
     }
 }
 impl ConstantSource for ByBatch {
+    const MAY_HAVE_CLUMPS: bool = true;
     #[inline(always)]
     fn by_batch(_v: &Views) -> bool {
         true
     }
 }
 impl ConstantSource for AlikeOrByBatch {
+    const MAY_HAVE_CLUMPS: bool = true;
     #[inline(always)]
     fn by_batch(v: &Views) -> bool {
         !v.equal
