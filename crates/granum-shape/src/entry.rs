@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
@@ -56,8 +57,14 @@ impl Default for ShapeEntry {
     }
 }
 
+/// Shapes and notices of an entry.
+type Made = (Arc<[ShapeOfSpheres]>, Vec<String>);
+
+/// Length and time of a file, from which a change is known.
+type Stamp = Option<(u64, SystemTime)>;
+
 /// Shapes that were made, most recent last.
-static MADE: Mutex<Vec<(ShapeEntry, Arc<[ShapeOfSpheres]>)>> = Mutex::new(Vec::new());
+static MADE: Mutex<Vec<(ShapeEntry, Stamp, Made)>> = Mutex::new(Vec::new());
 
 impl ShapeEntry {
     /// A family with its defaults, for all grains.
@@ -154,33 +161,53 @@ impl ShapeEntry {
     /// # Errors
     /// The key that is wrong, and what would be right.
     pub fn shapes(&self) -> Result<Arc<[ShapeOfSpheres]>, ShapeError> {
+        Ok(self.shapes_with_notices()?.0)
+    }
+
+    /// The same, with what its user should know: what was mended or left out, and how well spheres stand for a file.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    pub fn shapes_with_notices(&self) -> Result<(Arc<[ShapeOfSpheres]>, Vec<String>), ShapeError> {
         // Which grains have it does not matter here.
         let alike = ShapeEntry { share: 1.0, material: None, smallest: None, largest: None, ..self.clone() };
-        let kept = |made: &Vec<(ShapeEntry, Arc<[ShapeOfSpheres]>)>| {
-            made.iter().find(|(entry, _)| *entry == alike).map(|(_, shapes)| shapes.clone())
+        let stamp = alike.stamp();
+        // A folder does not tell when a file in it changed.
+        let keeps = alike.file.is_none() || stamp.is_some();
+        let kept = |made: &Vec<(ShapeEntry, Stamp, Made)>| {
+            made.iter()
+                .find(|(entry, of, _)| *entry == alike && *of == stamp)
+                .map(|(_, _, made)| made.clone())
         };
-        if let Some(shapes) = MADE.lock().ok().and_then(|made| kept(&made)) {
-            return Ok(shapes);
+        if keeps && let Some(made) = MADE.lock().ok().and_then(|made| kept(&made)) {
+            return Ok(made);
         }
-        let shapes = alike.make()?;
-        if let Ok(mut made) = MADE.lock() {
+        let new = alike.make()?;
+        if keeps && let Ok(mut made) = MADE.lock() {
             if made.len() >= KEPT {
                 made.remove(0);
             }
-            made.push((alike, shapes.clone()));
+            made.push((alike, stamp, new.clone()));
         }
-        Ok(shapes)
+        Ok(new)
     }
 
-    fn make(&self) -> Result<Arc<[ShapeOfSpheres]>, ShapeError> {
+    fn stamp(&self) -> Stamp {
+        let about = std::fs::metadata(self.file.as_ref()?).ok().filter(|about| about.is_file())?;
+        Some((about.len(), about.modified().ok()?))
+    }
+
+    fn make(&self) -> Result<Made, ShapeError> {
         self.check()?;
-        let of_family = self.kind.family().shapes(self)?;
+        let mut notices = Vec::new();
+        let of_family = self.kind.family().shapes_with_notices(self, &mut notices)?;
         let shape = |spheres: &crate::family::Spheres| {
             let shape =
                 ShapeOfSpheres::new(spheres).map_err(|why| ShapeError { key: "kind", message: why })?;
             Ok(shape.scaled(0.5 / shape.shape.equivalent_radius()))
         };
-        of_family.iter().map(shape).collect()
+        let shapes: Result<Arc<[ShapeOfSpheres]>, ShapeError> = of_family.iter().map(shape).collect();
+        Ok((shapes?, notices))
     }
 }
 

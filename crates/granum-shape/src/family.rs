@@ -72,6 +72,18 @@ pub trait ShapeFamily: Sync {
     /// # Errors
     /// The key that is wrong, and what would be right.
     fn shapes(&self, given: &ShapeEntry) -> Result<Vec<Spheres>, ShapeError>;
+
+    /// The same, with what its user should know: what was mended or left out, and how well spheres stand for a file.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    fn shapes_with_notices(
+        &self,
+        given: &ShapeEntry,
+        _notices: &mut Vec<String>,
+    ) -> Result<Vec<Spheres>, ShapeError> {
+        self.shapes(given)
+    }
 }
 
 /// The choice of a family. Its name identifies it in files.
@@ -97,7 +109,12 @@ kinds! {
     DIMER = families::dimer::Dimer,
     CAPSULE = families::capsule::Capsule,
     ELLIPSOID = families::ellipsoid::Ellipsoid,
+    SAND = families::sand::Sand,
+    MESH = families::mesh::Mesh,
+    MESH_EUCLIDEAN = families::mesh::MeshEuclidean,
+    MESH_TANGENT = families::mesh::MeshTangent,
     TETRAPOD = families::tetrapod::Tetrapod,
+    VOXELS = families::voxels::Voxels,
     PIECES = families::pieces::Pieces,
 }
 

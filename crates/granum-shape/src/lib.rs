@@ -11,11 +11,13 @@ mod directions;
 pub mod entry;
 pub mod families;
 pub mod family;
+mod harmonics;
 pub mod mesh;
 mod principal_axes;
 mod random;
 mod rigid_shape;
 pub mod union_of_spheres;
+pub mod voxels;
 
 pub use descriptors::ShapeDescriptors;
 pub use entry::{ShapeEntry, SizeMeasure};

@@ -48,7 +48,7 @@ fn refused(mesh: TriangleMesh, text: &str) {
     assert!(message.contains(text), "{message}");
 }
 
-fn text_stl(mesh: &TriangleMesh) -> String {
+pub(crate) fn text_stl(mesh: &TriangleMesh) -> String {
     let mut text = String::from("solid grain\n");
     for k in 0..mesh.triangles.len() {
         text += "facet normal 0 0 0\n outer loop\n";
