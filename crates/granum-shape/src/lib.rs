@@ -2,8 +2,11 @@
 //!
 //! - [`RigidShape`]: a rigid body of spheres in its principal axes, with the volume and the inertia of their union.
 //! - [`union_of_spheres`]: those moments, exactly but for rounding.
-//! - [`family`]: families of shapes with their parameters, as case files name them. A new family needs a file and a line in
+//! - [`ShapeDescriptors`]: proportions, sphericity, convexity, roundness and sizes of a shape.
+//! - [`family`]: families of shapes with their parameters, as case files name them. A new family needs a file in [`families`] and a line in
 //!   [`family::ALL`].
+//! - [`mesh`] and [`voxels`]: surfaces of triangles and labelled stacks of images, read from files and checked.
+//! - [`cover`]: spheres that stand for such a body, and how well they do.
 
 pub mod cover;
 pub mod descriptors;

@@ -134,3 +134,48 @@ impl Points {
         rows.into_iter().for_each(|row| self.empty[row].fill(false));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::tests::{cube, ellipsoid};
+
+    /// A sphere is one sphere; in a cube the largest comes first and then eight alike into the corners, and none stands out.
+    #[test]
+    fn the_first_spheres_are_those_that_must_be() {
+        let ball = ellipsoid([1.0; 3], 5);
+        let grid = Grid::of_mesh(&ball, 51);
+        let found =
+            largest_gain(&grid, Some(&Tree::new(&ball)), &LargestGain { pieces: 3, least_radius: 0.05 });
+        assert!((found[0].1 - 1.0).abs() < 0.03, "{found:?}");
+        let mesh = cube([-1.0; 3], 2.0);
+        let grid = Grid::of_mesh(&mesh, 51);
+        let found = largest_gain(&grid, Some(&Tree::new(&mesh)), &LargestGain::default());
+        assert_eq!(found.len(), 20);
+        assert!((found[0].1 - 1.0).abs() < 0.03, "{found:?}");
+        for (centre, radius) in &found {
+            assert!(centre.iter().all(|x| x.abs() + radius < 1.0 + 1e-9), "{centre:?} {radius}");
+        }
+        let corners: Vec<_> = found[1..9].iter().map(|(c, _)| c.map(|x| x > 0.0)).collect();
+        assert!((0..8).all(|k| !corners[..k].contains(&corners[k])), "{found:?}");
+    }
+
+    /// The number of points within a sphere is bounded by what is said of it before they are counted.
+    #[test]
+    fn no_gain_is_larger_than_its_bound() {
+        let grid = Grid::of_mesh(&cube([-1.0; 3], 2.0), 51);
+        let points = Points::new(&grid);
+        for k in 0..40 {
+            let radius = 0.02 * f64::from(k);
+            let centre = [0.01 * f64::from(k % 7), -0.013 * f64::from(k % 5), 0.02];
+            let inside = (0..points.empty.len()).filter(|k| points.empty[*k]).filter(|k| {
+                let [nx, ny, _] = points.size;
+                let place = [k % nx, k / nx % ny, k / nx / ny];
+                let apart = |a: usize| points.first[a] + points.step[a] * place[a] as f64 - centre[a];
+                granum_core::geometry::length(&[apart(0), apart(1), apart(2)]) <= radius
+            });
+            assert_eq!(points.gain(&centre, radius), inside.count(), "{radius}");
+            assert!(points.gain(&centre, radius) <= points.most(radius), "{radius}");
+        }
+    }
+}

@@ -35,10 +35,11 @@ pub(crate) fn tangent_spheres(surface: &[Sample], spacing: f64, given: &TangentS
     let mut open: Vec<usize> = (0..surface.len()).collect();
     let area = |open: &[usize]| open.iter().map(|k| surface[*k].area).sum::<f64>();
     let all = area(&open);
+    let mut left = all;
     let widest = surface.iter().map(|s| s.area).fold(0.0, f64::max);
     let mut spheres: Spheres = Vec::new();
     let mut largest: f64 = 0.0;
-    while spheres.len() < given.pieces && !open.is_empty() && area(&open) > (1.0 - given.share) * all {
+    while spheres.len() < given.pieces && !open.is_empty() && left > (1.0 - given.share) * all {
         // Points are chosen in proportion to the areas for which they stand.
         let place = ((random.even() * open.len() as f64) as usize).min(open.len() - 1);
         if random.even() * widest > surface[open[place]].area {
@@ -52,6 +53,7 @@ pub(crate) fn tangent_spheres(surface: &[Sample], spacing: f64, given: &TangentS
         largest = largest.max(radius);
         let from = |k: &usize| length(&std::array::from_fn(|a| surface[*k].place[a] - centre[a])) - radius;
         open.retain(|k| from(k) > given.least_distance * largest);
+        left = area(&open);
     }
     spheres
 }

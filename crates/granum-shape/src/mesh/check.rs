@@ -59,7 +59,7 @@ pub fn checked(
     let (open, crowded) = (sides(|n| n == 1), sides(|n| n > 2));
     if open > 0 {
         return refused(format!(
-            "is not closed: it has {open} open edges, which belong to one triangle only; fill its holes first"
+            "is not closed: it has {open} open edges, which belong to one triangle only; fill its holes, and join corners that are almost at one place"
         ));
     }
     if crowded > 0 {
