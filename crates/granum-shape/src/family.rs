@@ -5,15 +5,13 @@
 
 use std::fmt;
 
-use granum_core::assembly::Vector;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::entry::ShapeEntry;
 use crate::families;
-
-/// The spheres of a shape: centres and radii in any unit of length and in any axes.
-pub type Spheres = Vec<(Vector, f64)>;
+pub use crate::shape_error::ShapeError;
+pub use crate::union_of_spheres::Spheres;
 
 /// A parameter of a family, a pure number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,23 +41,6 @@ pub struct ShapeDescription {
     pub takes_spheres: bool,
     /// True if it is read from a file. The case that results contains the spheres, and no longer needs the file.
     pub takes_file: bool,
-}
-
-/// Reasons why there is no such shape.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
-pub struct ShapeError {
-    /// The key in the section `[grains.shape]` that is wrong.
-    pub key: &'static str,
-    /// What is wrong and what would be right, as a sentence that begins with the key.
-    pub message: String,
-}
-
-impl ShapeError {
-    /// An error about a key; the message continues it.
-    pub fn new(key: &'static str, message: impl fmt::Display) -> ShapeError {
-        ShapeError { key, message: format!("{key} {message}") }
-    }
 }
 
 /// A family of shapes.

@@ -19,6 +19,7 @@ pub mod mesh;
 mod principal_axes;
 mod random;
 mod rigid_shape;
+mod shape_error;
 pub mod union_of_spheres;
 pub mod voxels;
 

@@ -9,8 +9,8 @@ use granum_core::geometry::length;
 
 use super::grid::Grid;
 use crate::directions::directions;
-use crate::family::Spheres;
 use crate::mesh::Tree;
+use crate::union_of_spheres::Spheres;
 
 /// Last step of the refinement of a centre over the spacing of voxels.
 const LAST_STEP: f64 = 1e-2;

@@ -11,8 +11,8 @@ use std::ops::Range;
 use granum_core::assembly::Vector;
 
 use super::grid::Grid;
-use crate::family::Spheres;
 use crate::mesh::Tree;
+use crate::union_of_spheres::Spheres;
 
 /// Number of points of the body, about, at which what is filled is counted.
 const POINTS: f64 = 1e4;
@@ -69,7 +69,7 @@ pub(crate) fn largest_gain(grid: &Grid, surface: Option<&Tree>, given: &LargestG
 /// True if the sphere about a voxel is inside none of those about its neighbours, as nearly as voxels tell.
 fn is_medial(grid: &Grid, depths: &[f64], k: usize) -> bool {
     let [nx, ny, _] = grid.size;
-    crate::descriptors::bounding_box::steps().all(|s| {
+    crate::directions::steps().all(|s| {
         let place = k as i64 + s[0] as i64 + nx as i64 * (s[1] as i64 + ny as i64 * s[2] as i64);
         let apart: f64 = (0..3).map(|a| s[a] * grid.step[a]).map(|d| d * d).sum();
         depths.get(place as usize).is_none_or(|depth| *depth < depths[k] + INSIDE * apart.sqrt())

@@ -19,10 +19,10 @@ pub use tangent::TangentSpheres;
 pub(crate) use euclidean::euclidean_map;
 pub(crate) use report::Original;
 
-use crate::families::pieces::connected;
-use crate::family::Spheres;
 use crate::mesh::{Tree, TriangleMesh, moments};
 use crate::principal_axes::principal;
+use crate::union_of_spheres::Spheres;
+use crate::union_of_spheres::connected::connected;
 use samples::samples;
 
 /// Voxels along the shortest side of the box around a mesh.

@@ -4,10 +4,9 @@ use granum_core::assembly::Vector;
 use granum_core::geometry::length;
 
 use super::samples::Sample;
-use crate::family::Spheres;
 use crate::principal_axes::principal;
 use crate::rigid_shape::equivalent_radius;
-use crate::union_of_spheres::{Moments, ShapeOfSpheres, sphericity};
+use crate::union_of_spheres::{Moments, ShapeOfSpheres, Spheres, sphericity};
 
 /// Largest number of steps in which the radii grow, and the error of the volume at which they stop.
 const GROWTHS: usize = 8;

@@ -7,8 +7,8 @@ use granum_core::assembly::Vector;
 use granum_core::geometry::{dot, length};
 
 use super::samples::Sample;
-use crate::family::Spheres;
 use crate::random::Random;
+use crate::union_of_spheres::Spheres;
 
 /// When to stop, and where spheres begin.
 #[derive(Clone, Copy, Debug, PartialEq)]

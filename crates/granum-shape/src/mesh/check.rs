@@ -6,8 +6,10 @@ use granum_core::assembly::Vector;
 
 use super::bounds::bounds;
 use super::crossing::crossing;
-use super::{MOST_TRIANGLES, TriangleMesh, fault, moments, too_many};
-use crate::family::ShapeError;
+use super::fault::{fault, too_many};
+use super::moments::moments;
+use super::triangles::{MOST_TRIANGLES, TriangleMesh};
+use crate::shape_error::ShapeError;
 
 /// Volumes below this share of the box around a mesh count as none.
 const NO_VOLUME: f64 = 1e-9;

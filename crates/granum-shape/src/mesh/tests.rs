@@ -1,5 +1,7 @@
 use std::path::{Path, PathBuf};
 
+use granum_core::assembly::Vector;
+
 use super::*;
 use crate::directions::directions;
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 
-use super::LabelledStack;
-use crate::family::ShapeError;
+use super::stack::LabelledStack;
 use crate::mesh::fault;
+use crate::shape_error::ShapeError;
 
 /// Largest number of voxels of a stack.
 const MOST_VOXELS: usize = 500_000_000;

@@ -15,6 +15,7 @@ use granum_core::rotation::{normalized, to_body, to_space};
 use crate::principal_axes::principal;
 use crate::rigid_shape::{RigidShape, ShapePiece};
 
+pub(crate) mod connected;
 pub(crate) mod cuts;
 
 use cuts::{cuts, neighbours};
@@ -23,6 +24,9 @@ use cuts::{cuts, neighbours};
 const NODES: usize = 48;
 /// The rotation into the axes in which spheres are sliced.
 const OBLIQUE: [f64; 4] = [0.81, 0.37, -0.29, 0.35];
+
+/// The spheres of a shape: centres and radii in any unit of length and in any axes.
+pub type Spheres = Vec<(Vector, f64)>;
 
 /// Moments of a body of density one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
