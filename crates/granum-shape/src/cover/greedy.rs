@@ -1,8 +1,8 @@
 //! The spheres inside a body that together fill most of it: the one that fills most of what is still empty, one after the other.
 //!
 //! Candidates are the spheres about those voxels that are inside no larger sphere about a neighbour: the medial surface of the body. What a
-//! candidate adds can only shrink while others are chosen, so that mostly only the best few are counted again. Spheres may stand out by one
-//! voxel in this count, since all of them grow in the end.
+//! candidate adds can only shrink while others are chosen, so that mostly only the best few are counted again. Spheres may stand out by up to
+//! one voxel in this count, since all of them grow in the end.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,8 +14,9 @@ use super::grid::Grid;
 use crate::mesh::Tree;
 use crate::union_of_spheres::Spheres;
 
-/// Number of points of the body, about, at which what is filled is counted.
-const POINTS: f64 = 1e4;
+/// By how much of a voxel spheres may stand out, and about how many points of the body are counted, one after the other: where nothing
+/// coarse remains, finer gaps count.
+const STAGES: [(f64, f64); 3] = [(1.0, 1e4), (0.5, 4e4), (0.25, 4e5)];
 /// A sphere inside a larger one but for this share of the distance of their centres is no candidate.
 const INSIDE: f64 = 0.85;
 
@@ -45,25 +46,47 @@ pub(crate) fn largest_gain(grid: &Grid, surface: Option<&Tree>, given: &LargestG
         .filter(|k| depths[*k] > least && is_medial(grid, &depths, *k))
         .map(|k| (grid.centre(k), depths[k]))
         .collect();
-    let mut points = Points::new(grid);
+    let mut chosen: Vec<usize> = Vec::new();
+    for (out, count) in STAGES {
+        choose(grid, &candidates, (out * least_step, count), given.pieces, &mut chosen);
+    }
+    let sphere = |k: usize| {
+        let (centre, depth) = candidates[k];
+        (centre, surface.map_or(depth, |tree| tree.distance(&centre)))
+    };
+    chosen.into_iter().map(sphere).collect()
+}
+
+/// Chooses further candidates until there are as many as wanted, or none adds anything. Spheres may stand out by a length, and about so many points are
+/// counted.
+fn choose(
+    grid: &Grid,
+    candidates: &Spheres,
+    (out, count): (f64, f64),
+    wanted: usize,
+    chosen: &mut Vec<usize>,
+) {
+    if chosen.len() >= wanted {
+        return;
+    }
+    let mut points = Points::new(grid, count);
+    chosen.iter().for_each(|k| points.fill(&candidates[*k].0, candidates[*k].1 + out));
     // Of equal gains the first candidate comes first.
     let mut heap: BinaryHeap<(usize, Reverse<usize>)> =
-        candidates.iter().enumerate().map(|(k, (_, r))| (points.most(r + least_step), Reverse(k))).collect();
-    let mut spheres = Spheres::new();
+        candidates.iter().enumerate().map(|(k, (_, r))| (points.most(r + out), Reverse(k))).collect();
     while let Some((_, Reverse(k))) = heap.pop() {
         let (centre, depth) = candidates[k];
-        let gain = points.gain(&centre, depth + least_step);
+        let gain = points.gain(&centre, depth + out);
         if heap.peek().is_some_and(|next| (gain, Reverse(k)) < *next) {
             heap.push((gain, Reverse(k)));
             continue;
         }
-        if gain == 0 || spheres.len() == given.pieces {
+        if gain == 0 || chosen.len() == wanted {
             break;
         }
-        points.fill(&centre, depth + least_step);
-        spheres.push((centre, surface.map_or(depth, |tree| tree.distance(&centre))));
+        points.fill(&centre, depth + out);
+        chosen.push(k);
     }
-    spheres
 }
 
 /// True if the sphere about a voxel is inside none of those about its neighbours, as nearly as voxels tell.
@@ -85,9 +108,9 @@ struct Points {
 }
 
 impl Points {
-    fn new(grid: &Grid) -> Points {
+    fn new(grid: &Grid, count: f64) -> Points {
         let inside = grid.inside.iter().filter(|is| **is).count() as f64;
-        let every = granum_simd::cbrt(inside / POINTS).floor().max(1.0) as usize;
+        let every = granum_simd::cbrt(inside / count).floor().max(1.0) as usize;
         let size = grid.size.map(|n| n.div_ceil(every));
         let [nx, ny, nz] = size;
         let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
@@ -164,7 +187,7 @@ mod tests {
     #[test]
     fn no_gain_is_larger_than_its_bound() {
         let grid = Grid::of_mesh(&cube([-1.0; 3], 2.0), 51);
-        let points = Points::new(&grid);
+        let points = Points::new(&grid, 1e4);
         for k in 0..40 {
             let radius = 0.02 * f64::from(k);
             let centre = [0.01 * f64::from(k % 7), -0.013 * f64::from(k % 5), 0.02];

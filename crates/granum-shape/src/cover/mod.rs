@@ -1,4 +1,7 @@
 //! Covers: spheres that stand for a mesh or an image of a grain.
+//!
+//! Spheres inside a body leave gaps between them. All radii therefore grow by one length until the union has the volume of the original, and what
+//! rounding leaves is scaled away. [`CoverReport`] says how much was missing and how well the result stands for the original.
 
 mod euclidean;
 mod greedy;
@@ -143,9 +146,7 @@ mod tests {
                 report
             });
             // Errors of inertia, growth, mean distance.
-            // The flat box is beyond what ten spheres can do.
-            let inertia = if *name == "flat box" && pieces == 10 { 0.06 } else { 0.05 };
-            let limits = [[inertia, 0.05, 0.03], [0.06, 0.06, 0.035], [0.03, 0.04, 0.03]];
+            let limits = [[0.05, 0.05, 0.03], [0.06, 0.06, 0.035], [0.03, 0.04, 0.03]];
             // Few random spheres on a box cover it badly.
             let tested = if *name == "ellipsoid" { 3 } else { 2 };
             for (report, limits) in reports.iter().zip(limits).take(tested) {
@@ -156,6 +157,19 @@ mod tests {
             }
             assert!(reports[0].mean_distance < reports[1].mean_distance, "{name}: {reports:?}");
         }
+    }
+
+    /// Sixty spheres fill an ellipsoid within 2 % before they grow, and have its inertia within half a percent.
+    #[test]
+    fn sixty_spheres_fill_an_ellipsoid_within_two_percent() {
+        let method = CoverMethod::Gain(LargestGain { pieces: 60, ..LargestGain::default() });
+        let CoverReport { pieces, volume, inertia, sphericity, .. } =
+            cover_mesh(&ellipsoid([1.0, 0.8, 0.6], 4), &method).unwrap().report;
+        assert!(pieces == 60 && volume > -0.02 && volume < 0.0, "{pieces} {volume}");
+        assert!(
+            inertia.iter().all(|error| error.abs() < 5e-3) && sphericity.abs() < 0.01,
+            "{inertia:?} {sphericity}"
+        );
     }
 
     /// A sphere is covered by one; the first sphere of a cube fills it, and no sphere stands out before growing.

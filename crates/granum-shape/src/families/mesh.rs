@@ -104,7 +104,10 @@ impl ShapeFamily for MeshTangent {
     }
 }
 
-/// The mesh of the file, covered. The last notice says how well.
+/// Errors of moments of inertia above this share are worth a notice.
+const ERROR: f64 = 0.05;
+
+/// The mesh of the file, covered. Notices say how well.
 fn covered(
     given: &ShapeEntry,
     notices: &mut Vec<String>,
@@ -120,6 +123,10 @@ fn covered(
     let cover =
         cover_mesh(&mesh, method).map_err(|why| mesh::fault(path, format!("cannot be covered: {why}")))?;
     notices.push(format!("{:?}: {}", path.display().to_string(), cover.report));
+    if cover.report.inertia.iter().any(|error| error.abs() > ERROR) {
+        let advice = "take more pieces, or kind = \"mesh\", which covers better than the others";
+        notices.push(format!("{:?} is covered badly: {advice}", path.display().to_string()));
+    }
     Ok(vec![cover.spheres])
 }
 
@@ -128,7 +135,7 @@ mod tests {
     use super::*;
     use crate::ShapeDescriptors;
     use crate::family::ShapeKind;
-    use crate::mesh::tests::{ellipsoid, text_stl};
+    use crate::mesh::tests::{cube, ellipsoid, text_stl};
 
     /// An ellipsoid in a file becomes a shape of its proportions, in whatever unit it is written, and the notice says how well.
     #[test]
@@ -156,6 +163,19 @@ mod tests {
             let [a, b] = [found_of[0].sphericity, found_of[1].sphericity];
             assert!((a - b).abs() < 0.01, "{found_of:?}");
         }
+    }
+
+    /// Few random spheres in a cube are a bad cover, which a notice says.
+    #[test]
+    fn a_bad_cover_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cube.stl");
+        std::fs::write(&path, text_stl(&cube([0.0; 3], 1.0))).unwrap();
+        let told = |kind: ShapeKind| {
+            let entry = ShapeEntry { file: Some(path.clone()), ..ShapeEntry::new(kind) }.with("pieces", 9.0);
+            entry.shapes_with_notices().unwrap().1.iter().any(|notice| notice.contains("is covered badly"))
+        };
+        assert!(told(ShapeKind::MESH_TANGENT) && !told(ShapeKind::MESH));
     }
 
     #[test]
