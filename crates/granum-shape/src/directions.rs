@@ -75,6 +75,12 @@ pub(crate) fn unit(v: &Vector) -> Vector {
     v.map(|x| x / length)
 }
 
+/// The 26 directions to the neighbours of a cube in a grid of cubes.
+pub(crate) fn steps() -> impl Iterator<Item = Vector> {
+    let step = |k: i32| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1].map(f64::from);
+    (0..27).map(step).filter(|step| *step != [0.0; 3])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

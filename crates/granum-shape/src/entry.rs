@@ -57,11 +57,12 @@ impl Default for ShapeEntry {
     }
 }
 
-/// Shapes that were made, with their descriptors once somebody asked for them.
+/// Shapes that were made, with what their user should know, and their descriptors once somebody asked for them.
 #[derive(Clone)]
 struct Made {
     entry: ShapeEntry,
     shapes: Arc<[ShapeOfSpheres]>,
+    notices: Vec<String>,
     descriptors: Option<Arc<[ShapeDescriptors]>>,
 }
 
@@ -166,6 +167,15 @@ impl ShapeEntry {
         Ok(self.made()?.shapes)
     }
 
+    /// The same, with what its user should know: what was mended or left out, and how well spheres stand for a file.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    pub fn shapes_with_notices(&self) -> Result<(Arc<[ShapeOfSpheres]>, Vec<String>), ShapeError> {
+        let made = self.made()?;
+        Ok((made.shapes, made.notices))
+    }
+
     /// The descriptors of these shapes.
     ///
     /// # Errors
@@ -188,26 +198,31 @@ impl ShapeEntry {
         if let Some(made) = kept {
             return Ok(made);
         }
-        let made = Made { shapes: entry.make()?, entry, descriptors: None };
+        let made = entry.make()?;
         keep(made.clone());
         Ok(made)
     }
 
-    fn make(&self) -> Result<Arc<[ShapeOfSpheres]>, ShapeError> {
+    fn make(self) -> Result<Made, ShapeError> {
         self.check()?;
-        let of_family = self.kind.family().shapes(self)?;
+        let mut notices = Vec::new();
+        let of_family = self.kind.family().shapes_with_notices(&self, &mut notices)?;
         let shape = |spheres: &crate::family::Spheres| {
             let shape =
                 ShapeOfSpheres::new(spheres).map_err(|why| ShapeError { key: "kind", message: why })?;
             Ok(shape.scaled(0.5 / shape.shape.equivalent_radius()))
         };
-        of_family.iter().map(shape).collect()
+        let shapes: Result<Arc<[ShapeOfSpheres]>, ShapeError> = of_family.iter().map(shape).collect();
+        Ok(Made { shapes: shapes?, notices, entry: self, descriptors: None })
     }
 }
 
-/// Keeps shapes that were made, in place of the oldest ones where there are many.
+/// Keeps shapes that were made, in place of the oldest ones where there are many. Those of a file are read anew, since it may change.
 fn keep(new: Made) {
     let Ok(mut made) = MADE.lock() else { return };
+    if new.entry.file.is_some() {
+        return;
+    }
     made.retain(|made| made.entry != new.entry);
     if made.len() >= KEPT {
         made.remove(0);

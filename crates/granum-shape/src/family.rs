@@ -5,15 +5,13 @@
 
 use std::fmt;
 
-use granum_core::assembly::Vector;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::entry::ShapeEntry;
 use crate::families;
-
-/// The spheres of a shape: centres and radii in any unit of length and in any axes.
-pub type Spheres = Vec<(Vector, f64)>;
+pub use crate::shape_error::ShapeError;
+pub use crate::union_of_spheres::Spheres;
 
 /// A parameter of a family, a pure number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,23 +43,6 @@ pub struct ShapeDescription {
     pub takes_file: bool,
 }
 
-/// Reasons why there is no such shape.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
-pub struct ShapeError {
-    /// The key in the section `[grains.shape]` that is wrong.
-    pub key: &'static str,
-    /// What is wrong and what would be right, as a sentence that begins with the key.
-    pub message: String,
-}
-
-impl ShapeError {
-    /// An error about a key; the message continues it.
-    pub fn new(key: &'static str, message: impl fmt::Display) -> ShapeError {
-        ShapeError { key, message: format!("{key} {message}") }
-    }
-}
-
 /// A family of shapes.
 pub trait ShapeFamily: Sync {
     /// Its name, meaning and parameters.
@@ -72,6 +53,18 @@ pub trait ShapeFamily: Sync {
     /// # Errors
     /// The key that is wrong, and what would be right.
     fn shapes(&self, given: &ShapeEntry) -> Result<Vec<Spheres>, ShapeError>;
+
+    /// The same, with what its user should know: what was mended or left out, and how well spheres stand for a file.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    fn shapes_with_notices(
+        &self,
+        given: &ShapeEntry,
+        _notices: &mut Vec<String>,
+    ) -> Result<Vec<Spheres>, ShapeError> {
+        self.shapes(given)
+    }
 }
 
 /// The choice of a family. Its name identifies it in files.
@@ -97,7 +90,12 @@ kinds! {
     DIMER = families::dimer::Dimer,
     CAPSULE = families::capsule::Capsule,
     ELLIPSOID = families::ellipsoid::Ellipsoid,
+    SAND = families::sand::Sand,
+    MESH = families::mesh::Mesh,
+    MESH_EUCLIDEAN = families::mesh::MeshEuclidean,
+    MESH_TANGENT = families::mesh::MeshTangent,
     TETRAPOD = families::tetrapod::Tetrapod,
+    VOXELS = families::voxels::Voxels,
     PIECES = families::pieces::Pieces,
 }
 

@@ -8,12 +8,16 @@ use granum_core::assembly::Vector;
 use granum_core::geometry::length;
 
 use super::grid::Grid;
-use crate::descriptors::bounding_box::steps;
-use crate::family::Spheres;
+use crate::directions::directions;
 use crate::mesh::Tree;
+use crate::union_of_spheres::Spheres;
 
 /// Last step of the refinement of a centre over the spacing of voxels.
-const LAST_STEP: f64 = 1e-3;
+const LAST_STEP: f64 = 1e-2;
+
+/// Number of directions that are tried at once, and how often in vain before the step is halved.
+const TRIES: usize = 26;
+const FAILURES: usize = 4;
 
 /// How many spheres, and how far they may overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +28,12 @@ pub struct EuclideanMap {
     pub overlap: f64,
     /// Spheres become no smaller than this share of the largest one.
     pub least_radius: f64,
+}
+
+impl Default for EuclideanMap {
+    fn default() -> Self {
+        EuclideanMap { pieces: 20, overlap: 0.7, least_radius: 0.05 }
+    }
 }
 
 /// The spheres of a body as voxels; their centres and radii are refined with its surface if that is known.
@@ -75,14 +85,21 @@ fn refined(tree: &Tree, cores: &[(Vector, f64)], start: Vector, voxel: f64) -> (
         let from = |(centre, core): &(Vector, f64)| length(&std::array::from_fn(|a| x[a] - centre[a])) - core;
         cores.iter().map(from).fold(tree.distance(x), f64::min)
     };
+    // Ever other directions: where faces and cores meet only few of them lead deeper.
+    let units = &directions(3).units;
     let (mut place, mut best, mut step) = (start, depth(&start), 0.5 * voxel);
+    let (mut turn, mut failed) = (0, 0);
     while step > LAST_STEP * voxel {
-        let tries = steps().map(|s| -> Vector { std::array::from_fn(|a| place[a] + step * s[a]) });
-        let next = tries.map(|x| (depth(&x), x)).fold((best, place), |a, b| if b.0 > a.0 { b } else { a });
+        let tries = (0..TRIES).map(|k| &units[(k * units.len() / TRIES + turn) % units.len()]);
+        let places = tries.map(|u| -> Vector { std::array::from_fn(|a| place[a] + step * u[a]) });
+        let next = places.map(|x| (depth(&x), x)).fold((best, place), |a, b| if b.0 > a.0 { b } else { a });
+        turn += 7;
         if next.0 > best + 1e-6 * voxel {
-            (best, place) = next;
+            (best, place, failed) = (next.0, next.1, 0);
+        } else if failed < FAILURES {
+            failed += 1;
         } else {
-            step *= 0.5;
+            (step, failed) = (0.5 * step, 0);
         }
     }
     (place, best)

@@ -40,7 +40,8 @@ impl Grid {
         while count(step) > MOST_VOXELS {
             step *= 1.1;
         }
-        let size = lengths.map(|l| (l / step).ceil() as usize + 2);
+        // Odd numbers, so that the middle of a symmetric body is the centre of a voxel.
+        let size = lengths.map(|l| (l / step).ceil() as usize + 2).map(|n| n + 1 - n % 2);
         let first = std::array::from_fn(|a| low[a] + 0.5 * lengths[a] - 0.5 * step * (size[a] as f64 - 1.0));
         let mut grid = Grid { size, step: [step; 3], first, inside: vec![false; size.iter().product()] };
         grid.fill(&crossings(mesh, &grid));
@@ -196,7 +197,7 @@ mod tests {
             (cube([3.0, -2.0, 5.0], 2.0), 8.0),
             (ellipsoid([1.0, 0.7, 0.5], 5), 4.0 / 3.0 * std::f64::consts::PI * 0.35),
         ] {
-            let grid = Grid::of_mesh(&mesh, 50);
+            let grid = Grid::of_mesh(&mesh, 51);
             let inside = grid.inside.iter().filter(|is| **is).count() as f64;
             let found = inside * grid.step.iter().product::<f64>();
             assert!((found / volume - 1.0).abs() < 3e-3, "{found} {volume}");

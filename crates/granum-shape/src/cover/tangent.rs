@@ -7,8 +7,8 @@ use granum_core::assembly::Vector;
 use granum_core::geometry::{dot, length};
 
 use super::samples::Sample;
-use crate::family::Spheres;
 use crate::random::Random;
+use crate::union_of_spheres::Spheres;
 
 /// When to stop, and where spheres begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,33 +23,50 @@ pub struct TangentSpheres {
     pub share: f64,
 }
 
-/// The spheres of a surface.
-pub(crate) fn tangent_spheres(surface: &[Sample], given: &TangentSpheres) -> Spheres {
+impl Default for TangentSpheres {
+    fn default() -> Self {
+        TangentSpheres { pieces: 20, seed: 1, least_distance: 0.02, share: 0.99 }
+    }
+}
+
+/// The spheres of a surface whose points are this far apart or closer.
+pub(crate) fn tangent_spheres(surface: &[Sample], spacing: f64, given: &TangentSpheres) -> Spheres {
     let mut random = Random::new(given.seed, 0, 0);
     let mut open: Vec<usize> = (0..surface.len()).collect();
+    let area = |open: &[usize]| open.iter().map(|k| surface[*k].area).sum::<f64>();
+    let all = area(&open);
+    let mut left = all;
+    let widest = surface.iter().map(|s| s.area).fold(0.0, f64::max);
     let mut spheres: Spheres = Vec::new();
     let mut largest: f64 = 0.0;
-    while spheres.len() < given.pieces && open.len() as f64 > (1.0 - given.share) * surface.len() as f64 {
-        let chosen = open.swap_remove(((random.even() * open.len() as f64) as usize).min(open.len() - 1));
-        let Some(radius) = grown(surface, chosen) else { continue };
+    while spheres.len() < given.pieces && !open.is_empty() && left > (1.0 - given.share) * all {
+        // Points are chosen in proportion to the areas for which they stand.
+        let place = ((random.even() * open.len() as f64) as usize).min(open.len() - 1);
+        if random.even() * widest > surface[open[place]].area {
+            continue;
+        }
+        let chosen = open.swap_remove(place);
+        let Some(radius) = grown(surface, spacing, chosen) else { continue };
         let Sample { place, normal, .. } = surface[chosen];
         let centre: Vector = std::array::from_fn(|a| place[a] - radius * normal[a]);
         spheres.push((centre, radius));
         largest = largest.max(radius);
         let from = |k: &usize| length(&std::array::from_fn(|a| surface[*k].place[a] - centre[a])) - radius;
         open.retain(|k| from(k) > given.least_distance * largest);
+        left = area(&open);
     }
     spheres
 }
 
-/// The radius at which the sphere that touches a point meets another one.
-fn grown(surface: &[Sample], chosen: usize) -> Option<f64> {
+/// The radius at which the sphere that touches a point meets another one. Points that are closer than the spacing do not stop it: the angles
+/// between the facets of a smooth surface are no edges.
+fn grown(surface: &[Sample], spacing: f64, chosen: usize) -> Option<f64> {
     let Sample { place, normal, .. } = surface[chosen];
     let radius = |other: &Sample| {
         let apart: Vector = std::array::from_fn(|a| other.place[a] - place[a]);
-        let inwards = -dot(&apart, &normal);
-        // Points of the same plane do not stop it.
-        if inwards > 1e-9 * length(&apart) { dot(&apart, &apart) / (2.0 * inwards) } else { f64::INFINITY }
+        let (square, inwards) = (dot(&apart, &apart), -dot(&apart, &normal));
+        let stops = square > spacing * spacing && inwards > 0.0;
+        if stops { square / (2.0 * inwards) } else { f64::INFINITY }
     };
     let least = surface.iter().map(radius).fold(f64::INFINITY, f64::min);
     (least.is_finite() && least > 0.0).then_some(least)

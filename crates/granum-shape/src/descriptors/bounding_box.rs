@@ -6,7 +6,7 @@
 use granum_core::assembly::Vector;
 use granum_core::geometry::{cross, dot};
 
-use crate::directions::{directions, unit};
+use crate::directions::{directions, steps, unit};
 use crate::rigid_shape::ShapePiece;
 
 /// Number of orientations about each direction, over a right angle.
@@ -91,12 +91,6 @@ fn refined(pieces: &[ShapePiece], (mut least, mut frame): (f64, Frame)) -> (f64,
         }
     }
     (least, frame)
-}
-
-/// The 26 directions to the neighbours of a cube in a grid of cubes.
-pub(crate) fn steps() -> impl Iterator<Item = Vector> {
-    let step = |k: i32| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1].map(f64::from);
-    (0..27).map(step).filter(|step| *step != [0.0; 3])
 }
 
 #[cfg(test)]

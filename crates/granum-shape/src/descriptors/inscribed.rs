@@ -7,8 +7,7 @@
 use granum_core::assembly::Vector;
 use granum_core::geometry::{cross, dot, length};
 
-use super::bounding_box::steps;
-use crate::directions::unit;
+use crate::directions::{steps, unit};
 use crate::union_of_spheres::cuts::{Circle, is_covered, neighbours, seam, triple_points};
 
 /// Number of centres from which the search goes on.

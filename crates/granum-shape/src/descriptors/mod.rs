@@ -1,6 +1,6 @@
 //! Descriptors of shapes: proportions, sphericity, convexity, roundness and sizes.
 
-pub(crate) mod bounding_box;
+mod bounding_box;
 mod hull;
 mod inscribed;
 

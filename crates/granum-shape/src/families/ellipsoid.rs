@@ -7,8 +7,8 @@
 
 use crate::entry::ShapeEntry;
 use crate::families::capsule::PIECES;
-use crate::families::pieces::islands;
 use crate::family::{ShapeDescription, ShapeError, ShapeFamily, ShapeParameter, Spheres};
+use crate::union_of_spheres::connected::islands;
 
 /// An ellipsoid. Its spheres lie on its medial ellipse: in a row along a narrow one, else in rings with as many spheres as their length asks
 /// for, with the two planes of symmetry of the ellipse.

@@ -3,6 +3,9 @@
 pub mod capsule;
 pub mod dimer;
 pub mod ellipsoid;
+pub mod mesh;
 pub mod pieces;
+pub mod sand;
 pub mod sphere;
 pub mod tetrapod;
+pub mod voxels;

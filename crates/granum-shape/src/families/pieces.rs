@@ -2,6 +2,7 @@
 
 use crate::entry::ShapeEntry;
 use crate::family::{ShapeDescription, ShapeError, ShapeFamily, Spheres};
+use crate::union_of_spheres::connected::islands;
 
 /// Spheres that are given as a list.
 pub struct Pieces;
@@ -32,27 +33,6 @@ impl ShapeFamily for Pieces {
         }
         Ok(vec![spheres])
     }
-}
-
-/// A sphere that is not connected to the first one, if there is one.
-pub(crate) fn islands(spheres: &[([f64; 3], f64)]) -> Option<usize> {
-    let touch = |a: usize, b: usize| {
-        let ((p, r), (q, s)) = (&spheres[a], &spheres[b]);
-        let square: f64 = (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum();
-        square <= (r + s) * (r + s) * (1.0 + 1e-9)
-    };
-    let mut connected = vec![false; spheres.len()];
-    let mut open = vec![0];
-    connected[0] = true;
-    while let Some(a) = open.pop() {
-        for b in 0..spheres.len() {
-            if !connected[b] && touch(a, b) {
-                connected[b] = true;
-                open.push(b);
-            }
-        }
-    }
-    connected.iter().position(|is| !is)
 }
 
 #[cfg(test)]

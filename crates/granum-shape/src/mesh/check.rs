@@ -6,8 +6,10 @@ use granum_core::assembly::Vector;
 
 use super::bounds::bounds;
 use super::crossing::crossing;
-use super::{MOST_TRIANGLES, TriangleMesh, fault, moments, too_many};
-use crate::family::ShapeError;
+use super::fault::{fault, too_many};
+use super::moments::moments;
+use super::triangles::{MOST_TRIANGLES, TriangleMesh};
+use crate::shape_error::ShapeError;
 
 /// Volumes below this share of the box around a mesh count as none.
 const NO_VOLUME: f64 = 1e-9;
@@ -59,7 +61,7 @@ pub fn checked(
     let (open, crowded) = (sides(|n| n == 1), sides(|n| n > 2));
     if open > 0 {
         return refused(format!(
-            "is not closed: it has {open} open edges, which belong to one triangle only; fill its holes first"
+            "is not closed: it has {open} open edges, which belong to one triangle only; fill its holes, and join corners that are almost at one place"
         ));
     }
     if crowded > 0 {

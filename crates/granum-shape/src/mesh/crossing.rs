@@ -3,7 +3,8 @@
 use granum_core::assembly::Vector;
 use granum_core::geometry::{cross, dot};
 
-use super::{Tree, TriangleMesh};
+use super::tree::Tree;
+use super::triangles::TriangleMesh;
 
 /// Volumes below this share of the cube of the size of two triangles count as zero: a touch is no crossing.
 const ZERO: f64 = 1e-12;

@@ -3,61 +3,26 @@
 pub(crate) mod bounds;
 mod check;
 mod crossing;
+mod fault;
 mod moments;
 mod obj;
 mod ply;
 mod stl;
 mod tree;
+mod triangles;
 
 use std::path::Path;
 
-use granum_core::assembly::Vector;
-
-use crate::family::ShapeError;
+use crate::shape_error::ShapeError;
 
 pub use check::checked;
+pub(crate) use fault::fault;
 pub use moments::moments;
 pub(crate) use tree::Tree;
+pub use triangles::{MOST_TRIANGLES, TriangleMesh};
 
-/// Largest number of triangles of a mesh.
-pub const MOST_TRIANGLES: usize = 1_000_000;
 /// Largest size of a file, bytes.
 const LARGEST_FILE: u64 = 1 << 30;
-
-/// A surface of triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TriangleMesh {
-    /// The corners, in any unit of length.
-    pub vertices: Vec<Vector>,
-    /// Three corners each, anticlockwise seen from outside.
-    pub triangles: Vec<[usize; 3]>,
-}
-
-impl TriangleMesh {
-    /// The corners of a triangle.
-    pub fn corners(&self, triangle: usize) -> [Vector; 3] {
-        self.triangles[triangle].map(|k| self.vertices[k])
-    }
-
-    /// Triangles that are given by their corners, without knowing which corners are shared.
-    pub(crate) fn of_corners(corners: Vec<Vector>) -> TriangleMesh {
-        let triangles = (0..corners.len() / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-        TriangleMesh { vertices: corners, triangles }
-    }
-}
-
-/// An error about a file.
-pub(crate) fn fault(path: &Path, message: impl std::fmt::Display) -> ShapeError {
-    ShapeError::new("file", format!("{:?} {message}", path.display().to_string()))
-}
-
-/// An error about too many triangles.
-fn too_many(path: &Path, count: usize) -> ShapeError {
-    let message = format!(
-        "has {count} triangles or more; decimate it to at most {MOST_TRIANGLES}: some ten thousand are plenty for a cover of spheres"
-    );
-    fault(path, message)
-}
 
 /// Reads a closed surface of one body from an STL (text or binary), OBJ or PLY file. What was mended is told in the notices.
 ///

@@ -4,8 +4,8 @@
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{cross, dot, length};
 
-use super::TriangleMesh;
 use super::bounds::bounds;
+use super::triangles::TriangleMesh;
 use crate::union_of_spheres::Moments;
 
 /// The moments of the body within a closed surface; the volume is negative if its triangles are turned inwards.

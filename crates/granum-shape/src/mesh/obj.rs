@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::{MOST_TRIANGLES, TriangleMesh, fault, too_many};
-use crate::family::ShapeError;
+use super::fault::{fault, too_many};
+use super::triangles::{MOST_TRIANGLES, TriangleMesh};
+use crate::shape_error::ShapeError;
 
 /// The triangles of all objects of a file; faces of more corners are divided.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<TriangleMesh, ShapeError> {

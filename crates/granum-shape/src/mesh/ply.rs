@@ -6,8 +6,9 @@ use granum_core::assembly::Vector;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{PropertyAccess, PropertyAccessResult};
 
-use super::{MOST_TRIANGLES, TriangleMesh, fault, too_many};
-use crate::family::ShapeError;
+use super::fault::{fault, too_many};
+use super::triangles::{MOST_TRIANGLES, TriangleMesh};
+use crate::shape_error::ShapeError;
 
 /// A corner.
 #[derive(Default)]

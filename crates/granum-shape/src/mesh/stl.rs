@@ -4,8 +4,9 @@ use std::path::Path;
 
 use granum_core::assembly::Vector;
 
-use super::{MOST_TRIANGLES, TriangleMesh, fault, too_many};
-use crate::family::ShapeError;
+use super::fault::{fault, too_many};
+use super::triangles::{MOST_TRIANGLES, TriangleMesh};
+use crate::shape_error::ShapeError;
 
 /// Bytes before the triangles of a binary file, and of each triangle.
 const HEADER: usize = 84;

@@ -1,5 +1,7 @@
 use std::path::{Path, PathBuf};
 
+use granum_core::assembly::Vector;
+
 use super::*;
 use crate::directions::directions;
 
@@ -48,7 +50,7 @@ fn refused(mesh: TriangleMesh, text: &str) {
     assert!(message.contains(text), "{message}");
 }
 
-fn text_stl(mesh: &TriangleMesh) -> String {
+pub(crate) fn text_stl(mesh: &TriangleMesh) -> String {
     let mut text = String::from("solid grain\n");
     for k in 0..mesh.triangles.len() {
         text += "facet normal 0 0 0\n outer loop\n";
@@ -233,4 +235,40 @@ fn a_mesh_of_ten_thousand_triangles_is_checked_at_once() {
     for (x, distance) in [([0.0; 3], 0.6), ([2.0, 0.0, 0.0], 1.0), ([0.0, -3.0, 0.0], 2.2)] {
         assert!((tree.distance(&x) - distance).abs() < 2e-3, "{x:?} {}", tree.distance(&x));
     }
+}
+
+/// Damaged files are refused, or read as another mesh, but end no program.
+#[test]
+fn damaged_files_end_no_program() {
+    let mesh = ellipsoid([1.0, 0.75, 0.5], 1);
+    let path = Path::new("a.mesh");
+    type Parse = fn(&Path, &[u8]) -> Result<TriangleMesh, ShapeError>;
+    let files: [(Vec<u8>, Parse); 4] = [
+        (text_stl(&mesh).into_bytes(), stl::parse),
+        (binary_stl(&mesh), stl::parse),
+        (obj(&mesh).into_bytes(), obj::parse),
+        (ply(&mesh).into_bytes(), ply::parse),
+    ];
+    let mut random = crate::random::Random::new(11, 0, 0);
+    let mut refused = 0;
+    for (bytes, parse) in &files {
+        for _ in 0..150 {
+            let mut bytes = bytes.clone();
+            for _ in 0..1 + random.whole() % 3 {
+                let place = (random.whole() % bytes.len() as u64) as usize;
+                let head = place % bytes.len().min(400);
+                match random.whole() % 5 {
+                    0 => bytes.truncate(place.max(1)),
+                    1 => bytes[head] = random.whole() as u8,
+                    2 => bytes[place] = b"0123456789-. \nevf"[(random.whole() % 17) as usize],
+                    3 => bytes.insert(head, b'9'),
+                    _ => bytes[place] = random.whole() as u8,
+                }
+            }
+            let read = parse(path, &bytes).and_then(|mesh| checked(mesh, path, &mut Vec::new()));
+            refused += usize::from(read.is_err());
+        }
+    }
+    println!("{refused} of 600 damaged files are refused");
+    assert!(refused > 100 && refused < 600, "{refused}");
 }

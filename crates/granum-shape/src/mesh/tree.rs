@@ -3,8 +3,8 @@
 use granum_core::assembly::Vector;
 use granum_core::geometry::dot;
 
-use super::TriangleMesh;
 use super::bounds::bounds;
+use super::triangles::TriangleMesh;
 
 /// Triangles in a leaf.
 const LEAF: usize = 4;
