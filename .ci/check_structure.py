@@ -18,7 +18,7 @@ import tomllib
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST = 600
 # Folders in which a circle is meant, with its reason in ARCHITECTURE.md.
-CIRCLES = ["granum-dem/src/sizes/"]
+CIRCLES = ["granum-dem/src/sizes/", "granum-shape/src/"]
 # Where code may panic, with the reason why no user can cause it.
 PANICS = {
     "granum-simd/src/lanes.rs": "an index out of bounds, as of a slice: the engine makes the indices",

@@ -1,7 +1,7 @@
 //! One key of the case file: its position, meaning and bounds, and the functions that transfer it to and from a [`Case`].
 
 use super::definition::Case;
-use super::shape::{self, SHAPE};
+use super::shape_value::{self as shape, SHAPE};
 use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 use granum_dem::contact::LawParameter;

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::field::{Field, FieldKind, Value};
-use super::{shape, sieve};
+use super::shape_value as shape;
+use super::sieve;
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_dem::contact::{LawParameter, Unit};
 

@@ -11,7 +11,7 @@ use granum_dem::sizes;
 
 use super::Case;
 use super::field::{Field, FieldKind};
-use super::shape;
+use super::shape_value as shape;
 use super::vocabulary::Vocabulary;
 use granum_core::quantity::Dimension;
 

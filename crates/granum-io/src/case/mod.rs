@@ -30,6 +30,8 @@ mod schema;
 mod sensor_parameters;
 mod shape;
 mod shape_read;
+mod shape_table;
+mod shape_value;
 mod sieve;
 mod stage;
 mod stage_control;

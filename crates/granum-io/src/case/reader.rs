@@ -12,7 +12,7 @@ use super::field::{Field, Value};
 use super::fields::Fields;
 use super::material_table::{MaterialTable, PairTable};
 use super::reading::Reading;
-use super::shape_read::ShapeTable;
+use super::shape_table::ShapeTable;
 use crate::error::InputError;
 use crate::named_file::named_file;
 

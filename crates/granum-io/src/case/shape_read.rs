@@ -10,9 +10,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::definition::Case;
 use super::field::{Field, Value};
-use super::material_table::Values;
 use super::reader::Reader;
-use super::shape::{FILE, OF_TABLE, SHAPE, fields, put, sphere};
+use super::shape::{FILE, OF_TABLE, fields, put};
+use super::shape_table::ShapeTable;
+use super::shape_value::{SHAPE, only, sphere, spheres_text};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value with its position in the file.
@@ -29,17 +30,6 @@ fn numbers(value: &DeValue<'_>) -> Option<String> {
 
 /// Smallest share of a shape.
 const SMALLEST_SHARE: f64 = 1e-6;
-
-/// A table `[[grains.shape]]` as it is in the file.
-pub(super) struct ShapeTable {
-    place: String,
-    span: Range<usize>,
-    values: Values,
-    share: Option<f64>,
-    material: Option<String>,
-    limits: [Option<f64>; 2],
-    file: Option<(String, Range<usize>)>,
-}
 
 impl Reader<'_> {
     /// Reads `[[grains.shape]]`; mistakes go to the others.
@@ -121,7 +111,7 @@ impl Reader<'_> {
                 let texts = texts.unwrap_or_default();
                 sphere(&texts.iter().map(String::as_str).collect::<Vec<_>>())
             }
-            _ => Err(super::shape::spheres_text()),
+            _ => Err(spheres_text()),
         };
         let numbered =
             |(at, item): (usize, &Node<'_>)| one(item).map_err(|why| (Some((at + 1, item.span())), why));
@@ -131,7 +121,7 @@ impl Reader<'_> {
     /// Puts the shapes of tables and of files into the case.
     pub(super) fn finish_shapes(&mut self, case: &mut Case, tables: Vec<ShapeTable>) {
         if let Some((name, span)) = self.file_of_shape.take() {
-            let entry = super::shape::only(case);
+            let entry = only(case);
             case.grains.shapes = self.from_file(entry, &name, span);
         }
         if tables.is_empty() {

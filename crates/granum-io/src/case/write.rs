@@ -6,7 +6,7 @@ use super::field::Field;
 use super::fields::SECTIONS;
 use super::read::LARGEST_FILE;
 use super::reading::Reading;
-use super::shape::SHAPE;
+use super::shape_value::SHAPE;
 use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
