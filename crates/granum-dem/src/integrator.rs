@@ -9,6 +9,7 @@ use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
 use crate::boundary::Boundary;
 use crate::clump::clumps::NO_CLUMP;
+use crate::clump::ranks::Ranks;
 use crate::config::MOST_CONTACTS;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
@@ -66,6 +67,7 @@ pub(crate) struct Integrator {
     /// The clump of each row, and the arm of each from the centre of its body; empty without clumps. Both follow from the state.
     pub(crate) clump_of: Vec<u32>,
     pub(crate) arms: Vec<Row4>,
+    ranks: Ranks,
     /// Share of the time step of spheres that all clumps allow.
     clump_share: f64,
     /// What acts on grains from outside, beside the cell.
@@ -99,6 +101,7 @@ impl Integrator {
             nearness: Vec::new(),
             clump_of: Vec::new(),
             arms: Vec::new(),
+            ranks: Ranks::default(),
             clump_share: 1.0,
             boundaries: Vec::new(),
             goals: Vec::new(),
@@ -117,6 +120,7 @@ impl Integrator {
         let rows = self.state.particles.len();
         self.clump_of = self.state.clumps.of_rows(rows);
         self.arms = self.state.clumps.arms(rows);
+        self.ranks = Ranks::new(&self.state.clumps);
     }
 
     /// Measures the sizes, which never change. The sum runs in the order of the grain ids: the storage order changes when
@@ -430,7 +434,8 @@ impl Integrator {
             contact_sums: RawSlice::new(&mut self.contact_sums),
             fastest_grain: RawSlice::new(&mut self.fastest_grain),
             clumps: RawSlice::new(&mut s.clumps.bodies),
-            clump_pieces: RawSlice::new(&mut s.clumps.pieces),
+            ranks: RawSlice::new(&mut self.ranks.ranks),
+            ranks_of_eight: RawSlice::new(&mut self.ranks.of_eight),
             clump_of: RawSlice::new(&mut self.clump_of),
             arms: RawSlice::new(&mut self.arms),
             equal: self.equal,
@@ -528,6 +533,7 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
     state.clumps.renumber(&new_place);
+    state.clumps.sort();
     if !state.films.is_empty() {
         state.films = order.iter().map(|&o| state.films[o as usize]).collect();
     }

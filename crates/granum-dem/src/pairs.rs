@@ -202,13 +202,19 @@ impl Pairs {
 /// Sum of the force rows of a grain: force (entries 0..3) and torque over radius (4..7).
 #[inline(always)]
 pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> [f64; 8] {
+    let mut total = [0.0; 8];
+    resultant_lanes::<L>(forces, offsets, outer, g).store(&mut total);
+    total
+}
+
+/// The same in a register.
+#[inline(always)]
+pub(crate) fn resultant_lanes<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> L {
     let mut sum = L::load(&forces[g].0);
     for &row in &outer[offsets[g] as usize..offsets[g + 1] as usize] {
         sum = sum + L::load(&forces[row as usize].0);
     }
-    let mut total = [0.0; 8];
-    sum.store(&mut total);
-    total
+    sum
 }
 
 /// Order of grains along a space-filling (Morton) curve: `order[new index] = old index`.

@@ -13,30 +13,46 @@ use crate::particle_row::ParticleRow;
 /// Stands for "no clump" in a list of the clumps of rows.
 pub(crate) const NO_CLUMP: u32 = u32::MAX;
 
-/// A rigid body of several pieces.
+/// A rigid body of several pieces. Its first two rows of eight numbers are loaded at once by the stage of clumps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[repr(C)]
 pub(crate) struct Clump {
-    pub(crate) id: u64,
     /// Centre of mass X, m.
     pub(crate) centre: Vector,
+    pub(crate) mass: f64,
     /// Fluctuating velocity v' of the centre, m/s.
     pub(crate) velocity: Vector,
+    /// Volume of the union of the pieces, m3.
+    pub(crate) volume: f64,
     /// Rotation from the axes of the body to those of space.
     pub(crate) orientation: Quaternion,
     /// Angular momentum about the centre in the axes of space, kg m2/s.
     pub(crate) momentum: Vector,
-    pub(crate) mass: f64,
-    /// Principal moments of inertia, kg m2.
-    pub(crate) inertia: Vector,
-    /// Volume of the union of the pieces, m3.
-    pub(crate) volume: f64,
     /// Share of the time step of spheres of this mass that it allows.
     pub(crate) time_step_share: f64,
+    /// Principal moments of inertia, kg m2.
+    pub(crate) inertia: Vector,
+    pub(crate) id: u64,
     /// Its pieces: the first, and one past the last.
     pub(crate) pieces: [u32; 2],
 }
 
 impl Clump {
+    /// Centre, mass, velocity and volume; orientation, angular momentum and share of the time step.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> &[[f64; 8]; 2] {
+        const { assert!(std::mem::offset_of!(Clump, inertia) == 128) };
+        // SAFETY: the first sixteen numbers lie one after the other, as the offset of the next field shows.
+        unsafe { &*std::ptr::from_ref(self).cast() }
+    }
+
+    /// The same for writing.
+    #[inline(always)]
+    pub(crate) fn rows_mut(&mut self) -> &mut [[f64; 8]; 2] {
+        // SAFETY: as above.
+        unsafe { &mut *std::ptr::from_mut(self).cast() }
+    }
+
     /// Its spin, rad/s.
     pub(crate) fn spin(&self) -> Vector {
         rotor::spin(&self.orientation, &self.momentum, &self.inertia)
@@ -108,6 +124,20 @@ impl Clumps {
         for piece in &mut self.pieces {
             piece.row = new_place[piece.row as usize];
         }
+    }
+
+    /// Puts the clumps into the order of their first rows, which is one in space.
+    pub(crate) fn sort(&mut self) {
+        let first_row = |clump: &Clump| self.pieces[clump.pieces[0] as usize].row;
+        let mut bodies = std::mem::take(&mut self.bodies);
+        bodies.sort_unstable_by_key(first_row);
+        let mut pieces = Vec::with_capacity(self.pieces.len());
+        for clump in &mut bodies {
+            let first = pieces.len() as u32;
+            pieces.extend_from_slice(&self.pieces[clump.pieces[0] as usize..clump.pieces[1] as usize]);
+            clump.pieces = [first, pieces.len() as u32];
+        }
+        (self.bodies, self.pieces) = (bodies, pieces);
     }
 
     /// Moves the centres into the cell, after the rows were moved by these numbers of edges: rows and centres stay what they are to each

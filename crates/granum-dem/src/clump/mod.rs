@@ -12,5 +12,6 @@
 
 pub(crate) mod clumps;
 pub(crate) mod placed;
+pub(crate) mod ranks;
 pub(crate) mod rotor;
 pub(crate) mod time_step;

@@ -3,7 +3,8 @@
 use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
-use crate::clump::clumps::{Clump, ClumpPiece};
+use crate::clump::clumps::Clump;
+use crate::clump::ranks::Rank;
 use crate::contact::choice::contact_model::ContactModel;
 use crate::contact::evaluation::constants::PairConstants;
 use crate::contact_sums::ContactSums;
@@ -39,7 +40,9 @@ pub(crate) struct Views {
     pub(crate) fastest_grain: RawSlice<f64>,
     /// Clumps and their pieces; empty without clumps, as are the next two.
     pub(crate) clumps: RawSlice<Clump>,
-    pub(crate) clump_pieces: RawSlice<ClumpPiece>,
+    pub(crate) ranks: RawSlice<Rank>,
+    /// The ranks of each eight clumps.
+    pub(crate) ranks_of_eight: RawSlice<[u32; 2]>,
     /// The clump of each row.
     pub(crate) clump_of: RawSlice<u32>,
     /// The arm of each row from the centre of its body, m.
