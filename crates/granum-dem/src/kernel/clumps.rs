@@ -37,7 +37,7 @@ impl Kernel for ClumpStage<'_> {
                 let square = step::<L>(v, clumps, ranks);
                 fastest = fastest.max(square);
                 // A maximum forgets what is not a number.
-                lost = lost + (square - square);
+                lost = square.mul_add(L::zero(), lost);
             }
             // SAFETY: only this thread works on this block.
             let of_block = unsafe { &mut v.fastest_grain.write(k..k + 1)[0] };
@@ -116,7 +116,7 @@ fn step<L: Lanes>(v: &Views, clumps: &mut [Clump], ranks: &[Rank]) -> L {
         let square = move_pieces(v, rank, &axes, &moved);
         fastest = fastest.max(square);
         // A maximum forgets what is not a number.
-        lost = lost + (square - square);
+        lost = square.mul_add(L::zero(), lost);
     }
     fastest + lost
 }
