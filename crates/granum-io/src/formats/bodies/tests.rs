@@ -334,6 +334,35 @@ fn bodies_that_are_none_are_refused_by_name() {
     assert!(said.contains("body 3 (column mol): the spheres 0 and 1 are equal"), "{said}");
 }
 
+/// A restart file of MercuryDPM has the clump beside its pebbles, all of one kind.
+#[test]
+fn clumps_of_mercury_are_refused() {
+    let text = "MercuryDPM 1.0 name clumps revision 0 repository 0\nParticles 1\nClumpParticle id 0 indSpecies 0 position 0 0 0 radius 1 invMass 1 \
+                DzhanibekovParticle 0 VerticallyOriented 0\n";
+    let error = read_text("a.restart", text, &JoinOptions::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("a.restart:3") && error.contains("which pebble belongs to which clump"),
+        "{error}"
+    );
+}
+
+/// Tables of other programs name bodies as well.
+#[test]
+fn a_table_with_a_column_of_bodies_is_read() {
+    let text = "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=4 yhi=4 zhi=4\nid,x,y,z,radius,mol,mass\n1,1,1,1,0.5,9,1\n2,1.5,1,1,0.5,9,1\n";
+    let found = read_text("a.csv", text, &JoinOptions::default()).unwrap();
+    assert_eq!((found.assembly.bodies.len(), found.assembly.bodies[0].id), (1, 9));
+    assert!((found.assembly.bodies[0].position[0] - 1.25).abs() < 1e-12);
+    // Without more than a packing has, it is a packing.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.csv");
+    std::fs::write(&path, text.replace(",mass", "").replace("9,1", "9")).unwrap();
+    let packing = crate::read_packing(&path).unwrap();
+    assert_eq!((packing.grains.len(), packing.bodies.len()), (1, 1));
+    assert!((packing.grains[0].position[0] - 1.25).abs() < 1e-12);
+    assert!(packing.remarks[0].text.contains("2 spheres are parts of 1 body (column mol)"));
+}
+
 /// Without radii nothing can be put together; it is said, and a packing is refused.
 #[test]
 fn molecules_without_radii_stay_apart() {

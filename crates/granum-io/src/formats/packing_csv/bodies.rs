@@ -6,7 +6,8 @@
 //! - `inertia_over_mass_1`, `_2`, `_3`: its principal moments of inertia over its mass, m2;
 //! - `arm_x`, `arm_y`, `arm_z`: from the centre of the grain to that of the piece, in the axes of space, m.
 //!
-//! A grain that is one sphere has one row, whose arm is zero. All of this is read back bit for bit; the places of the pieces must agree
+//! Without all but one column, as `body` or `clump`, the bodies are [put together](crate::formats) from their spheres. With them all,
+//! a grain that is one sphere has one row, whose arm is zero. All of this is read back bit for bit; the places of the pieces must agree
 //! with it, but for images.
 
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ use granum_core::quantity::format_number;
 use granum_core::rotation::IDENTITY;
 
 use crate::error::{Result, in_file};
+use crate::formats::grain_table::names::names_of_bodies;
 use crate::packing::{PackedBody, PackedGrain, PackedPiece, Packing, check_ids};
 use crate::sheet::{Rows as SheetRows, Sheet};
 
@@ -47,6 +49,12 @@ pub(super) struct Row {
     body: u64,
     of_body: OfBody,
     arm: Vector,
+}
+
+/// True if a column gives the body of each sphere and the columns that describe bodies are missing, so that these follow from the spheres.
+pub(super) fn are_only_named(header: &[String]) -> bool {
+    let has = |name: &str| header.iter().any(|known| known.eq_ignore_ascii_case(name));
+    names_of_bodies().any(has) && !OF_BODY.iter().any(|name| has(name))
 }
 
 /// Where the further columns stand: `body`, then the others in their order.

@@ -23,7 +23,9 @@ use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::formats::{FrameCell, PackingFormat};
+use crate::formats::grain_table::GrainTable;
+use crate::formats::join::join;
+use crate::formats::{FrameCell, JoinOptions, PackingFormat, ReadOptions, ResultFormat};
 use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
 use crate::sheet::{Rows, Sheet, Sought};
@@ -47,6 +49,9 @@ impl PackingFormat for PackingCsv {
         })
     }
     fn read(&self, path: &Path) -> Result<Packing> {
+        if bodies::are_only_named(&cell_and_names(path)?.1) {
+            return put_together(path);
+        }
         with_header(|sought| packing(&Sheet::open(path, sought)?))
     }
     fn write(&self, path: &Path, packing: &Packing) -> Result<()> {
@@ -67,6 +72,15 @@ impl PackingFormat for PackingCsv {
             }
             Ok(())
         })
+    }
+}
+
+/// The packing of a file that says which spheres are one body, and no more of the bodies.
+fn put_together(path: &Path) -> Result<Packing> {
+    let frames = GrainTable.read(path, &ReadOptions::default())?;
+    match join(vec![(path.to_path_buf(), frames)], &JoinOptions::default())?.pop() {
+        Some(found) => found.packing(path),
+        None => Err(Error::content(path, "has no grains")),
     }
 }
 
