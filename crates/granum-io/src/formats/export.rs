@@ -69,7 +69,9 @@ impl Formats {
                 return Err(Error::Instants { path: path.to_path_buf(), format, count });
             }
             AssemblyFile::Results(format) => {
-                all.iter().try_for_each(|observation| observation.check_spheres(path))?;
+                if !format.holds_bodies() {
+                    all.iter().try_for_each(|observation| observation.check_spheres(path))?;
+                }
                 format.write(path, &all)?;
             }
         }

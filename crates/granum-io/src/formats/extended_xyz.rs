@@ -5,6 +5,10 @@
 //! `force` (or `forces`) are read; only `pos` is required. Those that are known are written, with the names of OVITO. The species is
 //! the material of a grain, by which OVITO chooses colours; without named materials it is `X`, since ASE refuses names that are not
 //! chemical elements.
+//!
+//! Of grains of several pieces each piece is a line, and there are further properties: `molecule`, the id of the body (OVITO: Molecule
+//! Identifier), by which pieces are put together again; `orientation`, that of the body, in the order x, y, z, w of OVITO; and `body_mass`, to
+//! which the masses of its pieces add up. Forces are not written then, since they act on bodies.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,7 +16,9 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::{Sphere, Vector};
 
+use super::atoms::{Atom, atoms};
 use super::meanings::{self, Meanings};
+use super::quaternion::w_last;
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::atomic::write_atomically;
@@ -46,6 +52,9 @@ impl ResultFormat for ExtendedXyz {
         Ok(frames)
     }
     fn is_written(&self) -> bool {
+        true
+    }
+    fn holds_bodies(&self) -> bool {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
@@ -101,6 +110,7 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
         [layout.radius.map(|found| found.0), layout.mass, layout.velocity, layout.spin, layout.force];
     known.extend(places.into_iter().zip(parts).filter_map(|(place, part)| place.map(|_| part)));
     frame.knows(&known);
+    frame.masses_add_up = layout.adds_up;
     let mut meanings = Vec::with_capacity(count.min(1 << 20));
     for number in 0..count {
         words.need("a grain")?;
@@ -130,6 +140,8 @@ struct Layout {
     force: Option<usize>,
     species: Option<usize>,
     body: Option<usize>,
+    /// True if the masses of a body add up to its own.
+    adds_up: bool,
 }
 
 impl Layout {
@@ -165,6 +177,7 @@ impl Layout {
             spin: place(&["angular_velocity", "omega"], 3),
             force: place(&["force", "forces"], 3),
             species: place(&["species", "type"], 1),
+            adds_up: place(&["body_mass"], 1).is_some(),
             body: place(&["molecule", "molecule_identifier", "mol", "body"], 1),
         })
     }
@@ -186,22 +199,35 @@ impl Layout {
     }
 }
 
+/// A property with the part of an assembly that it needs.
+type Property = (Part, &'static str, fn(&Atom) -> Vec<f64>);
+
+const PROPERTIES: [Property; 4] = [
+    (Part::Radii, ":radius:R:1", |atom| vec![atom.radius]),
+    (Part::Masses, ":mass:R:1", |atom| vec![atom.mass]),
+    (Part::Velocities, ":velo:R:3", |atom| atom.velocity.to_vec()),
+    (Part::Spins, ":angular_velocity:R:3", |atom| atom.spin.to_vec()),
+];
+const OF_SPHERES: [Property; 1] = [(Part::ResultantForces, ":force:R:3", |atom| atom.force.to_vec())];
+const OF_BODIES: [Property; 2] = [
+    (Part::Positions, ":orientation:R:4", |atom| w_last(&atom.orientation).to_vec()),
+    (Part::Masses, ":body_mass:R:1", |atom| vec![atom.body_mass]),
+];
+
 fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io::Result<()> {
     let (assembly, parts) = (&observation.assembly, observation.parts);
+    let (atoms, has_bodies) = (atoms(assembly), !assembly.all_spheres());
+    let further: &[Property] = if has_bodies { &OF_BODIES } else { &OF_SPHERES };
+    let columns: Vec<&Property> =
+        PROPERTIES.iter().chain(further).filter(|(part, _, _)| parts.has(*part)).collect();
     let mut properties = String::from("species:S:1:id:I:1:pos:R:3");
-    let columns = [
-        (Part::Radii, ":radius:R:1"),
-        (Part::Masses, ":mass:R:1"),
-        (Part::Velocities, ":velo:R:3"),
-        (Part::Spins, ":angular_velocity:R:3"),
-        (Part::ResultantForces, ":force:R:3"),
-    ];
-    columns.iter().filter(|(part, _)| parts.has(*part)).for_each(|(_, text)| properties.push_str(text));
-    writeln!(file, "{}", assembly.bodies.len())?;
+    properties.push_str(if has_bodies { ":molecule:I:1" } else { "" });
+    columns.iter().for_each(|(_, text, _)| properties.push_str(text));
+    writeln!(file, "{}", atoms.len())?;
     if parts.has(Part::Cell) {
         let h = &assembly.cell;
         let edges: Vec<String> = (0..9).map(|n| format!("{:?}", h[n % 3][n / 3])).collect();
-        let origin = observation.origin.map(|x| format!("{x:?}")).join(" ");
+        let origin = vector_text(&observation.origin);
         write!(file, "Lattice=\"{}\" Origin=\"{origin}\" pbc=\"T T T\" ", edges.join(" "))?;
     } else {
         write!(file, "pbc=\"F F F\" ")?;
@@ -210,25 +236,19 @@ fn write_frame(file: &mut impl Write, observation: &ObservedAssembly) -> std::io
         write!(file, "Time={:?} ", assembly.time)?;
     }
     writeln!(file, "Properties={properties}")?;
-    for grain in &assembly.bodies {
-        let place: Vector = std::array::from_fn(|a| observation.origin[a] + grain.position[a]);
-        let species = match assembly.materials.get(grain.material as usize) {
+    for atom in &atoms {
+        let place: Vector = std::array::from_fn(|a| observation.origin[a] + atom.position[a]);
+        let species = match assembly.materials.get(atom.material as usize) {
             Some(name) => name.as_str(),
             // ASE takes the species for a chemical element; X is none.
             None => "X",
         };
-        write!(file, "{species} {} {}", grain.id, vector_text(&place))?;
-        let scalars = [(Part::Radii, grain.equivalent_radius), (Part::Masses, grain.mass)];
-        for (_, value) in scalars.iter().filter(|(part, _)| parts.has(*part)) {
-            write!(file, " {value:?}")?;
+        write!(file, "{species} {} {}", atom.id, vector_text(&place))?;
+        if has_bodies {
+            write!(file, " {}", atom.body)?;
         }
-        let vectors = [
-            (Part::Velocities, &grain.velocity),
-            (Part::Spins, &grain.spin),
-            (Part::ResultantForces, &grain.force),
-        ];
-        for (_, value) in vectors.iter().filter(|(part, _)| parts.has(*part)) {
-            write!(file, " {}", vector_text(value))?;
+        for (_, _, values) in &columns {
+            values(atom).iter().try_for_each(|value| write!(file, " {value:?}"))?;
         }
         writeln!(file)?;
     }

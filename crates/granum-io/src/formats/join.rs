@@ -7,6 +7,7 @@ use granum_core::assembly::{Assembly, Contact, Sphere, Vector};
 use granum_core::geometry::{apply, dot, invert};
 use granum_core::{Part, Parts};
 
+use super::bodies::BodiesOfFile;
 use super::contact_table::{ContactOptions, ContactTable};
 use super::remark::Remark;
 use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
@@ -29,12 +30,19 @@ pub struct JoinOptions {
     pub time_step: Option<f64>,
     /// What cannot be decided of tables of contacts.
     pub contacts: ContactOptions,
+    /// True if each sphere is a grain of its own, whatever the file says of bodies.
+    pub separate_spheres: bool,
 }
 
 impl JoinOptions {
     /// Options with this cell, density (kg/m3) and time step (s).
     pub fn new(cell: Option<FrameCell>, density: Option<f64>, time_step: Option<f64>) -> JoinOptions {
-        JoinOptions { cell, density, time_step, contacts: ContactOptions::default() }
+        JoinOptions { cell, density, time_step, ..JoinOptions::default() }
+    }
+
+    /// The same; each sphere is a grain of its own if `separate` is true, as it should be where molecules are not rigid.
+    pub fn with_separate_spheres(self, separate: bool) -> JoinOptions {
+        JoinOptions { separate_spheres: separate, ..self }
     }
 
     /// The same with these answers to what cannot be decided of tables of contacts.
@@ -208,13 +216,24 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
             pairs = places::identify(path, &assembly, corner, &centres, pairs)?;
         }
         let body_of = |grain: usize| clump_of.get(&assembly.bodies[grain].id).copied();
-        let options = options.contacts;
-        let table = ContactTable { assembly: &assembly, parts, images, rounding, body_of: &body_of, options };
+        let answers = options.contacts;
+        let table = ContactTable {
+            assembly: &assembly,
+            parts,
+            images,
+            rounding,
+            body_of: &body_of,
+            options: answers,
+        };
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
         (assembly.contacts, parts) = (connected, known);
     }
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
-    Ok(ObservedAssembly { lines, remarks, clump_of, ..ObservedAssembly::new(assembly, parts, origin) })
+    let found =
+        ObservedAssembly { lines, remarks, clump_of, ..ObservedAssembly::new(assembly, parts, origin) };
+    let (column, masses_add_up) = (frame.clump_column.as_str(), frame.masses_add_up);
+    let bodies = BodiesOfFile { path, column, masses_add_up, rounding };
+    if options.separate_spheres { Ok(bodies.taken_apart(found)) } else { bodies.put_together(found) }
 }
 
 /// The same lattice with edges that span a positive volume.

@@ -5,14 +5,29 @@
 //! The same data are written. Velocities are written as LAMMPS defines them, including the homogeneous part. LAMMPS requires the first
 //! edge along x and the second in the plane of x and y, with small tilts: a cell of another shape is rotated together with its
 //! contents, and its edges are replaced by equivalent ones.
+//!
+//! Grains of several pieces are molecules: each piece is an atom, and the section `Molecules` (`id molecule`) gives the body of each, as
+//! LAMMPS reads it by
+//!
+//! ```text
+//! fix molecules all property/atom mol ghost yes
+//! read_data packing.data fix molecules NULL Molecules
+//! ```
+//!
+//! The densities are such that the masses of the atoms of a molecule add up to the mass of the body, as `fix rigid` takes it; where pieces
+//! overlap they are less than that of the material. The image flags belong to the cell that is written, so that the unwrapped pieces of a body
+//! lie together. Read are this section, `atom_style bpm/sphere`, and `hybrid` where the comment of the section names its styles as `hybrid
+//! sphere molecular`. Of files of granum the masses of a molecule add up; in others they are density times volume of each atom, of which the
+//! body has the density and the volume of the union.
 
 use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
-use granum_core::geometry::{apply, cross, determinant, length, multiply};
+use granum_core::assembly::{Matrix, Sphere, Vector};
+use granum_core::geometry::{apply, cross, determinant, invert, length, multiply};
 
+use super::atoms::{Atom, atoms};
 use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
@@ -47,6 +62,9 @@ impl ResultFormat for LammpsData {
         true
     }
     fn is_written(&self) -> bool {
+        true
+    }
+    fn holds_bodies(&self) -> bool {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
@@ -92,7 +110,10 @@ impl Header {
 fn read(words: &mut Words) -> Result<Frame> {
     words.need("a comment")?;
     let mut header = Header::default();
-    let mut frame = Frame::default();
+    let title = words.line();
+    let masses_add_up = title.starts_with(TITLE) && title.contains(ADD_UP);
+    let mut frame = Frame { masses_add_up, ..Frame::default() };
+    let mut meanings = Vec::new();
     let mut velocities = false;
     while words.advance_to_text()? {
         let line = words.line().split('#').next().unwrap_or("").trim().to_string();
@@ -100,9 +121,10 @@ fn read(words: &mut Words) -> Result<Frame> {
         match line.as_str() {
             "" => {}
             "Atoms" => {
-                check_style(words, style.as_deref())?;
-                read_atoms(words, header.atoms, &mut frame)?;
+                let layout = Layout::of_style(words, style.as_deref())?;
+                read_atoms(words, header.atoms, &layout, &mut frame, &mut meanings)?;
             }
+            "Molecules" => read_molecules(words, &frame.grains, &mut meanings)?,
             "Velocities" => {
                 read_velocities(words, &mut frame.grains)?;
                 velocities = true;
@@ -120,6 +142,7 @@ fn read(words: &mut Words) -> Result<Frame> {
                        and the section Atoms";
         return Err(Error::content(Path::new(words.file()), message));
     }
+    meanings::note(&mut frame, &meanings, ("of the molecule", 0.0), "type");
     frame.knows(&[Part::Positions, Part::Radii, Part::Masses]);
     if velocities {
         frame.knows(&[Part::Velocities, Part::Spins]);
@@ -147,66 +170,160 @@ fn read_header(words: &Words, header: &mut Header) -> Result<()> {
     Ok(())
 }
 
-fn check_style(words: &Words, style: Option<&str>) -> Result<()> {
-    match style {
-        None | Some("sphere" | "granular") => Ok(()),
-        Some(other) => {
-            Err(words.error(format!("atom_style {other} cannot be read; spheres need atom_style sphere")))
+/// Where the words of an atom stand.
+struct Layout {
+    columns: usize,
+    kind: usize,
+    diameter: usize,
+    density: usize,
+    position: usize,
+    molecule: Option<usize>,
+    /// What a row has, for messages.
+    row: &'static str,
+}
+
+impl Layout {
+    fn of_style(words: &Words, style: Option<&str>) -> Result<Layout> {
+        let sphere = Layout {
+            columns: 7,
+            kind: 1,
+            diameter: 2,
+            density: 3,
+            position: 4,
+            molecule: None,
+            row: "id type diameter density x y z",
+        };
+        let names: Vec<&str> = style.unwrap_or("sphere").split_whitespace().collect();
+        let molecular = |name: &str| ["bond", "angle", "molecular"].contains(&name);
+        match names[..] {
+            ["sphere" | "granular"] => Ok(sphere),
+            ["bpm/sphere"] => Ok(Layout {
+                columns: 8,
+                kind: 2,
+                diameter: 3,
+                density: 4,
+                position: 5,
+                molecule: Some(1),
+                row: "id molecule type diameter density x y z",
+            }),
+            ["hybrid", "sphere", other] if molecular(other) => Ok(Layout {
+                columns: 8,
+                position: 2,
+                diameter: 5,
+                density: 6,
+                molecule: Some(7),
+                row: "id type x y z diameter density molecule",
+                ..sphere
+            }),
+            ["hybrid", other, "sphere"] if molecular(other) => Ok(Layout {
+                columns: 8,
+                position: 2,
+                diameter: 6,
+                density: 7,
+                molecule: Some(5),
+                row: "id type x y z molecule diameter density",
+                ..sphere
+            }),
+            ["hybrid", ..] => Err(words.error(
+                "atom_style hybrid does not say the order of its columns; write behind Atoms # the styles as they were given, as hybrid sphere \
+                 molecular",
+            )),
+            _ => Err(words.error(format!(
+                "atom_style {} cannot be read; spheres need atom_style sphere",
+                names.join(" ")
+            ))),
         }
     }
 }
 
-/// Rows `id type diameter density x y z [ix iy iz]`.
-fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
+/// Rows as `id type diameter density x y z [ix iy iz]`. The image flags are passed over: the cell repeats all places.
+fn read_atoms(
+    words: &mut Words,
+    count: usize,
+    layout: &Layout,
+    into: &mut Frame,
+    meanings: &mut Vec<Meanings>,
+) -> Result<()> {
     let end = into.grains.len() + count;
     into.grains.reserve(count.min(1 << 20));
-    let mut meanings = Vec::with_capacity(count.min(1 << 20));
+    meanings.reserve(count.min(1 << 20));
     while into.grains.len() < end {
         words.need("an atom")?;
         let length = words.words().take_while(|word| !word.starts_with('#')).count();
         if length == 0 {
             continue;
         }
-        if length != 7 && length != 10 {
+        let columns = layout.columns;
+        if length != columns && length != columns + 3 {
             let message = format!(
-                "the row has {length} words; a sphere has id type diameter density x y z, 7 or 10 in all"
+                "the row has {length} words; a sphere has {}, {columns} or {} in all",
+                layout.row,
+                columns + 3
             );
             return Err(words.error(message));
         }
-        let radius = 0.5 * words.positive(2, "diameter")?;
-        let density = words.positive(3, "density")?;
+        let radius = 0.5 * words.positive(layout.diameter, "diameter")?;
+        let density = words.positive(layout.density, "density")?;
         into.lines.push(words.line_number());
-        meanings.push(Meanings { kind: Some(words.word(1).to_string()), body: None });
+        let body = layout.molecule.map(|at| words.whole(at, "molecule")).transpose()?;
+        let kind = Some(words.word(layout.kind).to_string());
+        meanings.push(Meanings { kind, body: body.map(|body| body as f64) });
         into.grains.push(Sphere {
             id: words.whole(0, "id")?,
-            position: words.vector(4, "a coordinate")?,
+            position: words.vector(layout.position, "a coordinate")?,
             radius,
             mass: density * 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius,
             ..Sphere::default()
         });
     }
-    meanings::note(into, &meanings, ("", 0.0), "type");
     Ok(())
 }
 
-/// Rows `id vx vy vz wx wy wz`.
-fn read_velocities(words: &mut Words, grains: &mut [Sphere]) -> Result<()> {
+/// Rows `id molecule`, as `fix property/atom` reads them.
+fn read_molecules(words: &mut Words, grains: &[Sphere], meanings: &mut [Meanings]) -> Result<()> {
+    of_each_atom(words, grains, "a molecule", |words, at| {
+        let molecule = words.whole(1, "molecule")? as f64;
+        if let Some(meaning) = meanings.get_mut(at) {
+            meaning.body = Some(molecule);
+        }
+        Ok(())
+    })
+}
+
+/// Calls `read` with the row of each atom of a section and the place of the atom among `grains`.
+fn of_each_atom(
+    words: &mut Words,
+    grains: &[Sphere],
+    what: &str,
+    mut read: impl FnMut(&Words, usize) -> Result<()>,
+) -> Result<()> {
     let mut places: Vec<(u64, usize)> = grains.iter().enumerate().map(|(k, grain)| (grain.id, k)).collect();
     places.sort_unstable();
     let mut left = grains.len();
     while left > 0 {
-        words.need("a velocity")?;
+        words.need(what)?;
         if words.len() == 0 {
             continue;
         }
         let id = words.whole(0, "id")?;
         let Ok(at) = places.binary_search_by_key(&id, |place| place.0) else {
-            return Err(words.word_error(0, format!("atom {id} has a velocity but no place")));
+            return Err(words.word_error(0, format!("atom {id} has {what} but no place")));
         };
-        let grain = &mut grains[places[at].1];
-        grain.velocity = words.vector(1, "a velocity")?;
-        grain.spin = words.vector(4, "a spin")?;
+        read(words, places[at].1)?;
         left -= 1;
+    }
+    Ok(())
+}
+
+/// Rows `id vx vy vz wx wy wz`.
+fn read_velocities(words: &mut Words, grains: &mut [Sphere]) -> Result<()> {
+    let mut motion = vec![([0.0; 3], [0.0; 3]); grains.len()];
+    of_each_atom(words, grains, "a velocity", |words, at| {
+        motion[at] = (words.vector(1, "a velocity")?, words.vector(4, "a spin")?);
+        Ok(())
+    })?;
+    for (grain, (velocity, spin)) in grains.iter_mut().zip(motion) {
+        (grain.velocity, grain.spin) = (velocity, spin);
     }
     Ok(())
 }
@@ -218,12 +335,18 @@ fn skip_section(words: &mut Words) -> Result<()> {
     Ok(())
 }
 
+/// The first line of files that granum writes, and what follows it where grains have several pieces.
+const TITLE: &str = "grains written by granum";
+const ADD_UP: &str = "; the masses of the atoms of a molecule add up to that of its body";
+
 fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
     let assembly = &observation.assembly;
     let (turn, edges) = restricted(&assembly.cell);
     let origin = apply(&turn, observation.origin);
+    let (atoms, has_bodies) = (atoms(assembly), !assembly.all_spheres());
+    let inverse = invert(&edges);
     write_atomically(path, |file| {
-        writeln!(file, "grains written by granum\n\n{} atoms", assembly.bodies.len())?;
+        writeln!(file, "{TITLE}{}\n\n{} atoms", if has_bodies { ADD_UP } else { "" }, atoms.len())?;
         writeln!(file, "{} atom types\n", assembly.materials.len().max(1))?;
         for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
             writeln!(file, "{:?} {:?} {axis}lo {axis}hi", origin[a], origin[a] + edges[a][a])?;
@@ -232,29 +355,43 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
             writeln!(file, "{:?} {:?} {:?} xy xz yz", edges[0][1], edges[0][2], edges[1][2])?;
         }
         writeln!(file, "\nAtoms # sphere\n")?;
-        for grain in &assembly.bodies {
-            let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.equivalent_radius.powi(3));
-            let place = apply(&turn, grain.position);
+        for atom in &atoms {
+            let (place, flags) = match has_bodies {
+                true => wrapped(&edges, &inverse, &apply(&turn, atom.unwrapped())),
+                false => (apply(&turn, atom.position), [0; 3]),
+            };
             let [x, y, z]: Vector = std::array::from_fn(|a| origin[a] + place[a]);
-            let (id, kind, diameter) = (grain.id, grain.material + 1, 2.0 * grain.equivalent_radius);
-            writeln!(file, "{id} {kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
+            let Atom { id, material, radius, .. } = atom;
+            let (kind, diameter, density) = (material + 1, 2.0 * radius, atom.density());
+            write!(file, "{id} {kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
+            match flags {
+                [ix, iy, iz] if has_bodies => writeln!(file, " {ix} {iy} {iz}")?,
+                _ => writeln!(file)?,
+            }
         }
         if observation.parts.has(Part::Velocities) {
             writeln!(file, "\nVelocities\n")?;
-            for grain in &assembly.bodies {
-                let [vx, vy, vz] = apply(&turn, whole_velocity(assembly, grain));
-                let [wx, wy, wz] = apply(&turn, grain.spin);
-                writeln!(file, "{} {vx:?} {vy:?} {vz:?} {wx:?} {wy:?} {wz:?}", grain.id)?;
+            for atom in &atoms {
+                let [vx, vy, vz] = apply(&turn, atom.whole_velocity(assembly));
+                let [wx, wy, wz] = apply(&turn, atom.spin);
+                writeln!(file, "{} {vx:?} {vy:?} {vz:?} {wx:?} {wy:?} {wz:?}", atom.id)?;
+            }
+        }
+        if has_bodies {
+            writeln!(file, "\nMolecules\n")?;
+            for atom in &atoms {
+                writeln!(file, "{} {}", atom.id, atom.body)?;
             }
         }
         Ok(())
     })
 }
 
-/// The velocity of a grain with the homogeneous part `L x`, m/s.
-fn whole_velocity(assembly: &Assembly, grain: &Body) -> Vector {
-    let affine = apply(&assembly.velocity_gradient, grain.position);
-    std::array::from_fn(|a| grain.velocity[a] + affine[a])
+/// A place moved into a cell, and by how many of its edges.
+pub(super) fn wrapped(edges: &Matrix, inverse: &Matrix, place: &Vector) -> (Vector, [i64; 3]) {
+    let shift = apply(inverse, *place).map(f64::floor);
+    let back = apply(edges, shift);
+    (std::array::from_fn(|a| place[a] - back[a]), shift.map(|n| n as i64))
 }
 
 /// The rotation by which the first edge of a cell comes to lie along x and the second into the plane of x and y, and the edges

@@ -2,7 +2,7 @@
 //!
 //! Grains: `id` and a position (`x y z`, unwrapped `xu yu zu`, or scaled `xs ys zs`, `xsu ysu zsu`) are required; `radius` or
 //! `diameter`, `mass` or `density`, `vx vy vz`, `omegax omegay omegaz`, `fx fy fz` and `tqx tqy tqz` are read if they are present, and
-//! other columns are ignored, except that molecules of several grains (`mol`, `body`, `clump`, `id_multisphere`) and several types are said. The box may be tilted. If a boundary is not periodic, the grains have no periodic cell.
+//! other columns are ignored, except that spheres of one molecule (`mol`, `body`, `clump`, `id_multisphere`) are pieces of one rigid body, and that several types are said. Where there is a column `body_mass` the masses of a molecule add up to it. The box may be tilted. If a boundary is not periodic, the grains have no periodic cell.
 //!
 //! Contacts: the header of a `dump local` names computes, not quantities. The columns are therefore named by options of the reader,
 //! with the keywords of the computes: `patom1 patom2` (or `natom1 natom2`, `id1 id2`), `dx dy dz`, `fx fy fz`, `p1 p2
@@ -18,9 +18,11 @@ use granum_core::assembly::{Sphere, Vector};
 use granum_core::geometry::apply;
 
 use super::column_names;
+use super::lammps_dump_text::write_frame;
 use super::meanings::{self, Meanings};
-use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
+use super::result::{FileContact, Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::Words;
+use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 
 /// The format.
@@ -44,6 +46,20 @@ impl ResultFormat for LammpsDump {
             check_names(path, given)?;
         }
         read(&mut Words::open(path)?, options)
+    }
+    fn is_written(&self) -> bool {
+        true
+    }
+    fn holds_bodies(&self) -> bool {
+        true
+    }
+    fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
+        if observations.iter().any(|observation| !observation.parts.has(Part::Cell)) {
+            return Err(Error::content(path, "a LAMMPS dump needs a periodic cell, which the data lack"));
+        }
+        write_atomically(path, |file| {
+            observations.iter().try_for_each(|observation| write_frame(file, observation))
+        })
     }
 }
 
@@ -105,7 +121,9 @@ fn read(words: &mut Words, options: &ReadOptions) -> Result<Vec<Frame>> {
             }
             "TIMESTEP" => {
                 words.need("the time step")?;
-                head = Head { step: Some(words.whole(0, "the time step")?), ..Head::default() };
+                // LAMMPS writes the time before the step.
+                head =
+                    Head { step: Some(words.whole(0, "the time step")?), time: head.time, ..Head::default() };
             }
             "TIME" => {
                 words.need("the time")?;
@@ -116,7 +134,10 @@ fn read(words: &mut Words, options: &ReadOptions) -> Result<Vec<Frame>> {
                 head.rows = Some(words.count(0, "the number of rows")?);
             }
             "BOX" => read_box(words, &item, &mut head)?,
-            "ATOMS" | "ENTRIES" => frames.push(read_rows(words, &item, kind == "ATOMS", &head, options)?),
+            "ATOMS" | "ENTRIES" => {
+                frames.push(read_rows(words, &item, kind == "ATOMS", &head, options)?);
+                head = Head::default();
+            }
             other => return Err(words.error(format!("ITEM: {other} is not known"))),
         }
     }
@@ -210,6 +231,7 @@ fn read_rows(
         let columns = Columns(names);
         let layout = GrainLayout::from_words(words, &columns)?;
         frame.knows(&layout.parts());
+        frame.masses_add_up = columns.place(&["body_mass"]).is_some();
         frame.rounding = head.cell.filter(|_| layout.scaled).map(|cell| rounding_of_shares(&cell));
         let mut meanings = Vec::with_capacity(rows.min(1 << 20));
         for _ in 0..rows {

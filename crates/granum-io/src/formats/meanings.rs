@@ -1,5 +1,5 @@
-//! Columns that change what a grain is: bodies of several spheres, and types. Granum takes each sphere as a grain of one material, and says
-//! so where a file says more.
+//! Columns that change what a grain is: bodies of several spheres, which are [put together](super::bodies) when the file is read, and types. Granum
+//! takes each grain as of one material, and says so where a file says more.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -44,26 +44,22 @@ pub(super) fn note(
 }
 
 fn note_bodies(frame: &mut Frame, meanings: &[Meanings], column: &str, no_body: f64) {
-    let mut members: HashMap<u64, Vec<u64>> = HashMap::new();
-    for (grain, of) in frame.grains.iter().zip(meanings) {
-        if let Some(body) = of.body.filter(|body| *body > no_body) {
-            members.entry(body as u64).or_default().push(grain.id);
+    let mut count: HashMap<u64, usize> = HashMap::new();
+    let mut of: Vec<(u64, u64)> = Vec::new();
+    for (grain, meaning) in frame.grains.iter().zip(meanings) {
+        if let Some(body) = meaning.body.filter(|body| *body > no_body) {
+            *count.entry(body as u64).or_default() += 1;
+            of.push((grain.id, body as u64));
         }
     }
-    members.retain(|_, grains| grains.len() > 1);
-    let spheres: usize = members.values().map(Vec::len).sum();
-    if spheres == 0 {
+    let several = |body: &u64| count.get(body).is_some_and(|count| *count > 1);
+    if !count.keys().any(several) {
         return;
     }
-    let bodies = members.len();
-    frame.clump_of = (members.into_iter())
-        .flat_map(|(body, grains)| grains.into_iter().map(move |grain| (grain, body)))
-        .collect();
-    let noun = if bodies == 1 { "body" } else { "bodies" };
-    frame.remarks.push(Remark::doubtful(format!(
-        "{spheres} spheres are parts of {bodies} {noun} (column {column}): each is taken as a grain of its own, so that volumes in which they \
-         overlap count twice, and numbers of contacts are those of spheres"
-    )));
+    // Where every sphere names its body, bodies of one sphere have their names as well.
+    let all = of.len() == frame.grains.len();
+    frame.clump_of = of.into_iter().filter(|(_, body)| all || several(body)).collect();
+    frame.clump_column = column.to_string();
 }
 
 #[cfg(test)]
@@ -86,9 +82,16 @@ mod tests {
     fn bodies_of_several_spheres_and_several_types_are_said() {
         let frame = noted(&[0.0, 2.0, 2.0, 3.0, 0.0], &[1.0, 1.0, 2.0, 1.0, 1.0]);
         assert_eq!(frame.clump_of, HashMap::from([(2, 2), (3, 2)]));
-        let [bodies, types] = &frame.remarks[..] else { panic!("{:?}", frame.remarks) };
-        assert!(bodies.text.starts_with("2 spheres are parts of 1 body (column mol)"), "{}", bodies.text);
+        assert_eq!(frame.clump_column, "mol");
+        let [types] = &frame.remarks[..] else { panic!("{:?}", frame.remarks) };
         assert!(types.text.starts_with("the column type has 2 values (1, 2)"), "{}", types.text);
+    }
+
+    /// A body of one sphere keeps its number where all have one.
+    #[test]
+    fn bodies_of_all_spheres_are_noted() {
+        let frame = noted(&[7.0, 2.0, 2.0], &[1.0; 3]);
+        assert_eq!(frame.clump_of, HashMap::from([(1, 7), (2, 2), (3, 2)]));
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //!
 //! The cell follows from the periodic boundaries along the three axes; if one of them is missing, there is no cell. The force of an
 //! interaction acts on the first of its particles. Contacts with walls are ignored.
+//!
+//! Clumps (`ClumpParticle`) are refused: the file has a clump and each of its pebbles as particles, and does not say which are which.
 
 use std::path::Path;
 
@@ -49,6 +51,11 @@ impl ResultFormat for MercuryRestart {
             if words.word(0) == "PeriodicBoundary" {
                 let axis = periodic(&words, &mut low, &mut high)?;
                 is_periodic[axis] = true;
+            } else if words.word(0) == "ClumpParticle" {
+                return Err(words.error(
+                    "clumps cannot be read: the file has a clump and its pebbles as particles and does not say which pebble belongs to which clump; \
+                     write the pebbles with the number of their clump, as a table with a column clump",
+                ));
             } else if words.word(0).ends_with("Particle") && at("radius").is_some() {
                 let grain = grain(&words)?;
                 all_masses &= grain.mass > 0.0;

@@ -18,7 +18,9 @@ use crate::error::{Error, Result};
 use crate::packing::Packing;
 
 mod arrays;
+mod atoms;
 mod beginning;
+mod bodies;
 mod column_names;
 mod computed_contacts;
 pub mod contact_table;
@@ -34,6 +36,7 @@ mod ids;
 pub mod join;
 pub mod lammps_data;
 pub mod lammps_dump;
+mod lammps_dump_text;
 pub(crate) mod lines;
 mod meanings;
 pub mod mercury_data;
@@ -43,6 +46,7 @@ pub mod packing_csv;
 mod packing_format;
 pub mod parquet;
 mod places;
+mod quaternion;
 mod remark;
 mod result;
 mod rounding;
@@ -53,6 +57,7 @@ mod table_format;
 pub mod vtk_legacy;
 pub mod vtk_xml;
 pub mod vtp;
+pub mod vtp_bodies;
 mod words;
 pub mod yade_text;
 
@@ -101,6 +106,7 @@ impl Formats {
                 Arc::new(extended_xyz::ExtendedXyz),
                 Arc::new(gsd::Gsd),
                 Arc::new(vtp::Vtp),
+                Arc::new(vtp_bodies::VtpBodies),
                 Arc::new(snapshot_json::SnapshotJson),
                 Arc::new(grain_table::GrainTable),
             ],
@@ -254,6 +260,15 @@ impl Formats {
         files: &[(std::path::PathBuf, ReadOptions)],
         options: &JoinOptions,
     ) -> Result<Vec<ObservedAssembly>> {
+        if let [(path, _)] = files
+            && !self.is_result(path)?
+        {
+            let packing = self.read_packing(path)?;
+            // As they are: put together again, bodies would have other bits.
+            if !packing.bodies.is_empty() && !options.separate_spheres {
+                return Ok(vec![ObservedAssembly::of_packing_with(&packing, options.density)]);
+            }
+        }
         let mut read = Vec::with_capacity(files.len());
         for (path, file_options) in files {
             let head = head(path)?;
@@ -319,8 +334,11 @@ impl Formats {
         name: Option<&str>,
         observations: &[ObservedAssembly],
     ) -> Result<()> {
-        observations.iter().try_for_each(|observation| observation.check_spheres(path))?;
-        self.written_format(path, name)?.write(path, observations)
+        let format = self.written_format(path, name)?;
+        if !format.holds_bodies() {
+            observations.iter().try_for_each(|observation| observation.check_spheres(path))?;
+        }
+        format.write(path, observations)
     }
 
     /// Writes a packing in the format of the file's extension.

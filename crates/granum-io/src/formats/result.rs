@@ -9,8 +9,10 @@ use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
 use granum_core::geometry::dot;
 use granum_core::{MacroState, ObservedState, Part, Parts, Table};
 
+use super::atoms::atoms;
 use super::remark::Remark;
 use crate::error::{Error, Result};
+use crate::packing::PackedBody;
 use crate::shell::ShowPath;
 use crate::snapshot::{contacts_table, grains_table};
 
@@ -69,6 +71,10 @@ pub trait ResultFormat: Send + Sync {
     }
     /// True if [`ResultFormat::write`] writes this format.
     fn is_written(&self) -> bool {
+        false
+    }
+    /// True if [`ResultFormat::write`] writes grains of several pieces as what they are; other formats are never given such.
+    fn holds_bodies(&self) -> bool {
         false
     }
     /// Writes observations, under a temporary name that is then renamed.
@@ -150,8 +156,14 @@ pub struct Frame {
     pub counts_from_one: bool,
     /// Largest error of the distance of two places by rounding, m; none where the numbers of the places show their digits.
     pub rounding: Option<f64>,
-    /// The clump (molecule, body) of each sphere that belongs to one of several grains, by the id of the grain.
+    /// The body (clump, molecule) of each sphere that is a part of one of several spheres, by the id of the sphere; where the file says of
+    /// every sphere what its body is, of all of them. Empty if no body has several.
     pub clump_of: HashMap<u64, u64>,
+    /// What the file calls the bodies, for messages, as the column `mol`.
+    pub clump_column: String,
+    /// True if the masses of the spheres of a body add up to its mass, as in files that granum writes; otherwise each is density times volume of
+    /// the sphere.
+    pub masses_add_up: bool,
     /// What was set right in the file, or is doubtful.
     pub remarks: Vec<Remark>,
 }
@@ -163,12 +175,31 @@ impl Frame {
         let cell = FrameCell { origin, edges: assembly.cell };
         let materials = assembly.materials.clone();
         let mut frame = Frame { cell: Some(cell), parts, materials, ..Frame::default() };
+        if !assembly.all_spheres() {
+            frame.add_pieces(&assembly, origin);
+            return frame;
+        }
         // Places in a file count from its own origin.
         frame.grains = assembly.spheres().unwrap_or_default();
         for (grain, packed) in frame.grains.iter_mut().zip(&packing.grains) {
             grain.position = packed.position;
         }
         frame
+    }
+
+    /// Adds the pieces of an assembly as spheres, numbered from 1, with the bodies to which they belong.
+    fn add_pieces(&mut self, assembly: &Assembly, origin: Vector) {
+        for atom in atoms(assembly) {
+            self.grains.push(Sphere {
+                id: atom.id,
+                position: std::array::from_fn(|a| origin[a] + atom.position[a]),
+                radius: atom.radius,
+                material: atom.material,
+                ..Sphere::default()
+            });
+            self.clump_of.insert(atom.id, atom.body);
+        }
+        self.clump_column = "body".into();
     }
 
     /// Notes that these parts of the grains are known.
@@ -299,7 +330,6 @@ impl ObservedAssembly {
             };
             return Err(Error::content(path, format!("has no {}; {help}", missing.name())));
         }
-        self.check_spheres(path)?;
         let grain = |(k, grain): (usize, &Body)| {
             let position = std::array::from_fn(|a| self.origin[a] + grain.position[a]);
             let line = self.lines.get(k).copied().unwrap_or(0);
@@ -307,7 +337,13 @@ impl ObservedAssembly {
         };
         let grains = self.assembly.bodies.iter().enumerate().map(grain).collect();
         let file = path.shown();
-        let packing = crate::Packing::numbered_from_one(&file, self.origin, self.assembly.cell, grains)?;
+        let packing = crate::Packing::numbered_from_one(
+            &file,
+            self.origin,
+            self.assembly.cell,
+            grains,
+            PackedBody::of_assembly(&self.assembly),
+        )?;
         let packing = crate::Packing { remarks: self.remarks.clone(), ..packing };
         if self.assembly.materials.is_empty() {
             return Ok(packing);
@@ -330,6 +366,21 @@ impl ObservedAssembly {
         Err(Error::content(path, message))
     }
 
+    /// As [`ObservedAssembly::of_packing`], and masses are known if there is a density, kg/m3.
+    pub(super) fn of_packing_with(packing: &crate::Packing, density: Option<f64>) -> ObservedAssembly {
+        let mut found = ObservedAssembly::of_packing(packing);
+        let Some(density) = density else { return found };
+        for body in &mut found.assembly.bodies {
+            body.mass = density * 4.0 / 3.0 * std::f64::consts::PI * body.equivalent_radius.powi(3);
+        }
+        // They are those of the density one.
+        for rigid in &mut found.assembly.rigid {
+            rigid.inertia = rigid.inertia.map(|moment| density * moment);
+        }
+        found.parts = found.parts.with(Part::Masses);
+        found
+    }
+
     /// A packing, of which cell, places and radii are known.
     pub fn of_packing(packing: &crate::Packing) -> ObservedAssembly {
         let spheres = packing.grains.iter().enumerate().map(|(k, grain)| Sphere {
@@ -339,12 +390,13 @@ impl ObservedAssembly {
             material: packing.materials.of.get(k).map_or(0, |material| u32::from(*material)),
             ..Sphere::default()
         });
-        let assembly = Assembly {
+        let mut assembly = Assembly {
             cell: packing.cell,
             materials: packing.materials.names.clone(),
             ..Assembly::default()
         }
         .with_spheres(spheres);
+        packing.add_bodies(&mut assembly);
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii]);
         ObservedAssembly::new(assembly, parts, packing.origin)
     }
@@ -384,7 +436,7 @@ fn part_of_column(name: &str) -> Option<Part> {
     let part = match name.trim_end_matches("_x").trim_end_matches("_y").trim_end_matches("_z") {
         "velocity" => Part::Velocities,
         "spin" => Part::Spins,
-        "mass" => Part::Masses,
+        "mass" | "principal_inertia_1" | "principal_inertia_2" | "principal_inertia_3" => Part::Masses,
         "force" | "torque" => Part::ResultantForces,
         "radius" => Part::Radii,
         "approach" => Part::Overlaps,

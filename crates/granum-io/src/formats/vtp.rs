@@ -6,15 +6,21 @@
 //! `tangential_force`, `force` (magnitude), `sliding` of contacts; each is zero for the other kind, and `is_contact` distinguishes
 //! them (filter Threshold). Point data: `radius` (of grains, zero elsewhere) for the filter Glyph, and `normal_force` for the filter
 //! Tube. Field data: `cell` (its three edges), `origin`, `TimeValue`, `step`. granum reads its own files [again](super::vtk_xml).
+//!
+//! Of grains of several pieces each piece is a vertex with the number of the piece as its `id`, and there are further arrays: `body`, the id of its
+//! grain, also among the point data, by which ParaView can colour; and `body_mass`, to which the masses of the pieces of a grain add up.
+//! Contacts name pieces. Forces on grains are not written then. The grains themselves, with their orientations, are in a [file of
+//! bodies](super::vtp_bodies).
 
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Body, Contact, Vector};
+use granum_core::assembly::{Assembly, Contact, Vector};
 use granum_core::geometry::{apply, invert};
 
+use super::atoms::{Atom, atoms};
 use super::result::{Frame, ObservedAssembly, ReadOptions, ResultFormat};
 use super::vtk_xml::VtkXml;
 use crate::atomic::write_atomically;
@@ -41,6 +47,9 @@ impl ResultFormat for Vtp {
         true
     }
     fn is_written(&self) -> bool {
+        true
+    }
+    fn holds_bodies(&self) -> bool {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
@@ -117,12 +126,16 @@ fn cut(
     }
 }
 
+/// The beginning of every file.
+pub(super) const BEGINNING: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n";
+
 /// A vector of each grain.
-type OfGrain = fn(&Body) -> Vector;
+type OfGrain = fn(&Atom) -> Vector;
 
 fn text(observation: &ObservedAssembly) -> String {
     let assembly = &observation.assembly;
-    let (grains, contacts) = (&assembly.bodies, &assembly.contacts);
+    let (grains, contacts) = (&atoms(assembly), &assembly.contacts);
+    let has_bodies = !assembly.all_spheres();
     let drawn = contact_lines(assembly);
     let origin = observation.origin;
     let moved = |v: &Vector| -> Vector { std::array::from_fn(|a| v[a] + origin[a]) };
@@ -137,9 +150,7 @@ fn text(observation: &ObservedAssembly) -> String {
         }
     }
     let (n, lines) = (grains.len(), drawn.len());
-    let mut xml = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n",
-    );
+    let mut xml = String::from(BEGINNING);
     fields(&mut xml, observation);
     let _ = writeln!(
         xml,
@@ -153,9 +164,13 @@ fn text(observation: &ObservedAssembly) -> String {
     };
     let of_points =
         |grain: Vec<f64>, contact: Vec<f64>| grain.into_iter().chain(contact).collect::<Vec<f64>>();
-    let radii: Vec<f64> = grains.iter().map(|grain| grain.equivalent_radius).collect();
+    let radii: Vec<f64> = grains.iter().map(|grain| grain.radius).collect();
     array(&mut xml, "radius", 1, &of_points(radii.clone(), vec![0.0; 2 * lines]));
     array(&mut xml, "normal_force", 1, &of_points(vec![0.0; n], ends(&|contact| contact.normal_force)));
+    let bodies: Vec<f64> = grains.iter().map(|grain| grain.body as f64).collect();
+    if has_bodies {
+        array(&mut xml, "body", 1, &of_points(bodies.clone(), vec![0.0; 2 * lines]));
+    }
     xml.push_str("</PointData>\n<CellData>\n");
     let both = |grain: Vec<f64>, contact: &dyn Fn(&Contact) -> Vec<f64>| -> Vec<f64> {
         grain.into_iter().chain(drawn.iter().flat_map(|line| contact(&contacts[line.contact]))).collect()
@@ -167,8 +182,15 @@ fn text(observation: &ObservedAssembly) -> String {
     array(&mut xml, "diameter", 1, &both(radii.iter().map(|r| 2.0 * r).collect(), &|_| one(0.0)));
     array(&mut xml, "coordination_number", 1, &both(degree, &|_| one(0.0)));
     let parts = observation.parts;
+    if has_bodies {
+        array(&mut xml, "body", 1, &both(bodies, &|_| one(0.0)));
+    }
     if parts.has(Part::Masses) {
         array(&mut xml, "mass", 1, &both(grains.iter().map(|grain| grain.mass).collect(), &|_| one(0.0)));
+    }
+    if parts.has(Part::Masses) && has_bodies {
+        let masses = grains.iter().map(|grain| grain.body_mass).collect();
+        array(&mut xml, "body_mass", 1, &both(masses, &|_| one(0.0)));
     }
     let vectors: [(Part, &str, OfGrain); 4] = [
         (Part::Velocities, "velocity", |grain| grain.velocity),
@@ -176,7 +198,8 @@ fn text(observation: &ObservedAssembly) -> String {
         (Part::ResultantForces, "force_on_grain", |grain| grain.force),
         (Part::ResultantForces, "torque_on_grain", |grain| grain.torque),
     ];
-    for (_, name, value) in vectors.into_iter().filter(|(part, _, _)| parts.has(*part)) {
+    let is_written = |part: Part| parts.has(part) && !(has_bodies && part == Part::ResultantForces);
+    for (_, name, value) in vectors.into_iter().filter(|(part, _, _)| is_written(*part)) {
         let values = grains.iter().flat_map(value).collect();
         array(&mut xml, name, 3, &both(values, &|_| vec![0.0; 3]));
     }
@@ -219,7 +242,7 @@ fn text(observation: &ObservedAssembly) -> String {
 }
 
 /// Cell, corner, time and step.
-fn fields(xml: &mut String, observation: &ObservedAssembly) {
+pub(super) fn fields(xml: &mut String, observation: &ObservedAssembly) {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     xml.push_str("<FieldData>\n");
     let mut field = |name: &str, values: &[f64]| {
@@ -245,7 +268,7 @@ fn fields(xml: &mut String, observation: &ObservedAssembly) {
 }
 
 /// One array of numbers.
-fn array(xml: &mut String, name: &str, components: usize, values: &[f64]) {
+pub(super) fn array(xml: &mut String, name: &str, components: usize, values: &[f64]) {
     let _ = writeln!(
         xml,
         "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">"
@@ -259,7 +282,7 @@ fn array(xml: &mut String, name: &str, components: usize, values: &[f64]) {
 }
 
 /// The topology of vertices or lines: `count` cells of `points` points each, from the point `first` on.
-fn cells(xml: &mut String, kind: &str, first: usize, count: usize, points: usize) {
+pub(super) fn cells(xml: &mut String, kind: &str, first: usize, count: usize, points: usize) {
     let integers = |xml: &mut String, name: &str, values: &mut dyn Iterator<Item = usize>| {
         let _ = writeln!(xml, "<DataArray type=\"Int64\" Name=\"{name}\" format=\"ascii\">");
         let values: Vec<String> = values.map(|value| value.to_string()).collect();

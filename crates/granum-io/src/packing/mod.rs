@@ -1,8 +1,10 @@
 //! Packings: grains in a periodic cell, and the checks that all formats of them share.
 
+mod body_check;
 pub(crate) mod lattice;
 pub(crate) mod near;
 mod overlap;
+mod packed_body;
 mod packed_grain;
 pub(crate) mod plausible;
 mod repeat;
@@ -18,6 +20,7 @@ use crate::formats::Remark;
 use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
+pub use packed_body::{PackedBody, PackedPiece};
 pub use packed_grain::PackedGrain;
 pub use plausible::{Implausible, ImplausiblePlace};
 
@@ -70,8 +73,10 @@ pub struct Packing {
     pub origin: Vector,
     /// Edge matrix of the cell: column k is edge k, m.
     pub cell: Matrix,
-    /// The grains, in order of their ids.
+    /// The grains, in order of their ids: of one of several pieces its centre of mass and the sphere of equal volume.
     pub grains: Vec<PackedGrain>,
+    /// The grains that have several pieces, in the same order; empty if every grain is a sphere.
+    pub bodies: Vec<PackedBody>,
     /// Their materials, if the file contains them.
     pub materials: PackedMaterials,
     /// What of the file a packing has no place for, or what was set right in it.
@@ -82,11 +87,11 @@ impl Packing {
     /// Grains, in order of their ids, in a cell with a corner and an edge matrix (column k is edge k), m. Nothing is checked: see
     /// [`Packing::checked`].
     pub fn new(origin: Vector, cell: Matrix, grains: Vec<PackedGrain>) -> Packing {
-        Packing { origin, cell, grains, materials: PackedMaterials::default(), remarks: Vec::new() }
+        let (bodies, materials, remarks) = (Vec::new(), PackedMaterials::default(), Vec::new());
+        Packing { origin, cell, grains, bodies, materials, remarks }
     }
 
-    /// The grains and cell of an assembly, whose cell has a corner at the origin. A packing holds spheres: of a body of several pieces it has the
-    /// sphere of equal volume.
+    /// The grains and cell of an assembly, whose cell has a corner at the origin.
     pub fn from_assembly(assembly: &Assembly) -> Packing {
         let grain = |body: &Body| PackedGrain {
             id: body.id,
@@ -101,7 +106,8 @@ impl Packing {
             },
         };
         let grains = assembly.bodies.iter().map(grain).collect();
-        Packing { materials, ..Packing::new([0.0; 3], assembly.cell, grains) }
+        let bodies = PackedBody::of_assembly(assembly);
+        Packing { materials, bodies, ..Packing::new([0.0; 3], assembly.cell, grains) }
     }
 
     /// Position of a grain relative to the corner of the cell, m.
@@ -109,7 +115,7 @@ impl Packing {
         std::array::from_fn(|a| grain.position[a] - self.origin[a])
     }
 
-    /// Volume of the grains over the volume of the cell (overlaps counted twice).
+    /// Volume of the grains over the volume of the cell (overlaps of grains counted twice, those of pieces of one grain once).
     pub fn solid_fraction(&self) -> f64 {
         let cubes: f64 = self.grains.iter().map(|grain| grain.radius.powi(3)).sum();
         4.0 / 3.0 * std::f64::consts::PI * cubes / determinant(&self.cell).abs()
@@ -128,29 +134,49 @@ impl Packing {
         cell: Matrix,
         grains: Vec<(PackedGrain, usize)>,
     ) -> Result<Packing> {
-        check_cell(file, &origin, &cell, &grains)?;
-        let (cell, grains) = in_usual_cell(&origin, cell, check_ids(file, grains)?);
-        overlap::check(file, &cell, &grains)?;
-        Ok(Packing::new(origin, cell, grains.into_iter().map(|(grain, _)| grain).collect()))
+        Packing::checked_bodies(file, origin, cell, grains, Vec::new())
     }
 
-    /// As [`Packing::checked`] for grains with any ids, by which messages name them; in the packing they are 1, 2, ... in the order
+    /// As [`Packing::checked`] for grains of which some have several pieces; each of these names its grain by its place in the order of the ids.
+    ///
+    /// # Errors
+    /// As [`Packing::checked`]; also for a body larger than half the cell, an orientation that is no rotation and moments of inertia that are
+    /// not positive. Overlaps are those of pieces of two grains.
+    pub fn checked_bodies(
+        file: &str,
+        origin: Vector,
+        cell: Matrix,
+        grains: Vec<(PackedGrain, usize)>,
+        bodies: Vec<PackedBody>,
+    ) -> Result<Packing> {
+        check_cell(file, &origin, &cell, &grains)?;
+        let (cell, grains) = in_usual_cell(&origin, cell, check_ids(file, grains)?);
+        body_check::check(file, &cell, &grains, &bodies)?;
+        overlap::check(file, &cell, &grains, &bodies)?;
+        let grains = grains.into_iter().map(|(grain, _)| grain).collect();
+        Ok(Packing { bodies, ..Packing::new(origin, cell, grains) })
+    }
+
+    /// As [`Packing::checked_bodies`] for grains with any ids, by which messages name them; in the packing they are 1, 2, ... in the order
     /// given.
     ///
     /// # Errors
-    /// As for [`Packing::checked`], except that ids may be any.
+    /// As for [`Packing::checked_bodies`], except that ids may be any.
     pub(crate) fn numbered_from_one(
         file: &str,
         origin: Vector,
         cell: Matrix,
         grains: Vec<(PackedGrain, usize)>,
+        bodies: Vec<PackedBody>,
     ) -> Result<Packing> {
         check_cell(file, &origin, &cell, &grains)?;
         let (cell, grains) = in_usual_cell(&origin, cell, grains);
-        overlap::check(file, &cell, &grains)?;
+        body_check::check(file, &cell, &grains, &bodies)?;
+        overlap::check(file, &cell, &grains, &bodies)?;
         let numbered =
             |(k, (grain, _)): (usize, (PackedGrain, usize))| PackedGrain { id: k as u64 + 1, ..grain };
-        Ok(Packing::new(origin, cell, grains.into_iter().enumerate().map(numbered).collect()))
+        let grains = grains.into_iter().enumerate().map(numbered).collect();
+        Ok(Packing { bodies, ..Packing::new(origin, cell, grains) })
     }
 }
 
@@ -213,7 +239,10 @@ fn check_inside(
 }
 
 /// Sorts by id and rejects ids that are repeated or missing.
-fn check_ids(file: &str, mut grains: Vec<(PackedGrain, usize)>) -> Result<Vec<(PackedGrain, usize)>> {
+pub(crate) fn check_ids(
+    file: &str,
+    mut grains: Vec<(PackedGrain, usize)>,
+) -> Result<Vec<(PackedGrain, usize)>> {
     grains.sort_by_key(|(grain, line)| (grain.id, *line));
     for (at, (grain, line)) in grains.iter().enumerate() {
         let wanted = at as u64 + 1;

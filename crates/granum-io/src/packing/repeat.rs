@@ -1,6 +1,6 @@
 //! Larger packings from copies of a periodic cell.
 
-use super::{PackedGrain, PackedMaterials, Packing};
+use super::{PackedBody, PackedGrain, PackedMaterials, Packing};
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -38,7 +38,13 @@ impl Packing {
         let copies = total.unwrap_or(0) / self.grains.len().max(1);
         let of = if self.materials.of.is_empty() { Vec::new() } else { self.materials.of.repeat(copies) };
         let materials = PackedMaterials { names: self.materials.names.clone(), of };
-        Ok(Packing { materials, remarks: self.remarks.clone(), ..Packing::new(self.origin, cell, grains) })
+        let remarks = self.remarks.clone();
+        let copy = |copy: usize| {
+            let first = copy * self.grains.len();
+            self.bodies.iter().map(move |body| PackedBody { grain: first + body.grain, ..body.clone() })
+        };
+        let bodies = (0..copies).flat_map(copy).collect();
+        Ok(Packing { bodies, materials, remarks, ..Packing::new(self.origin, cell, grains) })
     }
 }
 
@@ -54,6 +60,7 @@ mod tests {
             origin: [0.1, 0.0, -0.2],
             cell,
             grains: vec![grain(1, [0.2, 0.1, 0.0]), grain(2, [1.2, 0.1, 0.0])],
+            bodies: Vec::new(),
             materials: PackedMaterials { names: vec!["a".into(), "b".into()], of: vec![0, 1] },
             remarks: Vec::new(),
         };

@@ -150,7 +150,7 @@ proptest! {
         }).collect();
         let packing = Packing::new([0.0; 3], cell, grains);
         let lined: Vec<_> = packing.grains.iter().map(|grain| (*grain, 0)).collect();
-        prop_assert_eq!(overlap::check("p.csv", &cell, &lined).is_err(), brute_force(&packing));
+        prop_assert_eq!(overlap::check("p.csv", &cell, &lined, &[]).is_err(), brute_force(&packing));
     }
 
     #[test]

@@ -21,7 +21,8 @@ use crate::output;
 /// output file's extension.
 ///
 /// Tables: .csv and .parquet. Grains and contacts at one instant: .vtp (ParaView), .data (LAMMPS), .csv (packing). Grains at any
-/// number of instants: .xyz (extended XYZ) and .gsd (OVITO, freud).
+/// number of instants: .xyz (extended XYZ), .gsd (OVITO, freud) and .dump (LAMMPS, OVITO). Of grains of several pieces these have the pieces,
+/// with the body of each; --to vtp-bodies writes the grains with their orientations for glyphs of ParaView.
 ///
 /// With --to lammps it writes a folder with a complete input deck for LAMMPS instead: the sample (packing.data) and a script
 /// (in.granum) that tests it along the same path and writes curve.csv. The sample is that of a run or of a prepared sample as its test
@@ -42,7 +43,7 @@ pub struct Export {
     /// File to write; with --to lammps the folder.
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd. Or lammps: an input deck; or, of a
+    /// Format of the file, where its extension does not say it: vtp, vtp-bodies, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
     /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
@@ -141,7 +142,7 @@ impl Export {
                     None => format!("1 to {count}, or last"),
                 };
                 return Err(Failure::new(format!(
-                    "{error}; choose one with --snapshot ({choice}), or write a .gsd or .xyz"
+                    "{error}; choose one with --snapshot ({choice}), or write a .gsd, .xyz or .dump"
                 )));
             }
             Err(error) => return Err(error.into()),

@@ -34,6 +34,10 @@ pub struct SourceFlags {
     /// What pairs of grains are that overlap and that the table of contacts lacks, no-contacts or contacts without-force.
     #[arg(long, value_name = "ANSWER")]
     missing_pairs: Option<String>,
+    /// Take each sphere as a grain of its own, also where a column puts several into one molecule, clump or body; without it such bodies are rigid
+    /// grains.
+    #[arg(long)]
+    separate_spheres: bool,
     /// What forces are by which all grains that overlap pull each other: as-given, or reversed for those on the second grain of each
     /// contact.
     #[arg(long, value_name = "ANSWER")]
@@ -53,6 +57,7 @@ impl SourceFlags {
             ("--time-step", self.time_step.is_some()),
             ("--pairs-apart", self.pairs_apart.is_some()),
             ("--missing-pairs", self.missing_pairs.is_some()),
+            ("--separate-spheres", self.separate_spheres),
             ("--contact-forces", self.contact_forces.is_some()),
             ("--repeated-pairs", self.repeated_pairs.is_some()),
         ];
@@ -83,7 +88,7 @@ impl SourceFlags {
             positive("--density", self.density.as_deref(), Dimension::DENSITY)?,
             positive("--time-step", self.time_step.as_deref(), Dimension::TIME)?,
         );
-        let join = join.with_contacts(self.contact_options()?);
+        let join = join.with_contacts(self.contact_options()?).with_separate_spheres(self.separate_spheres);
         let observations = context.formats().read_results(&files, &join)?;
         tell_remarks(context, &observations);
         Ok(observations)

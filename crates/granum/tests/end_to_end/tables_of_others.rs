@@ -124,11 +124,13 @@ fn a_cell_goes_with_a_case_and_clumps_are_said() {
     for flags in [&["--case", "case.toml"][..], &[]] {
         let line = [&["grains.txt", "--cell", "1 m, 1 m, 1 m"][..], flags].concat();
         let found = measured(here, &line);
-        assert_eq!((&found["grains"], &found["contacts"]), (&3.into(), &2.into()));
+        assert_eq!((&found["grains"], &found["contacts"]), (&2.into(), &1.into()));
         assert_eq!(found["values"].get("mean_normal_force").is_some(), !flags.is_empty());
-        let said = found["warnings"][0].as_str().unwrap();
-        assert!(said.starts_with("2 spheres are parts of 1 body (column clump)"), "{said}");
     }
+    let found = measured(here, &["grains.txt", "--cell", "1 m, 1 m, 1 m", "--separate-spheres"]);
+    assert_eq!((&found["grains"], &found["contacts"]), (&3.into(), &2.into()));
+    let said = found["warnings"][0].as_str().unwrap();
+    assert!(said.starts_with("2 spheres are parts of 1 body (column clump)"), "{said}");
 }
 
 /// A command checks what it uses of a case: two soft grains have a force, whatever stress a sample would have.

@@ -11,7 +11,7 @@
 //! Spheres of one body (`clump`, `mol`, `body`) and several types (`type`, `material`) are taken as grains of one material, which is said. A CSV may give the cell as a
 //! [packing](super::packing_csv) does, and a [Parquet](super::parquet) of granum has it in its metadata.
 
-mod names;
+pub(super) mod names;
 #[cfg(test)]
 mod tests;
 

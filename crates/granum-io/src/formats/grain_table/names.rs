@@ -34,6 +34,11 @@ pub(super) const TANGENTIAL_ENERGY: Scalar = &["tangential_energy"];
 pub(super) const SLIDING: Scalar = &["sliding"];
 pub(super) const TOUCHING: Scalar = &["touching"];
 
+/// The names of columns that say of which body a sphere is a part.
+pub(crate) fn names_of_bodies() -> impl Iterator<Item = &'static str> {
+    CLUMP.iter().chain(MOLECULE).copied()
+}
+
 /// All of the scalars and vectors above.
 pub(super) const SCALARS: [Scalar; 14] = [
     STEP,

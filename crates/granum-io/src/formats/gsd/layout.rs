@@ -24,6 +24,7 @@ const FREE: u64 = 32 << 20;
 pub(super) enum ChunkType {
     U32,
     U64,
+    I32,
     F32,
     F64,
 }
@@ -33,6 +34,7 @@ impl ChunkType {
         match self {
             ChunkType::U32 => 3,
             ChunkType::U64 => 4,
+            ChunkType::I32 => 7,
             ChunkType::F32 => 9,
             ChunkType::F64 => 10,
         }
@@ -208,6 +210,7 @@ impl Writer {
             match kind {
                 ChunkType::U32 => self.data.extend((*value as u32).to_le_bytes()),
                 ChunkType::U64 => self.data.extend((*value as u64).to_le_bytes()),
+                ChunkType::I32 => self.data.extend((*value as i32).to_le_bytes()),
                 ChunkType::F32 => self.data.extend((*value as f32).to_le_bytes()),
                 ChunkType::F64 => self.data.extend(value.to_le_bytes()),
             }

@@ -8,6 +8,11 @@
 //! Values are written in single precision, as the schema requires, and positions and radii also in double precision
 //! (`log/particles/granum_position`, `log/particles/granum_radius`), which granum prefers when it reads the file. The cell is rotated
 //! as for a LAMMPS data file.
+//!
+//! Of grains of several pieces each piece is a particle. `particles/body` is then the number of its grain, from 0, and -1 for a grain that is one
+//! sphere; `particles/orientation` the orientation of the grain in the order w, x, y, z of HOOMD-blue, and `log/particles/granum_body` its id. The
+//! masses of the particles of a grain add up to its mass. Without this last chunk, as in files of HOOMD-blue, the spheres of a body have masses
+//! of density times volume.
 
 mod layout;
 
@@ -15,12 +20,15 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Body, Sphere, Vector};
+use granum_core::assembly::{Piece, Quaternion, Sphere, Vector};
 use granum_core::geometry::apply;
+use granum_core::rotation::product;
 
 use self::layout::{ChunkType, File, Writer};
+use super::atoms::{Atom, atoms};
 use super::lammps_data::restricted;
 use super::meanings::{self, Meanings};
+use super::quaternion::of_matrix;
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
@@ -30,6 +38,8 @@ pub struct Gsd;
 
 /// Places and radii in double precision.
 const EXACT: [&str; 2] = ["log/particles/granum_position", "log/particles/granum_radius"];
+/// The ids of the grains of which particles are pieces.
+const BODY: &str = "log/particles/granum_body";
 
 impl ResultFormat for Gsd {
     fn name(&self) -> &'static str {
@@ -50,6 +60,9 @@ impl ResultFormat for Gsd {
         Ok(frames)
     }
     fn is_written(&self) -> bool {
+        true
+    }
+    fn holds_bodies(&self) -> bool {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
@@ -110,7 +123,9 @@ fn frame(path: &Path, file: &File, k: u64) -> Result<Frame> {
             ..Sphere::default()
         })
         .collect();
-    let (bodies, kinds) = (rows("particles/body", 1)?, rows("particles/typeid", 1)?);
+    let (own, kinds) = (rows(BODY, 1)?, rows("particles/typeid", 1)?);
+    frame.masses_add_up = own.is_some();
+    let bodies = own.map_or_else(|| rows("particles/body", 1), |own| Ok(Some(own)))?;
     let value = |values: &Option<Vec<f64>>, at: usize| values.as_ref().map(|values| values[at]);
     let meanings: Vec<Meanings> = (0..count)
         .map(|at| Meanings { body: value(&bodies, at), kind: value(&kinds, at).map(|kind| kind.to_string()) })
@@ -133,37 +148,55 @@ fn add(writer: &mut Writer, observation: &ObservedAssembly) {
     let (assembly, parts) = (&observation.assembly, observation.parts);
     let (turn, edges) = restricted(&assembly.cell);
     let middle = apply(&edges, [0.5; 3]);
-    let place = |grain: &Body| {
-        let turned = apply(&turn, grain.position);
-        let inverse = granum_core::geometry::invert(&edges);
+    let inverse = granum_core::geometry::invert(&edges);
+    let place = |atom: &Atom| {
+        let turned = apply(&turn, atom.position);
         // Into the cell whose centre is the origin.
         let shift = apply(&inverse, turned).map(f64::floor);
         let back = apply(&edges, shift);
         let place: Vector = std::array::from_fn(|a| turned[a] - back[a] - middle[a]);
         place
     };
+    let atoms = atoms(assembly);
     let (lx, ly, lz) = (edges[0][0], edges[1][1], edges[2][2]);
     let cell = [lx, ly, lz, edges[0][1] / ly, edges[0][2] / lz, edges[1][2] / lz];
     writer.chunk("configuration/step", ChunkType::U64, 1, &[assembly.step as f64]);
     writer.chunk("configuration/box", ChunkType::F32, 1, &cell);
-    writer.chunk("particles/N", ChunkType::U32, 1, &[assembly.bodies.len() as f64]);
-    let places: Vec<f64> = assembly.bodies.iter().flat_map(place).collect();
+    writer.chunk("particles/N", ChunkType::U32, 1, &[atoms.len() as f64]);
+    let places: Vec<f64> = atoms.iter().flat_map(place).collect();
     writer.chunk("particles/position", ChunkType::F32, 3, &places);
     writer.chunk(EXACT[0], ChunkType::F64, 3, &places);
     if parts.has(Part::Radii) {
-        let radii: Vec<f64> = assembly.pieces.iter().map(|piece| piece.radius).collect();
+        let radii: Vec<f64> = atoms.iter().map(|atom| atom.radius).collect();
         let diameters: Vec<f64> = radii.iter().map(|radius| 2.0 * radius).collect();
         writer.chunk("particles/diameter", ChunkType::F32, 1, &diameters);
         writer.chunk(EXACT[1], ChunkType::F64, 1, &radii);
     }
     if parts.has(Part::Masses) {
-        let masses: Vec<f64> = assembly.bodies.iter().map(|grain| grain.mass).collect();
+        let masses: Vec<f64> = atoms.iter().map(|atom| atom.mass).collect();
         writer.chunk("particles/mass", ChunkType::F32, 1, &masses);
     }
     if parts.has(Part::Velocities) {
-        let velocities: Vec<f64> =
-            assembly.bodies.iter().flat_map(|grain| apply(&turn, grain.velocity)).collect();
+        let velocities: Vec<f64> = atoms.iter().flat_map(|atom| apply(&turn, atom.velocity)).collect();
         writer.chunk("particles/velocity", ChunkType::F32, 3, &velocities);
     }
+    if !assembly.all_spheres() {
+        add_bodies(writer, observation, &of_matrix(&turn), &atoms);
+    }
     writer.end_frame();
+}
+
+/// Adds what says of which grain each particle is a piece.
+fn add_bodies(writer: &mut Writer, observation: &ObservedAssembly, turn: &Quaternion, atoms: &[Atom]) {
+    let assembly = &observation.assembly;
+    let index = |piece: &Piece| match assembly.bodies.get(piece.body).and_then(|body| body.rigid) {
+        Some(_) => piece.body as f64,
+        None => -1.0,
+    };
+    let indices: Vec<f64> = assembly.pieces.iter().map(index).collect();
+    writer.chunk("particles/body", ChunkType::I32, 1, &indices);
+    let orientations: Vec<f64> = atoms.iter().flat_map(|atom| product(turn, &atom.orientation)).collect();
+    writer.chunk("particles/orientation", ChunkType::F32, 4, &orientations);
+    let ids: Vec<f64> = atoms.iter().map(|atom| atom.body as f64).collect();
+    writer.chunk(BODY, ChunkType::U64, 1, &ids);
 }

@@ -9,7 +9,10 @@
 //! The box may be tilted as in LAMMPS (`xy= xz= yz=` after `zhi`). A cell of any other shape is given by its corner
 //! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. A column `material` gives the name
 //! of the material of each grain. Other columns are ignored. Grains may be in any order; their ids must be 1, 2, ... without a gap.
+//!
+//! Where grains have several pieces, each row is a piece with its number as `id`, and [further columns](bodies) say of which body it is.
 
+mod bodies;
 mod cell;
 
 use std::io::{BufRead, Write};
@@ -20,7 +23,9 @@ use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::formats::{FrameCell, PackingFormat};
+use crate::formats::grain_table::GrainTable;
+use crate::formats::join::join;
+use crate::formats::{FrameCell, JoinOptions, PackingFormat, ReadOptions, ResultFormat};
 use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
 use crate::sheet::{Rows, Sheet, Sought};
@@ -44,11 +49,17 @@ impl PackingFormat for PackingCsv {
         })
     }
     fn read(&self, path: &Path) -> Result<Packing> {
+        if bodies::are_only_named(&cell_and_names(path)?.1) {
+            return put_together(path);
+        }
         with_header(|sought| packing(&Sheet::open(path, sought)?))
     }
     fn write(&self, path: &Path, packing: &Packing) -> Result<()> {
         write_atomically(path, |file| {
             writeln!(file, "{}", cell::text(&packing.origin, &packing.cell))?;
+            if !packing.bodies.is_empty() {
+                return bodies::write(file, packing);
+            }
             let named = !packing.materials.of.is_empty();
             writeln!(file, "id,x,y,z,radius{}", if named { ",material" } else { "" })?;
             for (k, grain) in packing.grains.iter().enumerate() {
@@ -61,6 +72,15 @@ impl PackingFormat for PackingCsv {
             }
             Ok(())
         })
+    }
+}
+
+/// The packing of a file that says which spheres are one body, and no more of the bodies.
+fn put_together(path: &Path) -> Result<Packing> {
+    let frames = GrainTable.read(path, &ReadOptions::default())?;
+    match join(vec![(path.to_path_buf(), frames)], &JoinOptions::default())?.pop() {
+        Some(found) => found.packing(path),
+        None => Err(Error::content(path, "has no grains")),
     }
 }
 
@@ -104,17 +124,27 @@ fn packing(sheet: &Sheet) -> Result<Packing> {
         let message = "the periodic cell is not given".to_string();
         return Err(sheet.whole_header_error(message).with_help(cell::EXAMPLE).into());
     };
+    let further = bodies::Further::from_header(sheet)?;
+    let mut gathered = bodies::Rows::default();
     let mut grains: Vec<(PackedGrain, usize)> = Vec::new();
     // Materials by id, since grains may stand in any order.
     let mut materials = PackedMaterials::default();
     let mut of: Vec<(u64, u8)> = Vec::new();
-    let mut rows = sheet.rows(&columns.places)?;
+    let needed = [&columns.places[..], further.as_ref().map_or(&[], |further| &further.places[..])].concat();
+    let mut rows = sheet.rows(&needed)?;
     while rows.advance()? {
         let grain = columns.grain(&rows)?;
         if let Some(place) = columns.material {
             of.push((grain.id, material(&rows, grain.id, place, &mut materials)?));
         }
+        if let Some(further) = &further {
+            gathered.push(further.row(&rows, &grain)?);
+        }
         grains.push((grain, rows.line()));
+    }
+    if further.is_some() {
+        let (packing, of) = gathered.packing(sheet.file(), (origin, cell), grains, of)?;
+        return Ok(Packing { materials: materials.in_order(of.into_iter()), ..packing });
     }
     let packing = Packing::checked(sheet.file(), origin, cell, grains)?;
     of.sort_unstable();

@@ -131,7 +131,9 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
         frame.grains.push(Sphere { id: id as u64, position, radius, ..Sphere::default() });
     }
     frame.knows(&[Part::Positions, Part::Radii]);
-    let (clumps, molecules) = (scalars(&["clumpId"])?, scalars(&["molecule", "mol", "id_multisphere"])?);
+    let (clumps, molecules) =
+        (scalars(&["clumpId"])?, scalars(&["molecule", "mol", "id_multisphere", "body"])?);
+    frame.masses_add_up = of_points.has(&["body_mass"]) || of_vertices.has(&["body_mass"]);
     let kinds = scalars(&["type", "materialId"])?;
     let value = |values: &Option<Vec<f64>>, k: usize| values.as_ref().map(|values| values[k]);
     let meaning = |k: usize| Meanings {
