@@ -17,7 +17,7 @@ use super::case_test::{CaseTest, is_of_shear};
 use super::definition::Case;
 use super::field::{Field, Value};
 use super::fields::{Fields, RENAMED, SECTIONS};
-use super::reader::{Reader, scalar};
+use super::reader::{ListError, Reader, scalar};
 use super::reading::Reading;
 use super::rules::RULES;
 use super::sensor_parameters;
@@ -173,10 +173,6 @@ impl Case {
         Ok(())
     }
 }
-
-/// A mistake in a list: the number of the wrong value, from 1, and its position in the file, or `None` if it concerns the
-/// whole list; and the message.
-type ListError = (Option<(usize, Range<usize>)>, String);
 
 impl Reader<'_> {
     fn table(&mut self, table: &DeTable<'_>, section: &str) {

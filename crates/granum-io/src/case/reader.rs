@@ -27,6 +27,10 @@ pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<
     }
 }
 
+/// A mistake in a list: the number of the wrong value, from 1, and its position in the file, or `None` if it concerns the
+/// whole list; and the message.
+pub(super) type ListError = (Option<(usize, Range<usize>)>, String);
+
 pub(super) struct Reader<'a> {
     pub(super) file: &'a str,
     /// The folder in which the files lie that the case names.

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::definition::Case;
 use super::field::{Field, Value};
-use super::reader::Reader;
+use super::reader::{ListError, Reader};
 use super::shape::{FILE, OF_TABLE, fields, put};
 use super::shape_table::ShapeTable;
 use super::shape_value::{SHAPE, only, sphere, spheres_text};
@@ -104,7 +104,7 @@ impl Reader<'_> {
     }
 
     /// The spheres of a shape from a list of lists.
-    pub(super) fn spheres(items: &[Node<'_>]) -> Result<Value, (Option<(usize, Range<usize>)>, String)> {
+    pub(super) fn spheres(items: &[Node<'_>]) -> Result<Value, ListError> {
         let one = |item: &Node<'_>| match item.get_ref() {
             DeValue::Array(cells) => {
                 let texts: Option<Vec<String>> = cells.iter().map(|cell| numbers(cell.get_ref())).collect();
@@ -122,7 +122,7 @@ impl Reader<'_> {
     pub(super) fn finish_shapes(&mut self, case: &mut Case, tables: Vec<ShapeTable>) {
         if let Some((name, span)) = self.file_of_shape.take() {
             let entry = only(case);
-            case.grains.shapes = self.from_file(entry, &name, span);
+            case.grains.shapes = self.shapes_of_file(entry, &name, span);
         }
         if tables.is_empty() {
             return;
@@ -136,7 +136,7 @@ impl Reader<'_> {
                 put(case, &mut entry, &field, value);
             }
             match file {
-                Some((name, span)) => entries.extend(self.from_file(entry, &name, span)),
+                Some((name, span)) => entries.extend(self.shapes_of_file(entry, &name, span)),
                 None => entries.push(entry),
             }
         }
@@ -144,7 +144,7 @@ impl Reader<'_> {
     }
 
     /// The shapes of a file, as lists of spheres.
-    fn from_file(&mut self, mut entry: ShapeEntry, name: &str, span: Range<usize>) -> Vec<ShapeEntry> {
+    fn shapes_of_file(&mut self, mut entry: ShapeEntry, name: &str, span: Range<usize>) -> Vec<ShapeEntry> {
         let kind = entry.kind;
         if !kind.family().description().takes_file {
             let message = format!("{SHAPE}.file means nothing with kind = {:?}", kind.name());
