@@ -3,9 +3,12 @@
 
 use granum_core::digest::Digest;
 use granum_dem::Isa;
+use granum_dem::body_insertion::insert_bodies;
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, RollingKind, TangentialKind};
+use granum_dem::observer::NoObserver;
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
+use granum_dem::shape::{ShapeEntry, ShapeKind};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -31,7 +34,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             println!("{}  {laws}, spread {spread}, {}", &digest[..16], isa.name());
         }
     }
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let digest = run_shapes(Hardware { threads: 2, isa })?;
+        println!("{}  hertz no-slip, grains of three shapes, {}", &digest[..16], isa.name());
+    }
     Ok(())
+}
+
+/// The same of grains of several shapes.
+fn run_shapes(hardware: Hardware) -> Result<String, Box<dyn std::error::Error>> {
+    let shapes = [ShapeKind::SPHERE, ShapeKind::DIMER, ShapeKind::TETRAPOD];
+    let grains = Grains::default().with(|grains| {
+        (grains.count, grains.spread) = (100, 0.2);
+        grains.shapes = shapes.map(|kind| ShapeEntry::new(kind).with_share(1.0 / 3.0)).to_vec();
+    });
+    let placed = insert_bodies(&grains, None, 0.3, 9, &mut NoObserver)?;
+    let material = Material::default().with(|material| material.interface_energy = 0.0);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let properties = Properties::new(material, contact);
+    let simulation =
+        Simulation::of_bodies(placed.cell, &placed.shapes, &placed.bodies, &placed.materials, properties)?;
+    sheared(simulation, hardware)
 }
 
 /// Digest of what a sample is after it was compressed and sheared.
@@ -42,7 +65,11 @@ fn run(
 ) -> Result<String, Box<dyn std::error::Error>> {
     let grains = Grains::default().with(|grains| (grains.count, grains.spread) = (100, spread));
     let (cell, spheres) = random_insertion(&grains, 0.35, 9)?;
-    let mut simulation = Simulation::new(cell, &spheres, properties)?;
+    sheared(Simulation::new(cell, &spheres, properties)?, hardware)
+}
+
+/// Compresses and shears a sample; digest of what it is then.
+fn sheared(mut simulation: Simulation, hardware: Hardware) -> Result<String, Box<dyn std::error::Error>> {
     simulation.set_hardware(hardware);
     simulation.set_control(CellControl::isotropic(20e3, 2e4));
     simulation.advance(4000)?;
