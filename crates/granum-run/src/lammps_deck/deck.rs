@@ -116,6 +116,10 @@ impl LammpsDeck {
         confinement: Confinement,
         follow: Option<&Follow>,
     ) -> Result<LammpsDeck, DeckError> {
+        if !packing.bodies.is_empty() {
+            let why = "some of its grains have several pieces; `granum export -o sample.data` writes them as molecules";
+            return Err(DeckError::Sample(why.into()));
+        }
         let stages = case.test_stages();
         let density = density(&stages)?;
         let mut sample = simulation(packing, case.properties().with_densities(density))?;

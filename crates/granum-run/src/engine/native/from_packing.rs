@@ -95,6 +95,9 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
             format!("{key} = {} has no effect in this run: its grains are those of {name}", shown(key))
         })
         .collect();
+    if !case.grains.are_spheres() {
+        remarks.push(format!("[grains.shape] has no effect in this run: its grains are those of {name}"));
+    }
     if let Some(why) = why_not {
         let keys = USED_IN_COMPACTION.iter().filter(|key| set(key));
         remarks.extend(keys.map(|key| {
