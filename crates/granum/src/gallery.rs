@@ -45,6 +45,8 @@ cases! {
     "powder-flow",
     "wet-grains",
     "rolling-resistance",
+    "long-grains",
+    "bedded-grains",
     "karlsruhe-dense",
     "karlsruhe-loose",
     "strain-history",
