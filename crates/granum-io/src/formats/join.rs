@@ -32,6 +32,9 @@ pub struct JoinOptions {
     pub contacts: ContactOptions,
     /// True if each sphere is a grain of its own, whatever the file says of bodies.
     pub separate_spheres: bool,
+    /// True if the masses of the spheres of a body add up to its mass also in files that do not say so, as dumps of LAMMPS are that began with a
+    /// data file of granum.
+    pub masses_add_up: bool,
 }
 
 impl JoinOptions {
@@ -43,6 +46,11 @@ impl JoinOptions {
     /// The same; each sphere is a grain of its own if `separate` is true, as it should be where molecules are not rigid.
     pub fn with_separate_spheres(self, separate: bool) -> JoinOptions {
         JoinOptions { separate_spheres: separate, ..self }
+    }
+
+    /// The same; the masses of the spheres of a body add up to its mass if `add_up` is true.
+    pub fn with_masses_that_add_up(self, add_up: bool) -> JoinOptions {
+        JoinOptions { masses_add_up: add_up, ..self }
     }
 
     /// The same with these answers to what cannot be decided of tables of contacts.
@@ -231,7 +239,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
     let found =
         ObservedAssembly { lines, remarks, clump_of, ..ObservedAssembly::new(assembly, parts, origin) };
-    let (column, masses_add_up) = (frame.clump_column.as_str(), frame.masses_add_up);
+    let (column, masses_add_up) = (frame.clump_column.as_str(), frame.masses_add_up || options.masses_add_up);
     let bodies = BodiesOfFile { path, column, masses_add_up, rounding };
     if options.separate_spheres { Ok(bodies.taken_apart(found)) } else { bodies.put_together(found) }
 }

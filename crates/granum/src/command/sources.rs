@@ -38,6 +38,10 @@ pub struct SourceFlags {
     /// grains.
     #[arg(long)]
     separate_spheres: bool,
+    /// The masses of the spheres of a molecule add up to its mass, as in dumps of LAMMPS that began with a data file of granum; without it each is
+    /// density times volume of its sphere, and the mass of the body is that of the union.
+    #[arg(long)]
+    masses_add_up: bool,
     /// What forces are by which all grains that overlap pull each other: as-given, or reversed for those on the second grain of each
     /// contact.
     #[arg(long, value_name = "ANSWER")]
@@ -58,6 +62,7 @@ impl SourceFlags {
             ("--pairs-apart", self.pairs_apart.is_some()),
             ("--missing-pairs", self.missing_pairs.is_some()),
             ("--separate-spheres", self.separate_spheres),
+            ("--masses-add-up", self.masses_add_up),
             ("--contact-forces", self.contact_forces.is_some()),
             ("--repeated-pairs", self.repeated_pairs.is_some()),
         ];
@@ -89,6 +94,7 @@ impl SourceFlags {
             positive("--time-step", self.time_step.as_deref(), Dimension::TIME)?,
         );
         let join = join.with_contacts(self.contact_options()?).with_separate_spheres(self.separate_spheres);
+        let join = join.with_masses_that_add_up(self.masses_add_up);
         let observations = context.formats().read_results(&files, &join)?;
         tell_remarks(context, &observations);
         Ok(observations)

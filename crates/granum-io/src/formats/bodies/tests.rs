@@ -262,6 +262,9 @@ fn the_mass_is_that_of_the_union() {
     for (moment, golden) in rigid.inertia.iter().zip([0.108881578947, 0.308717105263, 0.308717105263]) {
         assert!((moment / body.mass - golden).abs() < 1e-10, "{:?}", rigid.inertia);
     }
+    let options = JoinOptions::default().with_masses_that_add_up(true);
+    let found = read_text("a.data", CAPSULE, &options).unwrap();
+    assert!((found.assembly.bodies[0].mass - std::f64::consts::FRAC_PI_2).abs() < 1e-11);
     // Taken apart, the same file has three grains, of which the sum counts twice what they share.
     let apart = read_text("a.data", CAPSULE, &JoinOptions::default().with_separate_spheres(true)).unwrap();
     let sum: f64 = apart.assembly.bodies.iter().map(|body| body.mass).sum();
