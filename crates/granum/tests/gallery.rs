@@ -326,15 +326,25 @@ fn a_ready_case_is_written_run_and_compared() {
 /// Long grains are stronger than spheres of the same friction, touch more neighbours, and their long axes turn away from the load.
 #[test]
 fn long_grains_are_stronger_than_spheres() {
-    let short = [("stage.1.axial_strain", "0.2"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "40")];
+    let short =
+        [("stage.1.axial_strain", "0.2"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "40")];
     let long = test(&small("long-grains", &short));
     let mut case = small("long-grains", &short);
     case.grains.shapes.clear();
     let spheres = test(&case);
     let ratio = "stress_ratio";
-    assert!(late(&long, ratio) > 1.2 * late(&spheres, ratio), "{} {}", late(&long, ratio), late(&spheres, ratio));
+    assert!(
+        late(&long, ratio) > 1.2 * late(&spheres, ratio),
+        "{} {}",
+        late(&long, ratio),
+        late(&spheres, ratio)
+    );
     assert!(last(&long, "coordination_number") > 1.3 * last(&spheres, "coordination_number"));
-    assert!(last(&long, "long_axis_angle") > column(&long, "long_axis_angle")[0] + 3.0, "{}", last(&long, "long_axis_angle"));
+    assert!(
+        last(&long, "long_axis_angle") > column(&long, "long_axis_angle")[0] + 3.0,
+        "{}",
+        last(&long, "long_axis_angle")
+    );
     assert!(spheres.record.series.values("long_axis_angle").is_none(), "spheres have no long axes");
 }
 
@@ -342,7 +352,11 @@ fn long_grains_are_stronger_than_spheres() {
 #[test]
 fn strength_depends_on_the_angle_of_the_layers() {
     let tilted = |tilt: &str| {
-        let changes = [("preparation.bedding_tilt", tilt), ("stage.1.inertial_number", "2e-3"), ("grains.count", "500")];
+        let changes = [
+            ("preparation.bedding_tilt", tilt),
+            ("stage.1.inertial_number", "2e-3"),
+            ("grains.count", "500"),
+        ];
         peak(&test(&small("bedded-grains", &changes)), "stress_ratio")
     };
     let (across, along) = (tilted("0 deg"), tilted("90 deg"));

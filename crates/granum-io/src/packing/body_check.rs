@@ -4,7 +4,8 @@ use granum_core::Cell;
 use granum_core::assembly::Matrix;
 
 use super::lattice::reduced;
-use super::{PackedBody, PackedGrain};
+use super::packed_body::PackedBody;
+use super::packed_grain::PackedGrain;
 use crate::error::{Result, in_file};
 
 /// Largest difference of the square of the length of a quaternion from 1.

@@ -1,5 +1,6 @@
 //! Packings: grains in a periodic cell, and the checks that all formats of them share.
 
+mod assembled_bodies;
 mod body_check;
 pub(crate) mod lattice;
 pub(crate) mod near;

@@ -25,9 +25,9 @@ use self::names::*;
 use super::beginning::{extension, head};
 use super::column_names;
 use super::meanings::{self, Meanings};
-use super::packing_csv::{self, PackingCsv};
+use super::packing_csv::cell;
 use super::result::{FileContact, Frame, FrameCell, ReadOptions, ResultFormat};
-use super::{PackingFormat, csv, csv_words, parquet, stored_cell};
+use super::{csv, csv_words, parquet, stored_cell};
 use crate::error::{Error, Result};
 
 /// The format.
@@ -53,8 +53,7 @@ impl ResultFormat for GrainTable {
         let Some(line) = lines.find(|line| !line.is_empty() && !line.starts_with('#')) else { return false };
         let names = Names::new(line.split([',', ';', '\t']).map(|name| name.trim().trim_matches('"')));
         // A packing that has nothing but places and radii is read as one.
-        names.are_of_contacts()
-            || (names.are_of_grains() && (names.say_more() || !PackingCsv.recognises(head)))
+        names.are_of_contacts() || (names.are_of_grains() && (names.say_more() || !cell::is_given(head)))
     }
     fn names_columns(&self) -> bool {
         true
@@ -118,7 +117,7 @@ impl<'a> Source<'a> {
                 |name| parquet::read_with_words(path, Some(&[name])),
             );
         }
-        let (cell, names) = packing_csv::cell_and_names(path)?;
+        let (cell, names) = cell::cell_and_names(path)?;
         let numbers = |wanted: &[&str]| csv::read(path, Some(wanted));
         Source::from_columns(path, options, names, cell, numbers, |name| csv_words::read(path, Some(&[name])))
     }

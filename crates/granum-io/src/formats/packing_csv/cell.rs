@@ -2,8 +2,11 @@
 
 use granum_core::geometry::{Matrix, Vector, determinant, invert};
 
+use std::path::Path;
+
 use crate::error::Result;
-use crate::sheet::Sheet;
+use crate::formats::FrameCell;
+use crate::sheet::{Sheet, Sought};
 use granum_core::quantity::format_number;
 
 /// An example of such a line.
@@ -48,6 +51,36 @@ pub(super) fn parse(sheet: &Sheet, at: usize, line: &str) -> Result<Option<(Vect
         return Err(wrong(format!("the cell has the volume {volume:e} m3; it must be positive")).into());
     }
     Ok(Some((origin, edges)))
+}
+
+/// True if the beginning of a file has a line that gives the cell.
+pub(crate) fn is_given(head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head);
+    text.lines().map(str::trim_start).any(|line| {
+        line.trim_start_matches(['\u{feff}', '"'])
+            .strip_prefix('#')
+            .is_some_and(|comment| comment.trim_start().starts_with("periodic "))
+    })
+}
+
+/// The cell that comments give, and the names of the columns of a CSV.
+pub(crate) fn cell_and_names(path: &Path) -> Result<(Option<FrameCell>, Vec<String>)> {
+    let sheet = Sheet::open(path, &Sought::NOTHING)?;
+    let cell =
+        cell_of(&sheet, sheet.comments_before_header())?.map(|(origin, edges)| FrameCell { origin, edges });
+    Ok((cell, sheet.header().to_vec()))
+}
+
+/// Origin and edges of the cell that comments give; the last of them counts.
+pub(super) fn cell_of<'a>(
+    sheet: &Sheet,
+    comments: impl Iterator<Item = (usize, &'a str)>,
+) -> Result<Option<(Vector, Matrix)>> {
+    let mut found = None;
+    for (at, text) in comments {
+        found = parse(sheet, at, text)?.or(found);
+    }
+    Ok(found)
 }
 
 fn from_box(n: &[f64; 12]) -> (Vector, Matrix) {

@@ -13,19 +13,18 @@
 //! Where grains have several pieces, each row is a piece with its number as `id`, and [further columns](bodies) say of which body it is.
 
 mod bodies;
-mod cell;
+pub(super) mod cell;
 
 use std::io::{BufRead, Write};
 use std::path::Path;
 
-use granum_core::geometry::{Matrix, Vector};
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 use crate::formats::grain_table::GrainTable;
 use crate::formats::join::join;
-use crate::formats::{FrameCell, JoinOptions, PackingFormat, ReadOptions, ResultFormat};
+use crate::formats::{JoinOptions, PackingFormat, ReadOptions, ResultFormat};
 use crate::material_name::is_material_name;
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
 use crate::sheet::{Rows, Sheet, Sought};
@@ -41,15 +40,10 @@ impl PackingFormat for PackingCsv {
         &["csv"]
     }
     fn recognises(&self, head: &[u8]) -> bool {
-        let text = String::from_utf8_lossy(head);
-        text.lines().map(str::trim_start).any(|line| {
-            line.trim_start_matches(['\u{feff}', '"'])
-                .strip_prefix('#')
-                .is_some_and(|comment| comment.trim_start().starts_with("periodic "))
-        })
+        cell::is_given(head)
     }
     fn read(&self, path: &Path) -> Result<Packing> {
-        if bodies::are_only_named(&cell_and_names(path)?.1) {
+        if bodies::are_only_named(&cell::cell_and_names(path)?.1) {
             return put_together(path);
         }
         with_header(|sought| packing(&Sheet::open(path, sought)?))
@@ -98,29 +92,9 @@ fn with_header<T>(read: impl FnOnce(&Sought) -> Result<T>) -> Result<T> {
     read(&Sought { is_name: &is_name, count: Columns::NAMES.len(), may_have_units: false })
 }
 
-/// The cell that comments give, and the names of the columns of a CSV.
-pub(super) fn cell_and_names(path: &Path) -> Result<(Option<FrameCell>, Vec<String>)> {
-    let sheet = Sheet::open(path, &Sought::NOTHING)?;
-    let cell =
-        cell_of(&sheet, sheet.comments_before_header())?.map(|(origin, edges)| FrameCell { origin, edges });
-    Ok((cell, sheet.header().to_vec()))
-}
-
-/// Origin and edges of the cell that comments give; the last of them counts.
-fn cell_of<'a>(
-    sheet: &Sheet,
-    comments: impl Iterator<Item = (usize, &'a str)>,
-) -> Result<Option<(Vector, Matrix)>> {
-    let mut found = None;
-    for (at, text) in comments {
-        found = cell::parse(sheet, at, text)?.or(found);
-    }
-    Ok(found)
-}
-
 fn packing(sheet: &Sheet) -> Result<Packing> {
     let columns = Columns::from_header(sheet)?;
-    let Some((origin, cell)) = cell_of(sheet, sheet.comments())? else {
+    let Some((origin, cell)) = cell::cell_of(sheet, sheet.comments())? else {
         let message = "the periodic cell is not given".to_string();
         return Err(sheet.whole_header_error(message).with_help(cell::EXAMPLE).into());
     };
