@@ -271,6 +271,15 @@ class Assembly:
     def masses(self) -> _Reals:
         """Masses of the grains, kg."""
     @property
+    def piece_grains(self) -> _Integers:
+        """The grain of each sphere, as an index from 0. A grain has one sphere, or several that are fixed on it."""
+    @property
+    def piece_arms(self) -> _Reals:
+        """From the centre of its grain to that of each sphere, m: a row a sphere."""
+    @property
+    def piece_radii(self) -> _Reals:
+        """Radius of each sphere, m."""
+    @property
     def contacts(self) -> _Integers:
         """Indices, from 0, of the two grains of each contact: a row a contact."""
     @property

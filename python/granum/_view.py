@@ -77,7 +77,7 @@ def view(
         raise TypeError(f"a granum.Run, a granum.Simulation or a granum.Assembly is shown, not {type(of).__name__}")
     data = _content(of, colour, opacity, forces, chains, strongest)
     text = pathlib.Path(__file__).with_name("view.html").read_text(encoding="utf-8")
-    title = f"{data['count']} grains" if title is None else title
+    title = f"{len(of.radii)} grains" if title is None else title
     # In a script an end tag would end it.
     page = text.replace("__DATA__", json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
     return View(page.replace("__TITLE__", html.escape(title)))
@@ -99,20 +99,22 @@ def _content(of: Assembly, colour: str | npt.ArrayLike, opacity: float, forces: 
     name, values = _colours(of, colour, found)
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
     shades = (values - low) / (high - low) if high > low else np.full(len(values), 0.5)
+    # The spheres of a grain are shown where it is, also beyond the cell, and in its colour.
+    spheres, radii = of.positions[of.piece_grains] + of.piece_arms, of.piece_radii
     if "cell" in of.parts:
         start, cell = np.zeros(3), of.cell
     else:
         # The box around all grains.
-        start = (of.positions - of.radii[:, None]).min(axis=0)
-        cell = np.diag((of.positions + of.radii[:, None]).max(axis=0) - start)
+        start = (spheres - radii[:, None]).min(axis=0)
+        cell = np.diag((spheres + radii[:, None]).max(axis=0) - start)
     # The cell may be inclined to either side: everything is placed in the box around it.
     corners = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)]) @ cell.T + start
-    origin = corners.min(axis=0)
-    box = np.maximum(corners.max(axis=0) - origin, 1e-300)
+    shown_places = np.concatenate([corners, spheres])
+    origin = shown_places.min(axis=0)
+    box = np.maximum(shown_places.max(axis=0) - origin, 1e-300)
     places = (of.positions - origin) / box
-    radii = of.radii
     largest = float(radii.max()) if len(radii) else 1.0
-    grains = _bytes(np.column_stack([places, radii / largest, shades]), 65535, "<u2")
+    grains = _bytes(np.column_stack([(spheres - origin) / box, radii / largest, shades[of.piece_grains]]), 65535, "<u2")
 
     pairs, normal_forces = (of.contacts, of.normal_forces) if has_forces else (np.empty((0, 2), np.int64), np.empty(0))
     shown = np.argsort(-np.abs(normal_forces), kind="stable")[: max(0, strongest)]

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use granum_core::assembly::{Body, Contact};
+use granum_core::assembly::{Body, Contact, Piece};
 use granum_core::{Assembly, Table};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -25,6 +25,7 @@ enum Storage {
 #[derive(Clone, Copy)]
 pub enum Records {
     Grains,
+    Pieces,
     Contacts,
 }
 
@@ -49,6 +50,7 @@ impl Field {
     fn layout(&self, assembly: &Assembly) -> (usize, usize, usize) {
         let (start, stride, count) = match self.of {
             Records::Grains => (assembly.bodies.as_ptr().addr(), size_of::<Body>(), assembly.bodies.len()),
+            Records::Pieces => (assembly.pieces.as_ptr().addr(), size_of::<Piece>(), assembly.pieces.len()),
             Records::Contacts => {
                 (assembly.contacts.as_ptr().addr(), size_of::<Contact>(), assembly.contacts.len())
             }

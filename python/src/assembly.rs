@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 use std::sync::Arc;
 
-use granum_core::assembly::{Body, Contact, Vector};
+use granum_core::assembly::{Body, Contact, Piece, Vector};
 use granum_core::{Part, Parts, Table};
 use granum_io::formats::{ObservedAssembly, known_columns};
 use granum_io::snapshot::{contacts_table, grains_table};
@@ -278,6 +278,27 @@ impl Assembly {
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.of_grains(py, Part::Masses, offset_of!(Body, mass))
+    }
+
+    /// The grain of each sphere, as an index from 0. A grain has one sphere, or several that are fixed on it.
+    #[getter]
+    fn piece_grains<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let grains: Vec<i64> = self.inner.pieces.iter().map(|piece| piece.body as i64).collect();
+        let shape = vec![grains.len()];
+        arrays::integers(py, grains, shape)
+    }
+
+    /// From the centre of its grain to that of each sphere, m: a row a sphere.
+    #[getter]
+    fn piece_arms<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let of = (Records::Pieces, Part::Positions);
+        self.field(py, of, FieldKind::Vector, offset_of!(Piece, arm))
+    }
+
+    /// Radius of each sphere, m.
+    #[getter]
+    fn piece_radii<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.field(py, (Records::Pieces, Part::Radii), FieldKind::Real, offset_of!(Piece, radius))
     }
 
     /// Indices, from 0, of the two grains of each contact: a row a contact.

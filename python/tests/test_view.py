@@ -43,6 +43,22 @@ def test_a_page_holds_the_grains_and_the_forces(tested: granum.Run) -> None:
     assert chains and tubes["force"][:, 1].astype(bool).sum() == sum(len(chain) - 1 for chain in chains)
 
 
+def test_a_grain_is_shown_with_all_of_its_spheres_in_one_colour(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "case.toml").write_text(
+        '[grains]\ncount = 60\n[grains.shape]\nkind = "dimer"\n[preparation]\nsolid_fraction = "none"\nunbalanced_force = 0.05\n'
+        "[shear]\ndeviator_strain = 0.01\ninertial_number = 0.01\n[recording]\nstates = 4\n"
+    )
+    assembly = granum.run(granum.Case.read(tmp_path / "case.toml")).snapshot()
+    assert len(assembly.radii) == 60 and np.bincount(assembly.piece_grains).tolist() == [2] * 60
+    data = content(granum.view(assembly, colour=np.arange(60)))
+    grains = np.frombuffer(base64.b64decode(data["grains"]), "<u2").reshape(120, 5) / 65535
+    places = np.array(data["origin"]) + grains[:, :3] * np.array(data["box"])
+    spheres = assembly.positions[assembly.piece_grains] + assembly.piece_arms
+    assert np.abs(places - spheres).max() < 1e-4 * assembly.cell.max()
+    assert np.allclose(grains[:, 3] * data["largest"], assembly.piece_radii, rtol=1e-4)
+    assert np.allclose(grains[:, 4], assembly.piece_grains / 59, atol=1e-4)
+
+
 def test_force_chains_are_those_that_the_sensor_counts(tested: granum.Run) -> None:
     assembly = tested.snapshot()
     chains, measured = assembly.force_chains(), assembly.measure()

@@ -53,6 +53,7 @@ mod slices;
 mod stepping;
 mod team;
 
+pub use clump::time_step::time_step_share;
 pub use granum_core::{assembly, cell};
 pub use granum_shape as shape;
 pub use granum_simd::Isa;

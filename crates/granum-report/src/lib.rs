@@ -26,6 +26,7 @@ mod path;
 mod preparation;
 pub mod run;
 pub mod sample;
+pub mod shapes;
 mod state_map;
 pub mod strength;
 mod study;

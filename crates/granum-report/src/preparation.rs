@@ -9,7 +9,7 @@ use super::figure::palette::color;
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::numbers::{quantity, significant};
 use super::page::{Document, Page, tiles};
-use super::{sample, trust};
+use super::{sample, shapes, trust};
 
 /// Names of the phases by their numbers in the table.
 const PHASES: [&str; 6] = ["compaction", "relaxation", "consolidation", "", "cycles", "stages"];
@@ -58,8 +58,13 @@ pub fn report(run: &RunReport) -> Document {
         page.section("preparation", "Preparation", body);
     }
     page.section("quality", "Can it be trusted?", trust::sample_section(run));
+    let shapes = shapes::section(&mut page, run);
     let label = page.own_table_label();
-    let body = html! { (sample::own_table(&label, run).html()) (case_details(run)) };
+    let body = html! {
+        (sample::own_table(&label, run).html())
+        @if let Some(shapes) = shapes { (shapes) }
+        (case_details(run))
+    };
     page.section("case", "The sample and the case", body);
     let law = sample::law(&run.case.contact);
     let stress = quantity(run.case.preparation.mean_stress, "Pa");

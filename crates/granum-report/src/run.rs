@@ -12,7 +12,7 @@ use super::further;
 use super::material;
 use super::numbers::{quantity, significant};
 use super::page::{Document, Page, rich, tiles};
-use super::{path, preparation, sample, strength, trust};
+use super::{path, preparation, sample, shapes, strength, trust};
 
 /// The conventions for signs and axes, which every report states once.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
@@ -46,12 +46,14 @@ pub fn report(run: &RunReport) -> Document {
     page.section("quality", "Can it be trusted?", trust);
     let preparation =
         preparation::figure(run).map(|(figure, caption)| page.own_figure("preparation", &caption, &figure));
+    let shapes = shapes::section(&mut page, run);
     let label = page.own_table_label();
     page.section(
         "case",
         "The sample and the case",
         html! {
             (sample::own_table(&label, run).html())
+            @if let Some(shapes) = shapes { (shapes) }
             @if let Some(preparation) = preparation { (preparation) }
             (case_details(run))
         },

@@ -13,6 +13,7 @@ pub mod lammps_deck;
 pub mod queue;
 pub mod record;
 pub(crate) mod registry;
+mod remark_on_shapes;
 pub mod runs_table;
 pub mod stiffness;
 pub mod strength;
@@ -25,6 +26,7 @@ pub use granum_dem::observer::{
 pub use granum_io::RunKind;
 pub use laboratory::{Laboratory, LaboratoryError, PlannedRun, RunResult, Source};
 pub use registry::RunRegistry;
+pub use remark_on_shapes::remark_on_shapes;
 
 #[cfg(test)]
 mod owned_tests;

@@ -8,6 +8,7 @@ use std::fmt;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::cover::CoveredBody;
 use crate::entry::ShapeEntry;
 use crate::families;
 pub use crate::shape_error::ShapeError;
@@ -64,6 +65,19 @@ pub trait ShapeFamily: Sync {
         _notices: &mut Vec<String>,
     ) -> Result<Vec<Spheres>, ShapeError> {
         self.shapes(given)
+    }
+
+    /// The bodies of the file of a family that is read from one, with the spheres that stand for them, in the order of
+    /// [`ShapeFamily::shapes`]; none of any other family.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    fn covered_bodies(
+        &self,
+        _given: &ShapeEntry,
+        _notices: &mut Vec<String>,
+    ) -> Result<Vec<CoveredBody>, ShapeError> {
+        Ok(Vec::new())
     }
 }
 

@@ -23,7 +23,7 @@ mod shape_error;
 pub mod union_of_spheres;
 pub mod voxels;
 
-pub use descriptors::ShapeDescriptors;
+pub use descriptors::{ShapeDescriptors, widest_seam};
 pub use entry::{ShapeEntry, SizeMeasure};
 pub use family::{ShapeDescription, ShapeError, ShapeFamily, ShapeKind, ShapeParameter, Spheres};
 pub use rigid_shape::{RigidShape, ShapePiece, equivalent_radius};

@@ -31,7 +31,7 @@ impl PlacedBodies {
         properties: &Properties,
     ) -> Result<PlacedBodies, SimulationError> {
         check(cell, shapes, bodies)?;
-        let shares: Vec<f64> = shapes.iter().map(time_step::share).collect();
+        let shares: Vec<f64> = shapes.iter().map(time_step::time_step_share).collect();
         let mut placed = PlacedBodies { rows: Vec::new(), materials: Vec::new(), clumps: Clumps::default() };
         for (k, body) in bodies.iter().enumerate() {
             let (shape, material) = (&shapes[body.shape], materials.get(k).copied());

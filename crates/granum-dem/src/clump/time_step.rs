@@ -15,8 +15,9 @@ const OF_SPHERES: f64 = 3.5;
 /// Number of points on each piece at which the inverse mass is evaluated.
 const POINTS: usize = 200;
 
-/// The share of the time step of spheres of the same mass; at most one.
-pub(crate) fn share(shape: &RigidShape) -> f64 {
+/// The share of the time step of spheres of the same mass that a shape allows; at most one: `sqrt(3.5/kappa)`, kappa being the largest
+/// eigenvalue of the inverse mass over its surface, times its mass.
+pub fn time_step_share(shape: &RigidShape) -> f64 {
     if shape.as_sphere().is_some() {
         return 1.0;
     }
@@ -87,7 +88,7 @@ mod tests {
             };
             let found = stiffest(&shape);
             assert!((found / golden - 1.0).abs() < 2e-3, "{distance}: {found} {golden}");
-            assert!((share(&shape) - (3.5 / found).sqrt()).abs() < 1e-15);
+            assert!((time_step_share(&shape) - (3.5 / found).sqrt()).abs() < 1e-15);
         }
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use granum_dem::contact::choice::check;
 use granum_dem::contact::choice::law_error::LawError;
+use granum_dem::shape::ShapeEntry;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -47,6 +48,14 @@ impl Case {
     /// # Errors
     /// As for [`Case::read`].
     pub fn read_as(path: impl AsRef<Path>, reading: Reading) -> Result<Case> {
+        Ok(Case::read_with_shapes(path, reading)?.0)
+    }
+
+    /// The same, with the shapes of its grains as the file has them. A case holds the spheres of a mesh or an image in place of its name.
+    ///
+    /// # Errors
+    /// As for [`Case::read`].
+    pub fn read_with_shapes(path: impl AsRef<Path>, reading: Reading) -> Result<(Case, Vec<ShapeEntry>)> {
         let path = path.as_ref();
         let text = crate::text::read_small(path, LARGEST_FILE)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -75,11 +84,11 @@ impl Case {
     /// # Errors
     /// As for [`Case::parse`].
     pub fn parse_as(text: &str, file: &str, reading: Reading) -> Result<Case> {
-        Case::parse_in(text, file, Path::new(file).parent().unwrap_or(Path::new("")), reading)
+        Ok(Case::parse_in(text, file, Path::new(file).parent().unwrap_or(Path::new("")), reading)?.0)
     }
 
     /// Reads the text of a case file in a folder, in which the files lie that it names.
-    fn parse_in(text: &str, file: &str, folder: &Path, reading: Reading) -> Result<Case> {
+    fn parse_in(text: &str, file: &str, folder: &Path, reading: Reading) -> Result<(Case, Vec<ShapeEntry>)> {
         let text: Arc<str> = Arc::from(text);
         let document = DeTable::parse(&text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
@@ -104,6 +113,7 @@ impl Case {
             pairs: Vec::new(),
             shapes: Vec::new(),
             file_of_shape: None,
+            written_shapes: Vec::new(),
             undeclared_parameters: BTreeMap::new(),
         };
         reader.table(document.get_ref(), "");
@@ -137,7 +147,11 @@ impl Case {
             reader.check_bare_numbers(document.get_ref(), &case);
         }
         reader.errors.sort_by_key(|error| error.span.start);
-        if reader.errors.is_empty() { Ok(case) } else { Err(Error::Inputs(reader.errors)) }
+        if reader.errors.is_empty() {
+            Ok((case, reader.written_shapes))
+        } else {
+            Err(Error::Inputs(reader.errors))
+        }
     }
 
     /// Sets one field from text, as given by a flag of the program: `case.set("grains.diameter", "0.2 mm")`.

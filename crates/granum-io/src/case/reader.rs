@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use granum_dem::shape::ShapeEntry;
 use toml::de::DeValue;
 
 use super::case_stage::CaseStage;
@@ -51,6 +52,8 @@ pub(super) struct Reader<'a> {
     pub(super) shapes: Vec<ShapeTable>,
     /// The file of the section `[grains.shape]`.
     pub(super) file_of_shape: Option<(String, Range<usize>)>,
+    /// The shapes as the file has them: those of a mesh or an image with its name in place of spheres.
+    pub(super) written_shapes: Vec<ShapeEntry>,
     /// Parameters of sensors that this program does not know, by key.
     pub(super) undeclared_parameters: BTreeMap<String, f64>,
 }

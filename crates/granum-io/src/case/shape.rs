@@ -104,6 +104,20 @@ impl Case {
         text
     }
 
+    /// The shapes of the grains as a part of a case file: the section `[grains.shape]`, or its tables where there are several.
+    pub fn shapes_part(&self) -> String {
+        if self.has_shape_tables() {
+            return self.shapes_toml().trim_start().to_string();
+        }
+        let mut text = format!("[{SHAPE}]\n");
+        for (key, field, value) in lines_of(self, &only(self)) {
+            if key != OF_TABLE[0][0] {
+                text.push_str(&format!("{key} = {}\n", text_of(field.as_deref(), &value)));
+            }
+        }
+        text
+    }
+
     /// Keys and values of the tables, for comparisons: `grains.shape.1.kind`.
     pub(super) fn shape_values(&self) -> Vec<(String, String)> {
         let mut values = Vec::new();

@@ -123,6 +123,8 @@ impl Reader<'_> {
         if let Some((name, span)) = self.file_of_shape.take() {
             let entry = only(case);
             case.grains.shapes = self.shapes_of_file(entry, &name, span);
+        } else {
+            self.written_shapes = case.grains.shapes.clone();
         }
         if tables.is_empty() {
             return;
@@ -137,7 +139,10 @@ impl Reader<'_> {
             }
             match file {
                 Some((name, span)) => entries.extend(self.shapes_of_file(entry, &name, span)),
-                None => entries.push(entry),
+                None => {
+                    self.written_shapes.push(entry.clone());
+                    entries.push(entry);
+                }
             }
         }
         case.grains.shapes = entries;
@@ -155,6 +160,7 @@ impl Reader<'_> {
         }
         let made = self.named_file(name).and_then(|path| {
             entry.file = Some(path);
+            self.written_shapes.push(entry.clone());
             entry.check().map_err(|error| error.to_string())?;
             kind.family().shapes(&entry).map_err(|error| error.to_string())
         });

@@ -74,6 +74,8 @@ struct Disc {
     radius: f64,
     depth: f64,
     loaded: bool,
+    /// The grain, if it has several pieces: their discs are drawn as one.
+    body: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,12 +100,15 @@ impl ForceChains {
             [x[right], x[up]]
         };
         let inside = |s: &Vector| view.slice.is_none_or(|[low, high]| s[depth] >= low && s[depth] <= high);
-        let places: Vec<Option<Vector>> = (assembly.pieces.iter())
-            .map(|piece| {
-                let s = apply(&inverse, piece.position).map(|s| s - s.floor());
-                s.iter().all(|s| s.is_finite()).then_some(s)
-            })
-            .collect();
+        let place = |position: Vector| -> Option<Vector> {
+            let s = apply(&inverse, position).map(|s| s - s.floor());
+            s.iter().all(|s| s.is_finite()).then_some(s)
+        };
+        let has_several = |body: usize| assembly.bodies.get(body).is_some_and(|body| body.rigid.is_some());
+        // Centres of grains; that of a sphere is that of its piece.
+        let centres: Vec<Option<Vector>> = assembly.bodies.iter().map(|body| place(body.position)).collect();
+        let centre_of_body = |body: usize| centres.get(body).copied().flatten();
+        let centre_of = |piece: usize| centre_of_body(assembly.body_of(piece)?);
         let mut degree = vec![0u32; assembly.bodies.len()];
         let mean = mean_force(&assembly.contacts);
         let mut picture = ForceChains {
@@ -119,24 +124,22 @@ impl ForceChains {
             ..Default::default()
         };
         for contact in &assembly.contacts {
-            let (Some(Some(i)), Some(Some(j))) = (places.get(contact.i), places.get(contact.j)) else {
-                continue;
-            };
+            let (Some(i), Some(j)) = (centre_of(contact.i), centre_of(contact.j)) else { continue };
             let force = if mean > 0.0 { contact.normal_force / mean } else { 0.0 };
             for body in assembly.bodies_of(contact).into_iter().flatten() {
                 if let Some(degree) = degree.get_mut(body) {
                     *degree += 1;
                 }
             }
-            let shown = inside(i) && inside(j) && force.is_finite() && force >= view.smallest_force;
-            let branch = apply(&inverse, contact.branch);
+            let shown = inside(&i) && inside(&j) && force.is_finite() && force >= view.smallest_force;
+            let branch = apply(&inverse, assembly.branch_of_bodies(contact));
             if !shown || !branch.iter().all(|b| b.is_finite()) {
                 continue;
             }
             let end: Vector = std::array::from_fn(|k| i[k] + branch[k]);
             let begin: Vector = std::array::from_fn(|k| j[k] - branch[k]);
             let crosses = end.iter().any(|s| !(0.0..=1.0).contains(s));
-            let images = [(*i, end), (begin, *j)];
+            let images = [(i, end), (begin, j)];
             for (a, b) in images.into_iter().take(if crosses { 2 } else { 1 }) {
                 let Some((enter, leave)) = clip::segment(a, b, [0.0; 3], [1.0; 3]) else { continue };
                 let at = |t: f64| -> Vector { std::array::from_fn(|k| a[k] + t * (b[k] - a[k])) };
@@ -149,28 +152,38 @@ impl ForceChains {
                 });
             }
         }
-        for (piece, place) in assembly.pieces.iter().zip(&places) {
-            let loaded = degree.get(piece.body).is_some_and(|degree| *degree >= 2);
-            if let Some(s) = place.as_ref().filter(|s| picture.slice && inside(s)) {
-                picture.add_grain(*s, piece.radius, loaded, [right, up, depth], &assembly.cell, &project);
+        let pieces = if picture.slice { &assembly.pieces[..] } else { &[] };
+        for piece in pieces {
+            let (Some(s), Some(centre)) = (place(piece.position), centre_of_body(piece.body)) else {
+                continue;
+            };
+            // A grain is shown as a whole, if its centre is in the slice.
+            if inside(&centre) {
+                let disc = Disc {
+                    at: [0.0; 2],
+                    radius: piece.radius,
+                    depth: centre[depth],
+                    loaded: degree.get(piece.body).is_some_and(|degree| *degree >= 2),
+                    body: has_several(piece.body).then_some(piece.body),
+                };
+                picture.add_grain(s, disc, [right, up], &assembly.cell, &project);
             }
         }
         picture.extent = bounds(&picture.outline).1;
-        picture.grains.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        picture.grains.sort_by(|a, b| b.depth.total_cmp(&a.depth).then(a.body.cmp(&b.body)));
         picture
     }
 
-    /// Adds a grain and those of its periodic images that reach into the picture.
+    /// Adds a piece of a grain and those of its periodic images that reach into the picture.
     fn add_grain(
         &mut self,
         s: Vector,
-        radius: f64,
-        loaded: bool,
-        [right, up, depth]: [usize; 3],
+        disc: Disc,
+        [right, up]: [usize; 2],
         cell: &Matrix,
         project: &impl Fn(Vector) -> Point,
     ) {
-        let margin = |axis: usize| radius / edge_length(cell, axis).max(f64::MIN_POSITIVE);
+        let margin = |axis: usize| disc.radius / edge_length(cell, axis).max(f64::MIN_POSITIVE);
         let offsets = |axis: usize| {
             let near_low = (s[axis] < margin(axis)).then_some(1.0);
             let near_high = (s[axis] > 1.0 - margin(axis)).then_some(-1.0);
@@ -181,7 +194,7 @@ impl ForceChains {
                 let mut image = s;
                 image[right] += a;
                 image[up] += b;
-                self.grains.push(Disc { at: project(image), radius, depth: s[depth], loaded });
+                self.grains.push(Disc { at: project(image), ..disc });
             }
         }
     }
@@ -243,10 +256,13 @@ impl ForceChains {
         for loaded in [false, true] {
             let fill = if loaded { "#eeece7" } else { "#ffffff" };
             svg.begin_group(&format!("fill=\"{fill}\" stroke=\"#c4bfb4\" stroke-width=\"0.7\""));
-            for disc in self.grains.iter().filter(|disc| disc.loaded == loaded) {
-                let at = page.at(disc.at);
-                let [x, y, r] = [at[0], at[1], disc.radius * page.scale].map(one_decimal);
-                svg.raw(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n"));
+            let discs: Vec<&Disc> = self.grains.iter().filter(|disc| disc.loaded == loaded).collect();
+            for grain in discs.chunk_by(|a, b| a.body.is_some() && a.body == b.body) {
+                grain.iter().for_each(|disc| draw_disc(svg, page, disc, ""));
+                if grain.len() > 1 {
+                    // Once more without outlines, so that the outline is that of the whole grain.
+                    grain.iter().for_each(|disc| draw_disc(svg, page, disc, " stroke=\"none\""));
+                }
             }
             svg.end_group();
         }
@@ -311,6 +327,12 @@ impl ForceChains {
             text(svg, [left - 59.0, middle + 4.0], "tension", plain(INK, Anchor::Start, TICK_SIZE));
         }
     }
+}
+
+fn draw_disc(svg: &mut Svg, page: &Page, disc: &Disc, more: &str) {
+    let at = page.at(disc.at);
+    let [x, y, r] = [at[0], at[1], disc.radius * page.scale].map(one_decimal);
+    svg.raw(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"{more}/>\n"));
 }
 
 /// The stroke of a contact: its width is proportional to the force, and its colour darkens with the force.
@@ -435,6 +457,30 @@ mod tests {
         assert_eq!(picture.outline, [[0.0, 0.0], [1.0, 0.0], [1.3, 1.0], [0.3, 1.0]]);
         let identity = apply(&inverse(&assembly.cell).unwrap(), apply(&assembly.cell, [0.1, 0.2, 0.3]));
         assert!((0..3).all(|k| (identity[k] - [0.1, 0.2, 0.3][k]).abs() < 1e-12));
+    }
+
+    /// A grain of two pieces is drawn as one: its outline has no part inside, and it is shown as a whole or not at all.
+    #[test]
+    fn the_pieces_of_a_grain_are_drawn_as_one() {
+        let mut assembly = two_grains(0.4, 0.7, [0.3, 0.0, 0.0]);
+        assembly.bodies[0].rigid = Some(0);
+        assembly
+            .rigid
+            .push(granum_core::assembly::Rigid { orientation: [1.0, 0.0, 0.0, 0.0], inertia: [1.0; 3] });
+        let first = assembly.pieces[0];
+        let arm = [0.0, 0.0, 0.09];
+        assembly.pieces.push(granum_core::assembly::Piece { arm, position: [0.4, 0.5, 0.59], ..first });
+        let slice = View { slice: Some([0.45, 0.55]), ..View::strong() };
+        let picture = ForceChains::new(&assembly, slice);
+        let bodies: Vec<Option<usize>> = picture.grains.iter().map(|disc| disc.body).collect();
+        assert_eq!(bodies, [None, Some(0), Some(0)]);
+        let mut svg = Svg::new();
+        picture.draw(&mut svg, &Rect::new(0.0, 0.0, 200.0, 244.0));
+        let drawn = svg.into_body();
+        assert_eq!(drawn.matches("stroke=\"none\"").count(), 2);
+        assert_eq!(drawn.matches("<circle").count(), 5);
+        let elsewhere = View { slice: Some([0.56, 0.7]), ..View::strong() };
+        assert!(ForceChains::new(&assembly, elsewhere).grains.is_empty());
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub mod palette;
 pub mod plot;
 pub mod rich;
 pub mod rose;
+pub mod solid;
 pub mod svg;
 pub mod ticks;
 
@@ -26,6 +27,7 @@ pub use marks::{SHAPES, Shape};
 pub use plot::{Note, Plot};
 pub use rich::{Rich, literal};
 pub use rose::Rose;
+pub use solid::{Side, Solid};
 pub use svg::{Anchor, Stroke};
 
 use clip::Rect;
@@ -100,6 +102,8 @@ pub enum Content {
     Rose(Rose),
     /// A picture of force chains.
     Chains(ForceChains),
+    /// A picture of a body.
+    Solid(Solid),
 }
 
 impl Panel {
@@ -118,6 +122,11 @@ impl Panel {
         Panel { title: String::new(), content: Content::Chains(chains) }
     }
 
+    /// A picture of a body.
+    pub fn solid(solid: Solid) -> Self {
+        Panel { title: String::new(), content: Content::Solid(solid) }
+    }
+
     /// Sets the title.
     pub fn titled(mut self, title: &str) -> Self {
         self.title = title.to_owned();
@@ -127,7 +136,9 @@ impl Panel {
     fn insets(&self, height: f64) -> Insets {
         match &self.content {
             Content::Plot(plot) => plot.insets(height),
-            Content::Rose(_) | Content::Chains(_) => Insets { left: 4.0, right: 4.0, top: 4.0, bottom: 4.0 },
+            Content::Rose(_) | Content::Chains(_) | Content::Solid(_) => {
+                Insets { left: 4.0, right: 4.0, top: 4.0, bottom: 4.0 }
+            }
         }
     }
 
@@ -135,7 +146,7 @@ impl Panel {
         match &self.content {
             Content::Plot(plot) => plot.layers.clone(),
             Content::Rose(rose) => rose.legend_layers(),
-            Content::Chains(_) => Vec::new(),
+            Content::Chains(_) | Content::Solid(_) => Vec::new(),
         }
     }
 }
@@ -348,6 +359,7 @@ impl Figure {
             Content::Plot(plot) => plot.draw(svg, frame),
             Content::Rose(rose) => rose.draw(svg, frame),
             Content::Chains(chains) => chains.draw(svg, frame),
+            Content::Solid(solid) => solid.draw(svg, frame),
         }
         // The entries are drawn above the frame, where they hide nothing.
         let base = frame.top - 9.0;

@@ -3,6 +3,7 @@
 //! Spheres inside a body leave gaps between them. All radii therefore grow by one length until the union has the volume of the original, and what
 //! rounding leaves is scaled away. [`CoverReport`] says how much was missing and how well the result stands for the original.
 
+mod covered_body;
 mod euclidean;
 mod greedy;
 pub(crate) mod grid;
@@ -14,6 +15,7 @@ mod tangent;
 use granum_core::assembly::Vector;
 use granum_core::rotation::to_body;
 
+pub use covered_body::CoveredBody;
 pub use euclidean::EuclideanMap;
 pub use greedy::LargestGain;
 pub use report::CoverReport;
@@ -96,7 +98,7 @@ fn finished(original: &Original, mut spheres: Spheres) -> Result<Cover, String> 
 }
 
 /// The same mesh in its principal axes about its centre, so that the cover does not depend on how it lies.
-fn in_own_axes(mesh: &TriangleMesh) -> TriangleMesh {
+pub(crate) fn in_own_axes(mesh: &TriangleMesh) -> TriangleMesh {
     let found = moments(mesh);
     let (_, axes) = principal(&found.inertia_over_volume());
     let place = |p: &Vector| to_body(&axes, &std::array::from_fn(|a| p[a] - found.centre[a]));

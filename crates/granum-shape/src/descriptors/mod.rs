@@ -3,8 +3,11 @@
 mod bounding_box;
 mod hull;
 mod inscribed;
+mod seams;
 
 use granum_core::assembly::Vector;
+
+pub use seams::widest_seam;
 
 use crate::directions::directions;
 use crate::entry::SizeMeasure;

@@ -1,6 +1,8 @@
 //! Grains whose surface is a mesh of triangles in a file.
 
-use crate::cover::{CoverMethod, EuclideanMap, LargestGain, TangentSpheres, cover_mesh};
+use crate::cover::{
+    CoverMethod, CoveredBody, EuclideanMap, LargestGain, TangentSpheres, cover_mesh, in_own_axes,
+};
 use crate::entry::ShapeEntry;
 use crate::families::capsule::PIECES;
 use crate::families::sand::SHAPE_SEED;
@@ -47,6 +49,14 @@ impl ShapeFamily for Mesh {
         given: &ShapeEntry,
         notices: &mut Vec<String>,
     ) -> Result<Vec<Spheres>, ShapeError> {
+        Ok(spheres(self.covered_bodies(given, notices)?))
+    }
+
+    fn covered_bodies(
+        &self,
+        given: &ShapeEntry,
+        notices: &mut Vec<String>,
+    ) -> Result<Vec<CoveredBody>, ShapeError> {
         let pieces = given.value(&SPHERES) as usize;
         covered(given, notices, self, &CoverMethod::Gain(LargestGain { pieces, ..LargestGain::default() }))
     }
@@ -72,6 +82,14 @@ impl ShapeFamily for MeshEuclidean {
         given: &ShapeEntry,
         notices: &mut Vec<String>,
     ) -> Result<Vec<Spheres>, ShapeError> {
+        Ok(spheres(self.covered_bodies(given, notices)?))
+    }
+
+    fn covered_bodies(
+        &self,
+        given: &ShapeEntry,
+        notices: &mut Vec<String>,
+    ) -> Result<Vec<CoveredBody>, ShapeError> {
         let (pieces, overlap) = (given.value(&SPHERES) as usize, given.value(&OVERLAP));
         let map = EuclideanMap { pieces, overlap, ..EuclideanMap::default() };
         covered(given, notices, self, &CoverMethod::Euclidean(map))
@@ -98,6 +116,14 @@ impl ShapeFamily for MeshTangent {
         given: &ShapeEntry,
         notices: &mut Vec<String>,
     ) -> Result<Vec<Spheres>, ShapeError> {
+        Ok(spheres(self.covered_bodies(given, notices)?))
+    }
+
+    fn covered_bodies(
+        &self,
+        given: &ShapeEntry,
+        notices: &mut Vec<String>,
+    ) -> Result<Vec<CoveredBody>, ShapeError> {
         let (pieces, seed) = (given.value(&SPHERES) as usize, given.value(&SHAPE_SEED) as u64);
         let tangent = TangentSpheres { pieces, seed, ..TangentSpheres::default() };
         covered(given, notices, self, &CoverMethod::Tangent(tangent))
@@ -113,7 +139,7 @@ fn covered(
     notices: &mut Vec<String>,
     family: &dyn ShapeFamily,
     method: &CoverMethod,
-) -> Result<Vec<Spheres>, ShapeError> {
+) -> Result<Vec<CoveredBody>, ShapeError> {
     let Some(path) = &given.file else {
         let kind = family.description().name;
         let message = format!("is missing: kind = {kind:?} needs one, e.g. file = \"grain.stl\"");
@@ -127,7 +153,12 @@ fn covered(
         let advice = "take more pieces, or kind = \"mesh\", which covers better than the others";
         notices.push(format!("{:?} is covered badly: {advice}", path.display().to_string()));
     }
-    Ok(vec![cover.spheres])
+    Ok(vec![CoveredBody::of_mesh(in_own_axes(&mesh), cover)])
+}
+
+/// The spheres of covers.
+pub(crate) fn spheres(bodies: Vec<CoveredBody>) -> Vec<Spheres> {
+    bodies.into_iter().map(|body| body.cover.spheres).collect()
 }
 
 #[cfg(test)]

@@ -53,6 +53,8 @@ mod run_report;
 mod schema;
 mod scores;
 mod several_runs;
+mod shape;
+mod shape_quantities;
 mod shear;
 mod show_queue;
 mod show_steps;
@@ -112,6 +114,7 @@ commands! {
     Run(run::Run),
     Campaign(campaign::Campaign),
     Limits(limits::Limits),
+    Shape(shape::DescribeShape),
     Table(table::Table),
     Compare(compare::Compare),
     Calibrate(calibrate::Calibrate),

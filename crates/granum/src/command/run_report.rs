@@ -6,6 +6,7 @@ use granum_io::run::OWN_ENGINE;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{QualityFlag, RunRecord, RunSource, RunStatus};
+use granum_run::remark_on_shapes;
 use serde_json::{Value, json};
 
 use super::strength_text;
@@ -66,6 +67,12 @@ fn stresses(context: &Context, folder: &Path) -> Option<Stresses> {
     Stresses::read(&context.run_at(folder).ok()?)
 }
 
+/// A line about the shapes of the grains, unless all are spheres or those of a packing.
+fn shapes(context: &Context, folder: &Path, record: &RunRecord) -> Option<String> {
+    let case = context.run_at(folder).ok()?.case().ok()?;
+    remark_on_shapes(&case).filter(|_| record.packing.is_none())
+}
+
 fn text(context: &Context, folder: &Path, record: &RunRecord) -> String {
     let mut lines = Vec::new();
     let measure = |name: &str| record.measures.get(name).copied();
@@ -82,6 +89,7 @@ fn text(context: &Context, folder: &Path, record: &RunRecord) -> String {
             measure("mean_stress").unwrap_or(0.0) / 1e3,
         ));
     }
+    lines.extend(shapes(context, folder, record));
     if let Some(friction) = measure("preparation_friction") {
         let trials = measure("preparation_trials").unwrap_or(1.0);
         let cycles = match measure("preparation_cycles") {

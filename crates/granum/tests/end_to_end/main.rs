@@ -39,6 +39,7 @@ mod recordings;
 mod refusals;
 mod settings;
 mod several_runs;
+mod shapes;
 mod sixteen_cases;
 mod stages;
 mod tables;

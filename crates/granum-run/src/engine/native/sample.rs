@@ -25,6 +25,7 @@ use crate::engine::resources::Resources;
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::source::Source;
 use crate::laboratory::status::Speedometer;
+use crate::remark_on_shapes::remark_on_shapes;
 
 impl TaskExecution {
     /// The initial state of a run. A packing that has already been read can be passed in.
@@ -40,7 +41,7 @@ impl TaskExecution {
         let preparing = match source {
             Source::Folder(path) => return take_sample(case, path, &self.vocabulary, record),
             Source::Case => {
-                if let Some(remark) = remark_on_sizes(case) {
+                for remark in [remark_on_sizes(case), remark_on_shapes(case)].into_iter().flatten() {
                     note(record, remark);
                 }
                 Preparing::followed(&specification, observer)?
