@@ -158,6 +158,83 @@ class GrainsMaterial(TypedDict, total=False):
     """Young's modulus E. (from 1 kPa to 10 TPa, or a number in Pa) Default: 70 GPa."""
 
 
+class GrainsShape(TypedDict, total=False):
+    """The shape of the grains: rigid bodies of several spheres. Several shapes: tables [[grains.shape]] with share."""
+
+    angularity: Quantity
+    """Roughness D_3 of a random grain: root mean square of the part of degree 3 of its radius over the radius. 0 is
+    an ellipsoid; with kind = "sand". (from 0 to 0.06) Default: 0.03.
+    """
+    arm: Quantity
+    """Distance of the centres of the spheres of a tetrapod from its centre over their diameter; with kind =
+    "tetrapod". (from 0.05 to 0.612) Default: 0.43301270189221935.
+    """
+    aspect_ratio: Quantity
+    """Length over thickness; with kind = "capsule". (from 1.01 to 6) Default: 1.5."""
+    elongation: Quantity
+    """Intermediate over largest length, b/a: 1 is as wide as long; with kind = "ellipsoid" or kind = "sand". (from
+    0.2 to 1) Default: 0.8.
+    """
+    file: str
+    """The file of kind = "mesh" (STL, OBJ or PLY) or "voxels" (TIFF). The case of a run has the spheres and needs no
+    file.
+    """
+    flatness: Quantity
+    """Least over intermediate length, c/b: 1 is as thick as wide; with kind = "ellipsoid" or kind = "sand". (from
+    0.2 to 1) Default: 0.8.
+    """
+    kind: Literal["sphere", "dimer", "capsule", "ellipsoid", "sand", "mesh", "mesh-euclidean", "mesh-tangent", "tetrapod", "voxels", "pieces"]
+    """Family of the shape. sphere: spheres; dimer: two equal spheres; capsule: equal spheres in a row: a cylinder
+    with round ends; ellipsoid: spheres that touch an ellipsoid from inside; sand: random grains, rough
+    ellipsoids; mesh: a mesh in an STL, OBJ or PLY file, covered by the spheres that fill most of it;
+    mesh-euclidean: a mesh in a file, covered by the largest spheres that fit, one after the other; mesh-tangent:
+    a mesh in a file, covered by spheres that touch it at random points; tetrapod: four equal spheres at the
+    corners of a tetrahedron; voxels: the grains of a labelled stack of images, a TIFF file or a folder of them;
+    pieces: the spheres of the list `spheres` Default: sphere.
+    """
+    overlap: Quantity
+    """Share of its radius up to which the spheres of a cover may enter a sphere; with kind = "mesh-euclidean". (from
+    0 to 0.95) Default: 0.7.
+    """
+    pieces: Quantity
+    """Number of spheres: more of them are smoother and take longer; with kind = "capsule", kind = "ellipsoid", kind
+    = "sand", kind = "mesh", kind = "mesh-euclidean", kind = "mesh-tangent" or kind = "voxels". (from 2 to 200)
+    Default: 3.0.
+    """
+    separation: Quantity
+    """Distance of the centres of the two spheres over their diameter; with kind = "dimer". (from 0.01 to 1) Default:
+    0.5.
+    """
+    shape_seed: Quantity
+    """Seed of the random numbers of shapes: another seed gives other shapes of the same kind; with kind = "sand" or
+    kind = "mesh-tangent". (from 0 to 4.294967295e9) Default: 1.0.
+    """
+    shapes: Quantity
+    """Number of shapes that differ from each other; each grain has one of them; with kind = "sand". (from 1 to 50)
+    Default: 10.0.
+    """
+    spacing_y: Quantity
+    """Distance of the rows of an image over that of its columns; with kind = "voxels". (from 0.01 to 100) Default:
+    1.0.
+    """
+    spacing_z: Quantity
+    """Distance of the images of a stack over that of the columns of an image; with kind = "voxels". (from 0.01 to
+    100) Default: 1.0.
+    """
+    spheres: Quantities | Literal["none"]
+    """The spheres of kind = "pieces": centre and radius of each, [[x, y, z, radius], ...], in any unit of length.
+    Default: none.
+    """
+    largest: Quantity
+    """Largest diameter of the grains that have this shape; if left out: any."""
+    material: str
+    """Name of the material whose grains have this shape; if left out: all."""
+    share: Quantity
+    """Share of the mass of the grains; one may be left out and gets the rest; all are equal if none is given."""
+    smallest: Quantity
+    """Smallest diameter of the grains that have this shape; if left out: any."""
+
+
 class Grains(TypedDict, total=False):
     """The grains: how many and how large."""
 
@@ -184,6 +261,8 @@ class Grains(TypedDict, total=False):
     """Largest diameter: the distribution is cut there. (from 1 nm to 10 m, or a number in m) Default: none."""
     material: GrainsMaterial
     """What the grains are made of."""
+    shape: GrainsShape | Sequence[GrainsShape]
+    """The shape of the grains: rigid bodies of several spheres. Several shapes: tables [[grains.shape]] with share."""
     sieve_curve: Quantities | str
     """Sieve curve of distribution = "sieve-curve": the name of a CSV file with the columns diameter (mm),finer (%),
     or a list of points. Default: none.
@@ -191,6 +270,10 @@ class Grains(TypedDict, total=False):
     size_deviation: Quantity
     """Standard deviation of the diameters over their mean, by number, before a cut; with distribution = "normal" or
     distribution = "lognormal". (from 0.001 to 2) Default: 0.2.
+    """
+    size_measure: Literal["volume", "sieve"]
+    """What a diameter means where grains are not spheres. volume: the diameter of the sphere of equal volume; sieve:
+    the edge of the smallest square hole that the grain passes: its intermediate length Default: volume.
     """
     size_modulus: Quantity
     """Modulus m (exponent) of the Weibull distribution of diameters; with distribution = "weibull". (from 0.5 to
@@ -442,6 +525,15 @@ class Preparation(TypedDict, total=False):
     isotropically and relaxed with the final properties.
     """
 
+    bedding_spread: Quantity
+    """Standard deviation of the angle between the long axes and their layer; only with bedding_tilt. (from 0 deg to
+    60 deg, or a number in rad) Default: 15 deg.
+    """
+    bedding_tilt: Quantity
+    """Angle between the normal of the layers in which grains that are not spheres were deposited and axis 1, in the
+    plane of the axes 1 and 2: long axes lie in the layers. (from 0 deg to 90 deg, or a number in rad) Default:
+    none.
+    """
     compaction_stress: Quantity
     """Mean stress while compacting, from which the sample is brought to mean_stress: a smaller one makes looser
     samples. (from 1e-6 Pa to 100 GPa, or a number in Pa) Default: auto.

@@ -68,6 +68,12 @@ def typed_dict(name: str, schema: dict[str, Any], classes: list[str], special: d
     for key, value in schema["properties"].items():
         if special and key in special:
             kind = special[key]
+        elif value.get("type") == ["object", "array"]:
+            # A section, or tables with further keys.
+            kind = name + class_name(key)
+            both = value["properties"] | {key: part for key, part in value["items"]["properties"].items() if key not in value["properties"]}
+            typed_dict(kind, {"description": value["description"], "properties": both}, classes)
+            kind = f"{kind} | Sequence[{kind}]"
         elif value.get("type") == "object" and "properties" in value:
             kind = name + class_name(key)
             typed_dict(kind, value, classes, {"stage": 'Sequence["Stage"]'})
