@@ -58,8 +58,8 @@ pub fn report(run: &RunReport) -> Document {
         page.section("preparation", "Preparation", body);
     }
     page.section("quality", "Can it be trusted?", trust::sample_section(run));
-    let shapes = shapes::section(&mut page, run);
     let label = page.own_table_label();
+    let shapes = shapes::section(&mut page, run);
     let body = html! {
         (sample::own_table(&label, run).html())
         @if let Some(shapes) = shapes { (shapes) }

@@ -46,8 +46,8 @@ pub fn report(run: &RunReport) -> Document {
     page.section("quality", "Can it be trusted?", trust);
     let preparation =
         preparation::figure(run).map(|(figure, caption)| page.own_figure("preparation", &caption, &figure));
-    let shapes = shapes::section(&mut page, run);
     let label = page.own_table_label();
+    let shapes = shapes::section(&mut page, run);
     page.section(
         "case",
         "The sample and the case",

@@ -14,7 +14,9 @@ use super::palette::hex;
 use super::svg::{Point, Stroke, Svg, path_data};
 
 /// Number of cuts of a sphere, at equal angles from its rim to its front.
-const CUTS: usize = 22;
+const CUTS: usize = 36;
+/// A triangle whose normal has a smaller part towards the reader is not drawn: it would be a line.
+const EDGEWISE: f64 = 0.04;
 /// Number of shades of triangles.
 const SHADES: f64 = 24.0;
 /// Number of cells along the longest side of a mesh, in each of which its corners become one.
@@ -136,7 +138,7 @@ impl Solid {
             .filter_map(|corners| {
                 let towards = facing(corners);
                 let depth = corners.iter().map(|p| p[2]).sum::<f64>();
-                (towards > 0.0).then_some((depth, (towards * SHADES).floor() as i64, corners))
+                (towards > EDGEWISE).then_some((depth, (towards * SHADES).floor() as i64, corners))
             })
             .collect();
         facing.sort_by(|a, b| a.0.total_cmp(&b.0));
