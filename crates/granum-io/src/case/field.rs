@@ -284,7 +284,7 @@ impl Field {
             FieldKind::Number { .. }
                 | FieldKind::Law(_)
                 | FieldKind::Size(_)
-                | FieldKind::Shape(_)
+                | FieldKind::Shape(ShapeParameter { whole: false, .. })
                 | FieldKind::Sensor { .. }
         )
     }

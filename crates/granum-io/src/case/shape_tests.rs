@@ -49,6 +49,9 @@ fn keys_of_shapes_can_be_set_and_are_parameters_of_a_run() {
     assert!(Case::default().parameters().iter().all(|known| !known.key.ends_with("sphericity")));
     let error = case.set("grains.shape.1.separation", "0.5").unwrap_err().to_string();
     assert!(error.contains("needs the tables [[grains.shape]]"), "{error}");
+    // Two whole numbers of spheres are two values.
+    assert_eq!(case.shape_of("grains.shape.pieces"), crate::case::ValueShape::Plain);
+    assert_eq!(case.shape_of("grains.shape.separation"), crate::case::ValueShape::Number);
     case.set("grains.shape.kind", "sphere").unwrap();
     assert!(case.check().unwrap_err().to_string().contains("separation means nothing"));
 }
