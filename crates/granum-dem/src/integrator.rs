@@ -77,6 +77,8 @@ pub(crate) struct Integrator {
     /// Largest radius of a piece, and mean radius of the spheres of the volumes of the bodies, m.
     largest_radius: f64,
     mean_radius: f64,
+    /// Diameter of the largest ball about the centre of a clump that holds all of it, m; zero without clumps.
+    longest_clump: f64,
     /// Volume of the grains of each material, m3, and how many materials there are among the grains.
     volumes: Vec<f64>,
 }
@@ -107,6 +109,7 @@ impl Integrator {
             goals: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
+            longest_clump: 0.0,
             volumes: Vec::new(),
         };
         integrator.measure_grains();
@@ -132,6 +135,7 @@ impl Integrator {
         let pieces = &state.particles[..state.pieces()];
         self.largest_radius = pieces.iter().map(|row| row.radius()).fold(0.0, f64::max);
         self.mean_radius = radii.sum::<f64>() / bodies.len() as f64;
+        self.longest_clump = state.clumps.longest();
         self.volumes = vec![0.0; self.properties.mixture.components.len()];
         for body in bodies {
             let material = state.materials.get(state.row_of(body));
@@ -390,6 +394,12 @@ impl Integrator {
         let finite = volume.is_finite() && volume > 0.0 && fastest_grain.is_finite();
         if !(finite && state.sums.virial.iter().all(|x| x.is_finite())) {
             return Err(SimulationError::Diverged { step: state.step, time_step: state.dt });
+        }
+        // Looked at once a neighbour list: within one a cell is hardly deformed.
+        let longest = self.longest_clump;
+        let thinnest = || self.state.cell.heights().into_iter().fold(f64::INFINITY, f64::min);
+        if rebuilt && longest > 0.0 && thinnest() < longest {
+            return Err(SimulationError::NarrowForClumps { height: thinnest(), diameter: longest });
         }
         Ok(())
     }

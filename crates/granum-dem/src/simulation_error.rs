@@ -84,6 +84,17 @@ pub enum SimulationError {
         /// Largest diameter of the sphere about the centre of a grain that holds all of it, m.
         diameter: f64,
     },
+    /// The cell became thinner than a grain of several pieces is long.
+    #[error(
+        "the cell has become only {height:e} m thick, and a grain of several pieces is {diameter:e} m long: it would touch itself across the \
+         cell, which is not computed; take more grains"
+    )]
+    NarrowForClumps {
+        /// Smallest height of the cell, m.
+        height: f64,
+        /// Largest diameter of the sphere about the centre of a grain that holds all of it, m.
+        diameter: f64,
+    },
     /// The cell became too thin for the grains.
     #[error("the cell is only {height:e} m thick, less than half of the diameter {diameter:e} m of a grain")]
     Thin {

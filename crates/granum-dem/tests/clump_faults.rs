@@ -151,3 +151,21 @@ fn two_contacts_of_two_bodies_are_damped_more_than_one() {
         assert!((relative - golden).abs() < 2e-3, "{relative} {golden}");
     }
 }
+
+/// A grain that is as long as the cell is thick would touch its own image, which no contact is looked for with.
+#[test]
+fn a_cell_that_becomes_thinner_than_a_grain_is_refused() {
+    let shape = row(&[-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5]).shape;
+    let bodies = [body(1, [4.0; 3]), body(2, [4.0, 6.5, 4.0])];
+    let cell = Cell::cuboid([8.1; 3]);
+    let mut s =
+        Simulation::of_bodies(cell, &[shape], &bodies, &[], properties(NormalKind::HERTZ, 1e4, 1.0, 0.1))
+            .unwrap();
+    let mut control = CellControl::fixed();
+    control.rate[1][1] = 0.1;
+    s.set_control(control);
+    s.set_velocities(&[[0.0, 0.0, 0.3], [0.0; 3]], &[]);
+    s.fix_time_step(Some(1e-3));
+    let error = s.advance(20_000).unwrap_err().to_string();
+    assert!(error.contains("would touch itself across the cell"), "{error}");
+}

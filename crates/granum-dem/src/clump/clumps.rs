@@ -185,6 +185,12 @@ impl Clumps {
         }
     }
 
+    /// Diameter of the largest ball about the centre of a clump that holds all of it, m; zero without clumps.
+    pub(crate) fn longest(&self) -> f64 {
+        let reach = |piece: &ClumpPiece| granum_core::geometry::length(&piece.centre) + piece.radius;
+        2.0 * self.pieces.iter().map(reach).fold(0.0, f64::max)
+    }
+
     /// Smallest share of the time step of spheres; one without clumps.
     pub(crate) fn time_step_share(&self) -> f64 {
         self.bodies.iter().fold(1.0, |least, clump| clump.time_step_share.min(least))

@@ -29,7 +29,20 @@ pub fn available() -> Option<u64> {
 /// # Errors
 /// [`LaboratoryError::Memory`] with the estimate.
 pub fn check(case: &Case) -> Result<(), LaboratoryError> {
-    check_grains(case.grains.count)
+    let (grains, spheres) = (case.grains.count, spheres_of(case));
+    check_against(spheres, available()).map_err(|error| match error {
+        // In grains of this case, each of which may have several spheres.
+        LaboratoryError::Memory { needed, available, fitting, .. } => {
+            let fitting = (fitting as f64 * grains as f64 / spheres as f64) as usize;
+            LaboratoryError::Memory { grains, needed, available, fitting }
+        }
+        error => error,
+    })
+}
+
+/// Number of spheres of which the grains of a case consist: memory and time grow with them.
+pub(crate) fn spheres_of(case: &Case) -> usize {
+    case.grains.pieces().unwrap_or(case.grains.count)
 }
 
 /// As [`check`] for a number of grains.
@@ -56,6 +69,14 @@ fn check_against(grains: usize, available: Option<u64>) -> Result<(), Laboratory
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn grains_of_several_spheres_need_the_memory_of_their_spheres() {
+        let mut case = Case::default();
+        assert_eq!(spheres_of(&case), 5000);
+        case.set("grains.shape.kind", "tetrapod").unwrap();
+        assert_eq!(spheres_of(&case), 20_000);
+    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_estimate() {

@@ -221,7 +221,7 @@ impl Queue {
 
     fn fitting(&self, threads: usize, memory: Option<u64>) -> usize {
         let mut needed: Vec<u64> =
-            self.runs.iter().map(|run| memory::needed(run.case.grains.count)).collect();
+            self.runs.iter().map(|run| memory::needed(memory::spheres_of(&run.case))).collect();
         needed.sort_unstable_by(|a, b| b.cmp(a));
         let memory = memory.unwrap_or(u64::MAX);
         let sums = needed.iter().scan(0u64, |sum, needed| {

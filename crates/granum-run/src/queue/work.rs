@@ -5,6 +5,7 @@ use granum_dem::loading::{Measure, Speed, Stage, Until};
 use granum_io::run::RunKind;
 
 use super::queued_run::QueuedRun;
+use crate::laboratory::memory;
 use crate::laboratory::source::Source;
 
 /// Strain of a compaction.
@@ -34,7 +35,7 @@ fn expected(run: &QueuedRun) -> f64 {
         RunKind::Sample => 0.0,
         RunKind::Test => case.test_stages().iter().map(of_stage).sum(),
     };
-    case.grains.count as f64 * (preparation + test)
+    memory::spheres_of(case) as f64 * (preparation + test)
 }
 
 fn of_stage(stage: &Stage) -> f64 {
