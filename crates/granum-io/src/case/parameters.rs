@@ -10,6 +10,7 @@ use super::case_stage::CaseStage;
 use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::definition::Case;
 use super::field::Value;
+use super::shape_value::SHAPE;
 use super::unit::dimension;
 
 /// The value of a key of a case.
@@ -70,7 +71,9 @@ impl Case {
     /// ```
     pub fn parameters(&self) -> Vec<CaseParameter> {
         let mut all = Vec::new();
-        for field in self.fields().iter() {
+        // Spheres have no parameters of shape, so that data sets of spheres are what they were before there were shapes.
+        let spheres = self.grains.shapes.is_empty();
+        for field in self.fields().iter().filter(|field| !(spheres && is_of_shapes(&field.path()))) {
             if let Some(value) = field.value(self).filter(|_| self.test.uses(&field.path())) {
                 all.push(CaseParameter::new(
                     field.path(),
@@ -114,6 +117,11 @@ impl Case {
         }
         self.parameters().into_iter().find(|known| known.key == key).map(|known| known.unit)
     }
+}
+
+/// True for the keys that mean something only for grains that are not spheres.
+fn is_of_shapes(key: &str) -> bool {
+    key.starts_with(SHAPE) || key == "grains.size_measure" || key.starts_with("preparation.bedding_")
 }
 
 /// The value of a field, whose text in a case file is used where it is neither a number nor a list of them.

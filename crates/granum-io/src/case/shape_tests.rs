@@ -46,7 +46,10 @@ fn keys_of_shapes_can_be_set_and_are_parameters_of_a_run() {
         |key: &str| parameters.iter().find(|known| known.key == key).and_then(|known| known.number());
     assert_eq!(number("grains.shape.separation"), Some(0.8));
     assert!(number("grains.sphericity").is_some_and(|psi| psi > 0.8 && psi < 0.95));
-    assert!(Case::default().parameters().iter().all(|known| !known.key.ends_with("sphericity")));
+    let of_spheres = Case::default().parameters();
+    for word in ["sphericity", "shape", "size_measure", "bedding"] {
+        assert!(of_spheres.iter().all(|known| !known.key.contains(word)), "{word}");
+    }
     let error = case.set("grains.shape.1.separation", "0.5").unwrap_err().to_string();
     assert!(error.contains("needs the tables [[grains.shape]]"), "{error}");
     // Two whole numbers of spheres are two values.
