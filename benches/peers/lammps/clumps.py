@@ -61,6 +61,7 @@ def main():
     flags.add_argument("--rounds", type=int, default=3)
     flags.add_argument("--core", type=int, default=0)
     given = flags.parse_args()
+    given.granum, given.speed = pathlib.Path(given.granum).resolve(), pathlib.Path(given.speed).resolve()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run([given.granum, "prepare", HERE / "clumps.toml", "--out", "sample"], folder)
