@@ -75,12 +75,20 @@ fn two_pieces_hold_at_a_seam() {
     assert!(beside < 1.2, "{beside}");
 }
 
+/// Where one piece holds, its force is along the line of the two centres: in the direction of the pull it is the cosine of the angle between
+/// them of the pull-off force.
 #[test]
-#[ignore = "prints the table of the book"]
-fn table() {
-    for (name, places) in [("dimer", &[-0.25, 0.25][..]), ("capsule of 3", &[-0.5, 0.0, 0.5])] {
-        for degrees in [0.0, 30.0, 60.0, 70.0, 75.0, 80.0, 85.0, 88.0, 89.5, 90.0] {
-            println!("{name} {degrees}: {:.3}", pull_off(places, f64::to_radians(degrees)));
-        }
+fn one_piece_holds_along_the_line_of_centres() {
+    for (places, nearest, degrees) in [
+        (&[-0.25, 0.25][..], 0.25, 30.0f64),
+        (&[-0.25, 0.25], 0.25, 60.0),
+        (&[-0.25, 0.25], 0.25, 80.0),
+        (&[-0.5, 0.0, 0.5], 0.5, 60.0),
+        (&[-0.5, 0.0, 0.5], 0.0, 85.0),
+    ] {
+        let across = nearest * degrees.to_radians().sin();
+        let golden = (1.0 - across * across).sqrt();
+        let found = pull_off(places, degrees.to_radians());
+        assert!((found / golden - 1.0).abs() < 3e-3, "{degrees} degrees: {found} {golden}");
     }
 }

@@ -62,9 +62,12 @@ pub trait ShapeFamily: Sync {
     fn shapes_with_notices(
         &self,
         given: &ShapeEntry,
-        _notices: &mut Vec<String>,
+        notices: &mut Vec<String>,
     ) -> Result<Vec<Spheres>, ShapeError> {
-        self.shapes(given)
+        if !self.description().takes_file {
+            return self.shapes(given);
+        }
+        Ok(self.covered_bodies(given, notices)?.into_iter().map(|body| body.cover.spheres).collect())
     }
 
     /// The bodies of the file of a family that is read from one, with the spheres that stand for them, in the order of
@@ -105,9 +108,9 @@ kinds! {
     CAPSULE = families::capsule::Capsule,
     ELLIPSOID = families::ellipsoid::Ellipsoid,
     SAND = families::sand::Sand,
-    MESH = families::mesh::Mesh,
-    MESH_EUCLIDEAN = families::mesh::MeshEuclidean,
-    MESH_TANGENT = families::mesh::MeshTangent,
+    MESH = families::mesh::GAIN,
+    MESH_EUCLIDEAN = families::mesh::EUCLIDEAN,
+    MESH_TANGENT = families::mesh::TANGENT,
     TETRAPOD = families::tetrapod::Tetrapod,
     VOXELS = families::voxels::Voxels,
     PIECES = families::pieces::Pieces,

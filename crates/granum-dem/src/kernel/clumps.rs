@@ -36,7 +36,7 @@ impl Kernel for ClumpStage<'_> {
                 };
                 let square = step::<L>(v, clumps, ranks);
                 fastest = fastest.max(square);
-                // A maximum forgets what is not a number.
+                // A maximum leaves out what is not a number.
                 lost = square.mul_add(L::zero(), lost);
             }
             // SAFETY: only this thread works on this block.
@@ -115,7 +115,7 @@ fn step<L: Lanes>(v: &Views, clumps: &mut [Clump], ranks: &[Rank]) -> L {
     for rank in ranks {
         let square = move_pieces(v, rank, &axes, &moved);
         fastest = fastest.max(square);
-        // A maximum forgets what is not a number.
+        // A maximum leaves out what is not a number.
         lost = square.mul_add(L::zero(), lost);
     }
     fastest + lost

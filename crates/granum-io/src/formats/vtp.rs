@@ -53,13 +53,22 @@ impl ResultFormat for Vtp {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
-        let [observation] = observations else {
-            let message = format!("a VTP file holds one instant, not {}", observations.len());
-            return Err(Error::content(path, message));
-        };
-        let text = text(observation);
-        write_atomically(path, |file| file.write_all(text.as_bytes()))
+        write_one(path, observations, text)
     }
+}
+
+/// Writes the text of the one instant that a VTP file holds.
+pub(super) fn write_one(
+    path: &Path,
+    observations: &[ObservedAssembly],
+    text: fn(&ObservedAssembly) -> String,
+) -> Result<()> {
+    let [observation] = observations else {
+        let message = format!("a VTP file holds one instant, not {}", observations.len());
+        return Err(Error::content(path, message));
+    };
+    let text = text(observation);
+    write_atomically(path, |file| file.write_all(text.as_bytes()))
 }
 
 /// A straight piece of the line between the centres of a contact, inside the cell.

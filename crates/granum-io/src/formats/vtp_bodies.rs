@@ -6,19 +6,17 @@
 //! `torque` about the centre, where they are known. Field data as in [files of pieces](super::vtp). The format is chosen by its name,
 //! `vtp-bodies`; read again, the grains are spheres of equal volume.
 
-use std::io::Write;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Body, Rigid};
 use granum_core::rotation::IDENTITY;
-use std::fmt::Write as _;
 
 use super::result::{Frame, ObservedAssembly, ReadOptions, ResultFormat};
 use super::vtk_xml::VtkXml;
-use super::vtp::{BEGINNING, array, cells, fields};
-use crate::atomic::write_atomically;
-use crate::error::{Error, Result};
+use super::vtp::{BEGINNING, array, cells, fields, write_one};
+use crate::error::Result;
 
 /// The format.
 pub struct VtpBodies;
@@ -47,12 +45,7 @@ impl ResultFormat for VtpBodies {
         true
     }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
-        let [observation] = observations else {
-            let message = format!("a VTP file holds one instant, not {}", observations.len());
-            return Err(Error::content(path, message));
-        };
-        let text = text(observation);
-        write_atomically(path, |file| file.write_all(text.as_bytes()))
+        write_one(path, observations, text)
     }
 }
 

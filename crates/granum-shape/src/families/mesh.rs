@@ -9,15 +9,6 @@ use crate::families::sand::SHAPE_SEED;
 use crate::family::{ShapeDescription, ShapeError, ShapeFamily, ShapeParameter, Spheres};
 use crate::mesh;
 
-/// A mesh, covered by the spheres inside it that fill most of it.
-pub struct Mesh;
-
-/// A mesh, covered by the Euclidean map of Angelidakis et al. (2021).
-pub struct MeshEuclidean;
-
-/// A mesh, covered by spheres that touch it at random points after Ferellec and McDowell (2010).
-pub struct MeshTangent;
-
 /// Number of spheres of a cover.
 pub(crate) const SPHERES: ShapeParameter = ShapeParameter { default: 20.0, ..PIECES };
 
@@ -29,27 +20,65 @@ const OVERLAP: ShapeParameter = ShapeParameter {
     meaning: "Share of its radius up to which the spheres of a cover may enter a sphere.",
 };
 
+/// A mesh in a file, covered by spheres in one of several ways.
+pub struct Mesh {
+    description: &'static ShapeDescription,
+    method: fn(&ShapeEntry) -> CoverMethod,
+}
+
+const fn description(
+    name: &'static str,
+    help: &'static str,
+    parameters: &'static [ShapeParameter],
+) -> ShapeDescription {
+    ShapeDescription { name, help, parameters, takes_spheres: false, takes_file: true }
+}
+
+/// Covered by the spheres inside it that fill most of it.
+pub static GAIN: Mesh = Mesh {
+    description: &description(
+        "mesh",
+        "a mesh in an STL, OBJ or PLY file, covered by the spheres that fill most of it",
+        &[SPHERES],
+    ),
+    method: |given| {
+        CoverMethod::Gain(LargestGain { pieces: given.value(&SPHERES) as usize, ..LargestGain::default() })
+    },
+};
+
+/// Covered by the Euclidean map of Angelidakis et al. (2021).
+pub static EUCLIDEAN: Mesh = Mesh {
+    description: &description(
+        "mesh-euclidean",
+        "a mesh in a file, covered by the largest spheres that fit, one after the other",
+        &[SPHERES, OVERLAP],
+    ),
+    method: |given| {
+        let (pieces, overlap) = (given.value(&SPHERES) as usize, given.value(&OVERLAP));
+        CoverMethod::Euclidean(EuclideanMap { pieces, overlap, ..EuclideanMap::default() })
+    },
+};
+
+/// Covered by spheres that touch it at random points after Ferellec and McDowell (2010).
+pub static TANGENT: Mesh = Mesh {
+    description: &description(
+        "mesh-tangent",
+        "a mesh in a file, covered by spheres that touch it at random points",
+        &[SPHERES, SHAPE_SEED],
+    ),
+    method: |given| {
+        let (pieces, seed) = (given.value(&SPHERES) as usize, given.value(&SHAPE_SEED) as u64);
+        CoverMethod::Tangent(TangentSpheres { pieces, seed, ..TangentSpheres::default() })
+    },
+};
+
 impl ShapeFamily for Mesh {
     fn description(&self) -> &'static ShapeDescription {
-        &ShapeDescription {
-            name: "mesh",
-            help: "a mesh in an STL, OBJ or PLY file, covered by the spheres that fill most of it",
-            parameters: &[SPHERES],
-            takes_spheres: false,
-            takes_file: true,
-        }
+        self.description
     }
 
     fn shapes(&self, given: &ShapeEntry) -> Result<Vec<Spheres>, ShapeError> {
         self.shapes_with_notices(given, &mut Vec::new())
-    }
-
-    fn shapes_with_notices(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<Spheres>, ShapeError> {
-        Ok(spheres(self.covered_bodies(given, notices)?))
     }
 
     fn covered_bodies(
@@ -57,76 +86,7 @@ impl ShapeFamily for Mesh {
         given: &ShapeEntry,
         notices: &mut Vec<String>,
     ) -> Result<Vec<CoveredBody>, ShapeError> {
-        let pieces = given.value(&SPHERES) as usize;
-        covered(given, notices, self, &CoverMethod::Gain(LargestGain { pieces, ..LargestGain::default() }))
-    }
-}
-
-impl ShapeFamily for MeshEuclidean {
-    fn description(&self) -> &'static ShapeDescription {
-        &ShapeDescription {
-            name: "mesh-euclidean",
-            help: "a mesh in a file, covered by the largest spheres that fit, one after the other",
-            parameters: &[SPHERES, OVERLAP],
-            takes_spheres: false,
-            takes_file: true,
-        }
-    }
-
-    fn shapes(&self, given: &ShapeEntry) -> Result<Vec<Spheres>, ShapeError> {
-        self.shapes_with_notices(given, &mut Vec::new())
-    }
-
-    fn shapes_with_notices(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<Spheres>, ShapeError> {
-        Ok(spheres(self.covered_bodies(given, notices)?))
-    }
-
-    fn covered_bodies(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<CoveredBody>, ShapeError> {
-        let (pieces, overlap) = (given.value(&SPHERES) as usize, given.value(&OVERLAP));
-        let map = EuclideanMap { pieces, overlap, ..EuclideanMap::default() };
-        covered(given, notices, self, &CoverMethod::Euclidean(map))
-    }
-}
-
-impl ShapeFamily for MeshTangent {
-    fn description(&self) -> &'static ShapeDescription {
-        &ShapeDescription {
-            name: "mesh-tangent",
-            help: "a mesh in a file, covered by spheres that touch it at random points",
-            parameters: &[SPHERES, SHAPE_SEED],
-            takes_spheres: false,
-            takes_file: true,
-        }
-    }
-
-    fn shapes(&self, given: &ShapeEntry) -> Result<Vec<Spheres>, ShapeError> {
-        self.shapes_with_notices(given, &mut Vec::new())
-    }
-
-    fn shapes_with_notices(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<Spheres>, ShapeError> {
-        Ok(spheres(self.covered_bodies(given, notices)?))
-    }
-
-    fn covered_bodies(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<CoveredBody>, ShapeError> {
-        let (pieces, seed) = (given.value(&SPHERES) as usize, given.value(&SHAPE_SEED) as u64);
-        let tangent = TangentSpheres { pieces, seed, ..TangentSpheres::default() };
-        covered(given, notices, self, &CoverMethod::Tangent(tangent))
+        covered(given, notices, self, &(self.method)(given))
     }
 }
 
@@ -154,11 +114,6 @@ fn covered(
         notices.push(format!("{:?} is covered badly: {advice}", path.display().to_string()));
     }
     Ok(vec![CoveredBody::of_mesh(in_own_axes(&mesh), cover)])
-}
-
-/// The spheres of covers.
-pub(crate) fn spheres(bodies: Vec<CoveredBody>) -> Vec<Spheres> {
-    bodies.into_iter().map(|body| body.cover.spheres).collect()
 }
 
 #[cfg(test)]

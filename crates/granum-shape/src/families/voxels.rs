@@ -43,14 +43,6 @@ impl ShapeFamily for Voxels {
         self.shapes_with_notices(given, &mut Vec::new())
     }
 
-    fn shapes_with_notices(
-        &self,
-        given: &ShapeEntry,
-        notices: &mut Vec<String>,
-    ) -> Result<Vec<Spheres>, ShapeError> {
-        Ok(covers(given, notices)?.into_iter().map(|(_, _, cover)| cover.spheres).collect())
-    }
-
     fn covered_bodies(
         &self,
         given: &ShapeEntry,
