@@ -155,6 +155,78 @@ impl Contact {
     }
 }
 
+/// A bond between pieces i and j that holds: a beam of cement or rock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bond {
+    /// Its number, in the order in which bonds were made.
+    pub id: u64,
+    /// Index of piece i in [`Assembly::pieces`].
+    pub i: usize,
+    /// Index of piece j.
+    pub j: usize,
+    /// From the centre of piece i to the image of piece j that it joins, m.
+    pub branch: Vector,
+    /// Unit vector along the bond, from i to j.
+    pub normal: Vector,
+    /// Radius r_b, m.
+    pub radius: f64,
+    /// Length l when it was made, m.
+    pub length: f64,
+    /// Normal force, compression positive, N.
+    pub normal_force: f64,
+    /// Shear force on i, N.
+    pub shear_force: Vector,
+    /// Twisting couple on i about the normal, N m.
+    pub twisting_couple: f64,
+    /// Bending couple on i, N m.
+    pub bending_couple: Vector,
+    /// Elastic energy, J.
+    pub energy: f64,
+    /// How near it is to rupture: the larger of its two ratios of load to strength.
+    pub utilisation: f64,
+}
+
+impl Bond {
+    /// Elastic force on piece i, N.
+    #[inline]
+    pub fn force(&self) -> Vector {
+        std::array::from_fn(|k| self.shear_force[k] - self.normal_force * self.normal[k])
+    }
+}
+
+/// How a bond ruptured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rupture {
+    /// By tension, with bending.
+    Tension,
+    /// By shear, with twist.
+    Shear,
+}
+
+/// A bond that ruptured: a crack.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BrokenBond {
+    /// Its number, in the order in which bonds were made.
+    pub id: u64,
+    /// Ids of the bodies that it joined.
+    pub bodies: [u64; 2],
+    /// How it ruptured.
+    pub rupture: Rupture,
+    /// The elastic energy that it had, J.
+    pub energy: f64,
+    /// Time since the start of the phase, s, and the number of the phase, from 0 where the first bonds were made.
+    pub time: f64,
+    /// See `time`.
+    pub phase: u32,
+    /// Where: shares of the edges of the cell. A crack stays there while the cell is deformed.
+    pub place: Vector,
+    /// Unit vector along the bond: the normal of the crack.
+    pub normal: Vector,
+    /// Radius of the bond, m.
+    pub radius: f64,
+}
+
 /// Where the liquid of wet grains is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Liquid {
@@ -199,6 +271,12 @@ pub struct Assembly {
     /// stress, but they are no contacts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub apart: Vec<Contact>,
+    /// The bonds that hold, in the order of their numbers; empty without bonds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bonds: Vec<Bond>,
+    /// The bonds that ruptured, in the order in which they did.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub broken_bonds: Vec<BrokenBond>,
     /// Names of the materials, if there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,

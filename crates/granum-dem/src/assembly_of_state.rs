@@ -77,6 +77,7 @@ impl State {
         out.target_mean_stress = self.target_mean_stress();
         out.liquid = self.liquid(laws, &order);
         out.energy = self.ledger.named(laws);
+        self.add_bonds_to(&rank, out);
     }
 
     /// The contacts of the pairs in these slots, in the order of the ranks of their grains.

@@ -3,7 +3,8 @@
 //!
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian. The body ends with the
 //! energies in the channels of all laws where there are others than that of the normal law's first channel. Where grains have several pieces
-//! the version is 9, and the body ends with these energies, which are always there, and the clumps.
+//! the version is 9, and the body ends with these energies, which are always there, and the clumps. Where there are bonds, or were, the version
+//! is 10, and the body ends with the names of the laws of bonds and the bonds.
 
 use std::io::Write;
 
@@ -11,6 +12,7 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
+use crate::bond::Bonds;
 use crate::clump::clumps::Clumps;
 use crate::contact::choice::registry::Laws;
 use crate::images::IMAGES;
@@ -24,8 +26,10 @@ use crate::state::State;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
-/// Newest version that this granum reads and writes: of states with grains of several pieces.
-pub const VERSION: u32 = 9;
+/// Newest version that this granum reads and writes: of states with bonds.
+pub const VERSION: u32 = 10;
+/// Version of states without bonds in which grains have several pieces.
+pub const OF_CLUMPS: u32 = 9;
 /// Version of states in which every grain is a sphere.
 pub const OF_SPHERES: u32 = 8;
 
@@ -118,8 +122,11 @@ impl BodyOf<'_> {
     fn write(&self, out: impl Write) -> std::io::Result<(u64, u32)> {
         let mut stream = Stream { out, length: 0, sum: crc32fast::Hasher::new(), error: None };
         let mut written = postcard::serialize_with_flavor(self, &mut stream);
-        let clumps = &self.state.clumps;
-        if written.is_ok() && !clumps.is_empty() {
+        let (clumps, bonds) = (&self.state.clumps, &self.state.bonds);
+        if written.is_ok() && !bonds.is_empty() {
+            let end = (&self.state.ledger.channels, clumps, bonds.law_names(), bonds);
+            written = postcard::serialize_with_flavor(&end, &mut stream);
+        } else if written.is_ok() && !clumps.is_empty() {
             written = postcard::serialize_with_flavor(&(&self.state.ledger.channels, clumps), &mut stream);
         } else if let (Ok(()), Some(channels)) = (&written, self.state.ledger.further_channels()) {
             written = postcard::serialize_with_flavor(channels, &mut stream);
@@ -146,7 +153,11 @@ impl Simulation {
         };
         let (length, sum) = body.write(std::io::sink())?;
         out.write_all(MAGIC)?;
-        let version = if self.state().has_clumps() { VERSION } else { OF_SPHERES };
+        let version = match self.state() {
+            state if !state.bonds.is_empty() => VERSION,
+            state if state.has_clumps() => OF_CLUMPS,
+            _ => OF_SPHERES,
+        };
         out.write_all(&version.to_le_bytes())?;
         out.write_all(&length.to_le_bytes())?;
         out.write_all(&sum.to_le_bytes())?;
@@ -173,6 +184,13 @@ impl Simulation {
         let (version, content) = checked_body(bytes)?;
         let (mut body, rest): (Body, &[u8]) = postcard::take_from_bytes(content).map_err(unreadable)?;
         if version == VERSION {
+            let ((channels, clumps, names, bonds), rest) =
+                postcard::take_from_bytes::<(_, _, Vec<String>, Bonds)>(rest).map_err(unreadable)?;
+            no_more(rest)?;
+            body.state.ledger.channels = channels;
+            body.state.clumps = clumps;
+            body.state.bonds = bonds.with_laws(&names, laws).map_err(CheckpointError::Inconsistent)?;
+        } else if version == OF_CLUMPS {
             let ((channels, clumps), rest) = postcard::take_from_bytes(rest).map_err(unreadable)?;
             no_more(rest)?;
             body.state.ledger.channels = channels;
@@ -185,6 +203,9 @@ impl Simulation {
         check_numbers(&body)?;
         check_state(&body.state)?;
         check_clumps(&body.state)?;
+        if !body.state.bonds.are_consistent(body.state.ids.len()) {
+            return Err(inconsistent("bonds"));
+        }
         let properties = body.properties.among(laws).map_err(CheckpointError::Inconsistent)?;
         let mut simulation = Simulation::from_parts(body.state, properties)?;
         let integrator = &mut simulation.integrator;

@@ -7,6 +7,7 @@ use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
+use crate::bond::BondWork;
 use crate::boundary::Boundary;
 use crate::clump::clumps::NO_CLUMP;
 use crate::clump::ranks::Ranks;
@@ -68,6 +69,7 @@ pub(crate) struct Integrator {
     pub(crate) clump_of: Vec<u32>,
     pub(crate) arms: Vec<Row4>,
     ranks: Ranks,
+    pub(crate) bond_work: BondWork,
     /// Share of the time step of spheres that all clumps allow.
     clump_share: f64,
     /// What acts on grains from outside, beside the cell.
@@ -104,6 +106,7 @@ impl Integrator {
             clump_of: Vec::new(),
             arms: Vec::new(),
             ranks: Ranks::default(),
+            bond_work: BondWork::default(),
             clump_share: 1.0,
             boundaries: Vec::new(),
             goals: Vec::new(),
@@ -112,10 +115,16 @@ impl Integrator {
             longest_clump: 0.0,
             volumes: Vec::new(),
         };
-        integrator.measure_grains();
-        integrator.clump_share = integrator.state.clumps.time_step_share();
-        integrator.find_rows_of_clumps();
+        integrator.measure_bodies();
+        integrator.bond_work = BondWork::new(&integrator.state.bonds);
         integrator
+    }
+
+    /// Measures what follows from the bodies.
+    pub(crate) fn measure_bodies(&mut self) {
+        self.measure_grains();
+        self.clump_share = self.state.clumps.time_step_share();
+        self.find_rows_of_clumps();
     }
 
     /// Finds which rows are pieces of clumps, and where those are.
@@ -223,8 +232,10 @@ impl Integrator {
         let state = &mut self.state;
         let moved = images::wrap(&state.cell, &mut state.particles[..n]);
         state.clumps.wrap(&state.cell, &moved);
+        state.bonds.wrap(&moved);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
+        self.renew_bonds(new_place.as_deref());
         let laws = self.properties.contact;
         self.find_rows_of_clumps();
         let state = &mut self.state;
@@ -379,6 +390,7 @@ impl Integrator {
     /// Serial work after the contacts: totals, energy balance, list statistics.
     pub(crate) fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
         self.state.sums = ContactSums::total(&self.contact_sums);
+        self.add_bonds();
         self.add_loads();
         let state = &mut self.state;
         state.ledger.add(state.dt, &state.sums);
@@ -448,6 +460,7 @@ impl Integrator {
             ranks_of_eight: RawSlice::new(&mut self.ranks.of_eight),
             clump_of: RawSlice::new(&mut self.clump_of),
             arms: RawSlice::new(&mut self.arms),
+            bonds: self.bond_work.views(&mut s.bonds),
             equal: self.equal,
             far: (s.pairs.memory.len() + s.pairs.constants.len()) * size_of::<Row8>() > FAR,
             alike: self.alike,

@@ -5,6 +5,7 @@
 //! rate and normal force. SI units throughout.
 
 pub mod body_insertion;
+pub mod bond;
 pub mod boundary;
 pub mod checkpoint;
 mod clump;

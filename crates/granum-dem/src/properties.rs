@@ -120,6 +120,16 @@ impl Properties {
         Ok(self.table().between(places[0], places[1]).pair(radii))
     }
 
+    /// True if an interface energy attracts any two grains.
+    pub(crate) fn attracts(&self) -> bool {
+        let mixture = &self.mixture;
+        let of_one = mixture.is_empty() && self.material.interface_energy > 0.0;
+        let of_component = mixture.components.iter().any(|c| c.material.interface_energy > 0.0);
+        of_one
+            || of_component
+            || mixture.pairs.iter().any(|rule| rule.interface_energy.is_some_and(|g| g > 0.0))
+    }
+
     /// The properties of contacts between any two materials.
     pub(crate) fn table(&self) -> PairTable {
         PairTable::new(&self.material, &self.contact, &self.mixture)

@@ -8,6 +8,7 @@ use granum_core::{MacroState, ObservedState, Parts};
 use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, Vector};
+use crate::bond::Bonds;
 use crate::boundary::Boundary;
 use crate::cell::Cell;
 use crate::clump::clumps::Clumps;
@@ -151,6 +152,7 @@ impl Simulation {
             servo_error: ServoError::default(),
             judge_from: 0.0,
             clumps,
+            bonds: Bonds::default(),
         };
         let mut simulation = Simulation { integrator: Integrator::new(state, properties) };
         simulation.integrator.rebuild();
@@ -498,6 +500,7 @@ impl Integrator {
             }
         }
         state.clumps.scale(ratio, slower);
+        state.bonds.scale(ratio);
         state.sums.fastest /= ratio;
         // Half of the work in the first step uses the power of the last one, which was computed on the old time scale.
         state.sums.boundary_power *= slower;

@@ -64,6 +64,12 @@ pub enum SimulationError {
         /// Time step, s.
         time_step: f64,
     },
+    /// Bonds that cannot be made.
+    #[error("bonds: {what}")]
+    Bonds {
+        /// What is wrong and what would be right.
+        what: String,
+    },
     /// Grains of several pieces with liquid that bridges share.
     #[error(
         "contact.adhesion = {law:?} keeps liquid in films on spheres, and some grains have several pieces: the film of such a grain belongs to \

@@ -4,6 +4,7 @@ use std::cell::UnsafeCell;
 
 use granum_simd::dispatch;
 
+use crate::bond::{BondStage, BondedStage};
 use crate::contact_sums::ContactSums;
 use crate::integrator::Integrator;
 use crate::kernel::{self, ClumpStage, GrainStage, PruneStage, Views, larger};
@@ -31,6 +32,21 @@ enum StepStage {
     Prune(Moved),
     /// The contacts are evaluated, after the grains moved.
     Contacts(Moved),
+    /// The bonds are strained, judged and loaded.
+    Bonds(Moved),
+    /// The pieces that have bonds add up their loads.
+    Bonded(Moved),
+}
+
+impl StepStage {
+    /// Number of blocks that the threads share.
+    fn blocks(self, views: &Views) -> usize {
+        match self {
+            StepStage::Bonds(_) => views.bonds.blocks()[0],
+            StepStage::Bonded(_) => views.bonds.blocks()[1],
+            _ => views.blocks.len(),
+        }
+    }
 }
 
 /// The data that the threads of a run share.
@@ -59,7 +75,7 @@ impl Team<'_> {
             while let Some(blocks) = self.work.claim(thread) {
                 // SAFETY: the stage does not change until the claimed blocks have been reported.
                 let (views, stage) = unsafe { (&*self.views.get(), *self.stage.get()) };
-                let (count, all) = (blocks.len(), views.blocks.len());
+                let (count, all) = (blocks.len(), stage.blocks(views));
                 match stage {
                     StepStage::Grains if views.clumps.len() == 0 => {
                         dispatch(self.isa, GrainStage::<false> { views, blocks });
@@ -68,6 +84,8 @@ impl Team<'_> {
                     StepStage::Clumps => dispatch(self.isa, ClumpStage { views, blocks }),
                     StepStage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
                     StepStage::Contacts(_) => (self.contacts)(views, blocks),
+                    StepStage::Bonds(_) => dispatch(self.isa, BondStage { views, blocks }),
+                    StepStage::Bonded(_) => dispatch(self.isa, BondedStage { views, blocks }),
                 }
                 if self.work.report(count, all) {
                     // SAFETY: that was the last block, and no other can be claimed.
@@ -108,7 +126,12 @@ impl Team<'_> {
                     self.open(if stale { StepStage::Prune(moved) } else { StepStage::Contacts(moved) });
                 }
                 StepStage::Prune(moved) => self.open(StepStage::Contacts(moved)),
-                StepStage::Contacts(Moved { fastest, renewed }) => {
+                StepStage::Contacts(moved) if (*self.views.get()).bonds.blocks()[0] > 0 => {
+                    self.open(StepStage::Bonds(moved));
+                }
+                StepStage::Bonds(moved) => self.open(StepStage::Bonded(moved)),
+                StepStage::Contacts(Moved { fastest, renewed })
+                | StepStage::Bonded(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;
                     integrator.exchange_liquid(&*self.views.get());
@@ -130,10 +153,16 @@ impl Team<'_> {
     /// As for [`Team::turn`].
     unsafe fn open(&self, stage: StepStage) {
         // SAFETY: no thread reads the stage or the views yet.
-        let blocks = unsafe {
+        let views = unsafe {
             *self.stage.get() = stage;
-            (*self.views.get()).blocks.read()
+            &*self.views.get()
         };
+        if let StepStage::Bonds(_) | StepStage::Bonded(_) = stage {
+            let all = stage.blocks(views);
+            return self.work.open(|thread| all * thread / self.threads..all * (thread + 1) / self.threads);
+        }
+        // SAFETY: as above.
+        let blocks = unsafe { views.blocks.read() };
         self.work.open(|thread| share_batches(blocks, thread, self.threads));
     }
 
@@ -212,7 +241,9 @@ pub(crate) fn forces(integrator: &mut Integrator) {
         // With the bridges that have just formed.
         contact_stage(integrator)(&views, blocks);
     }
+    integrator.bond_forces(&views);
     integrator.state.sums = ContactSums::total(&integrator.contact_sums);
+    integrator.add_bonds();
     integrator.add_loads();
 }
 

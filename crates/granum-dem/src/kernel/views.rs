@@ -3,6 +3,7 @@
 use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
+use crate::bond::BondViews;
 use crate::clump::clumps::Clump;
 use crate::clump::ranks::Rank;
 use crate::contact::choice::contact_model::ContactModel;
@@ -47,6 +48,8 @@ pub(crate) struct Views {
     pub(crate) clump_of: RawSlice<u32>,
     /// The arm of each row from the centre of its body, m.
     pub(crate) arms: RawSlice<Row4>,
+    /// Bonds; empty without bonds.
+    pub(crate) bonds: BondViews,
     /// True where all grains have the same mass and radius.
     pub(crate) equal: bool,
     /// True where the contact data do not fit into the caches.

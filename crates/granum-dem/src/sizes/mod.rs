@@ -16,7 +16,7 @@ mod equal;
 mod fractal;
 mod grains;
 mod lognormal;
-mod normal;
+pub(crate) mod normal;
 mod two_sizes;
 mod uniform;
 mod weibull;

@@ -22,7 +22,7 @@ pub(super) fn normal_share(z: f64) -> f64 {
 
 /// The z below which a share of the standard normal distribution lies, by bisection. It decides the diameters of samples, so that another way, whose last
 /// digits would differ, would change the bits of runs; `granum_nets::normal` serves statistics.
-pub(super) fn normal_quantile(share: f64) -> f64 {
+pub(crate) fn normal_quantile(share: f64) -> f64 {
     let (mut low, mut high) = (-40.0, 40.0);
     for _ in 0..64 {
         let middle = 0.5 * (low + high);

@@ -7,6 +7,7 @@ use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::{EnergyBalance, Matrix, Vector};
+use crate::bond::Bonds;
 use crate::cell::Cell;
 use crate::clump::clumps::{Clump, Clumps, NO_CLUMP};
 use crate::contact_sums::ContactSums;
@@ -70,6 +71,9 @@ pub struct State {
     /// Bodies of several pieces. A checkpoint has them at its end, if there are any.
     #[serde(skip)]
     pub(crate) clumps: Clumps,
+    /// Bonds. A checkpoint has them at its end, if there ever were any.
+    #[serde(skip)]
+    pub(crate) bonds: Bonds,
 }
 
 /// Length of the strain chords that are added up to the arc length: shorter movements to and fro, caused by the servo, do
@@ -331,6 +335,7 @@ impl State {
         self.time = 0.0;
         self.step = 0;
         self.ledger = Ledger::default();
+        self.bonds.reset_phase();
         self.servo_error = ServoError::default();
     }
 

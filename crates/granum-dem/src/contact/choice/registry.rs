@@ -4,6 +4,7 @@ use granum_core::RegistrationError;
 use serde::de::{Deserialize, Deserializer, Error};
 
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+use crate::bond::law::kind::BondKind;
 use crate::contact::law::description::{LawDescription, LawParameter};
 use crate::contact::law::energy_channel::{EnergyChannel, TAKEN_KEYS};
 use crate::contact::law::limits::MOST_PARAMETERS;
@@ -89,6 +90,7 @@ pub struct Laws {
     tangential: Vec<TangentialKind>,
     rolling: Vec<RollingKind>,
     adhesion: Vec<AdhesionKind>,
+    bonds: Vec<BondKind>,
 }
 
 impl Default for Laws {
@@ -105,7 +107,29 @@ impl Laws {
             tangential: TANGENTIAL.to_vec(),
             rolling: ROLLING.to_vec(),
             adhesion: ADHESION.to_vec(),
+            bonds: BondKind::OWN.to_vec(),
         }
+    }
+
+    /// Every law of bonds, granum's own first.
+    pub fn bonds(&self) -> &[BondKind] {
+        &self.bonds
+    }
+
+    /// The law of bonds with this name.
+    pub fn bond_named(&self, name: &str) -> Option<BondKind> {
+        self.bonds.iter().copied().find(|law| law.name() == name)
+    }
+
+    /// Adds a law of bonds for use in case files and checkpoints.
+    ///
+    /// # Errors
+    /// If the name is taken.
+    pub fn with_bond(mut self, law: BondKind) -> Result<Laws, RegistrationError> {
+        let names = self.bonds.iter().map(BondKind::name);
+        RegistrationError::check_name("law of bonds", law.name(), names)?;
+        self.bonds.push(law);
+        Ok(self)
     }
 
     /// Adds a law for use in case files and checkpoints. To use it in a simulation this is not needed.

@@ -1,0 +1,135 @@
+//! What is to be bonded, and by what: the definition of one set of bonds.
+
+use serde::Serialize;
+
+use super::law::kind::BondKind;
+use super::strength::StrengthScatter;
+use crate::contact::ParameterValues;
+
+/// How wide bonds are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BondRadius {
+    /// This share of the radius of the smaller of the two pieces.
+    Share(f64),
+    /// As a content of cement asks for: all bonds have the same share of the smaller radius.
+    Cement {
+        /// Mass of the cement over that of the grains.
+        content: f64,
+        /// Density of the cement, kg/m3.
+        density: f64,
+    },
+}
+
+/// Which pieces are joined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BondPlaces {
+    /// Pieces of different grains that touch, or are nearer than a gap.
+    #[default]
+    Between,
+    /// The touching pieces of each grain of several pieces, which becomes an agglomerate of spheres that move by themselves.
+    Inside,
+}
+
+/// A set of bonds that is made at one moment. Bonds carry nothing when they are made, whatever forces there are: cement that sets under a load
+/// changes no force.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Bonding {
+    /// How stiff and how strong they are.
+    pub law: BondKind,
+    /// Values of the law's parameters, in SI units; the others have their defaults.
+    pub parameters: ParameterValues,
+    /// Which pieces they join.
+    pub places: BondPlaces,
+    /// How wide they are.
+    pub radius: BondRadius,
+    /// Largest distance of the surfaces of two pieces that are joined, over the mean diameter of the grains; 0: those that touch.
+    pub largest_gap: f64,
+    /// Damping ratio zeta of the four motions of a bond: dashpots `2 zeta sqrt(m* k)`.
+    pub damping: f64,
+    /// How the strengths scatter.
+    pub scatter: StrengthScatter,
+    /// Seed of this scatter.
+    pub seed: u64,
+    /// Share of the bonds, drawn from the seed, that are left out.
+    pub left_out: f64,
+}
+
+impl Default for Bonding {
+    fn default() -> Bonding {
+        Bonding {
+            law: BondKind::PARALLEL,
+            parameters: ParameterValues::NONE,
+            places: BondPlaces::Between,
+            radius: BondRadius::Share(0.5),
+            largest_gap: 0.0,
+            damping: 0.0,
+            scatter: StrengthScatter::None,
+            seed: 1,
+            left_out: 0.0,
+        }
+    }
+}
+
+impl Bonding {
+    /// The same with some fields changed.
+    ///
+    /// ```
+    /// use granum_dem::bond::{BondRadius, Bonding};
+    ///
+    /// let wide = Bonding::default().with(|bonding| bonding.radius = BondRadius::Share(1.0));
+    /// assert_eq!(wide.radius, BondRadius::Share(1.0));
+    /// ```
+    pub fn with(mut self, change: impl FnOnce(&mut Bonding)) -> Bonding {
+        change(&mut self);
+        self
+    }
+
+    /// The values of the law's parameters, in the order of its description.
+    pub(super) fn values(&self) -> Vec<f64> {
+        self.law.law().description().parameters.iter().map(|p| self.parameters.value(p)).collect()
+    }
+
+    /// What is wrong with it, if anything.
+    pub(super) fn problem(&self) -> Option<String> {
+        for parameter in self.law.law().description().parameters {
+            let value = self.parameters.value(parameter);
+            let [low, high] = parameter.bounds;
+            if !(low..=high).contains(&value) {
+                return Some(format!(
+                    "{} is {value} {}; it must be between {low} and {high}",
+                    parameter.key, parameter.unit.symbol
+                ));
+            }
+        }
+        let within = |name: &str, value: f64, low: f64, high: f64| {
+            let right = (low..=high).contains(&value);
+            (!right).then(|| format!("{name} is {value}; it must be between {low} and {high}"))
+        };
+        let radius = match self.radius {
+            BondRadius::Share(share) => within("the share of the radius", share, 1e-3, 1.0),
+            BondRadius::Cement { content, density } => within("the content of cement", content, 1e-9, 1.0)
+                .or_else(|| within("the density of the cement", density, 1e-9, 1e9)),
+        };
+        let scatter = match self.scatter {
+            StrengthScatter::None => None,
+            StrengthScatter::Normal(deviation) => {
+                within("the standard deviation of the strength", deviation, 0.0, 1.0)
+            }
+            StrengthScatter::Weibull { modulus, reference_volume } => {
+                let volume = reference_volume.unwrap_or(1.0);
+                let positive = volume > 0.0 && volume.is_finite();
+                let wrong =
+                    (!positive).then(|| format!("the reference volume is {volume} m3; it must be positive"));
+                within("Weibull's modulus", modulus, 0.1, 1e3).or(wrong)
+            }
+        };
+        radius
+            .or(scatter)
+            .or_else(|| within("the largest gap", self.largest_gap, 0.0, 1.0))
+            .or_else(|| within("the damping ratio", self.damping, 0.0, 1.0))
+            .or_else(|| within("the share of bonds that are left out", self.left_out, 0.0, 1.0))
+    }
+}

@@ -1,0 +1,442 @@
+//! The two stages of bonds in a step: eight bonds at a time are strained, judged and loaded; then every piece adds up the forces of its
+//! bonds, and turns.
+
+use std::ops::Range;
+
+use granum_simd::vectors::{cross, dot, scale};
+use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row4, Row8};
+
+use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
+use super::law::bond_law::{BondLoads, Eight, LIMITS};
+use super::law::kind::BondKind;
+use super::motion::{Ends, Vectors, in_axes, in_space, strained, turned};
+use crate::clump::clumps::NO_CLUMP;
+use crate::kernel::Views;
+use crate::team::RawSlice;
+
+/// Batches of bonds in a block, the unit of work of a thread.
+pub(crate) const BATCHES: usize = 8;
+/// Pieces in a block of the second stage.
+pub(crate) const PIECES: usize = 64;
+
+/// Sums over the bonds of a block.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct BondSums {
+    /// `- sum of (elastic force on i)_a (branch)_b`, J.
+    pub(crate) virial: [f64; 9],
+    /// Power that the deformation of the cell supplies, W.
+    pub(crate) power: f64,
+    /// Lost in dashpots in this step, J.
+    pub(crate) damping: f64,
+    /// Energy of the bonds that ruptured by tension, and by shear, J.
+    pub(crate) broken: [f64; 2],
+    /// `sum of k_n A D^2`, J.
+    pub(crate) stiffness: f64,
+    /// `sum of |N|`, N.
+    pub(crate) normal_force: f64,
+    /// True if a bond ruptured.
+    pub(crate) ruptured: bool,
+}
+
+/// The bonds of a batch that ruptured in this step: one bit for each, by tension and by shear, and their energies, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Ruptures {
+    pub(crate) tension: u8,
+    pub(crate) shear: u8,
+    pub(crate) energy: Eight,
+}
+
+/// What the stages of bonds read and write.
+#[derive(Clone, Copy)]
+pub(crate) struct BondViews {
+    pub(crate) law: RawSlice<u8>,
+    pub(crate) laws: RawSlice<BondKind>,
+    pub(crate) rows: RawSlice<[[u32; LANES]; 2]>,
+    pub(crate) columns: RawSlice<Row8>,
+    pub(crate) orientations: RawSlice<Row4>,
+    /// Force and torque over radius on the ends, two rows a bond.
+    pub(crate) loads: RawSlice<Row8>,
+    pub(crate) sums: RawSlice<BondSums>,
+    pub(crate) ruptures: RawSlice<Ruptures>,
+    pub(crate) bonded: RawSlice<u32>,
+    pub(crate) offsets: RawSlice<u32>,
+    pub(crate) ends: RawSlice<u32>,
+    /// True if any bond has dashpots.
+    pub(crate) damped: bool,
+}
+
+/// The stage of bonds for a range of blocks of batches.
+pub(crate) struct BondStage<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) blocks: Range<usize>,
+}
+
+impl Kernel for BondStage<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let v = &self.views.bonds;
+        for k in self.blocks {
+            let mut totals = Totals::<L>::none();
+            for batch in k * BATCHES..usize::min((k + 1) * BATCHES, v.law.len()) {
+                one_batch(self.views, batch, &mut totals);
+            }
+            // SAFETY: a block belongs to the thread that works on it.
+            unsafe { v.sums.write(k..k + 1)[0] = totals.reduced() };
+        }
+    }
+}
+
+/// Sums in lanes.
+struct Totals<L> {
+    virial: [L; 9],
+    power: L,
+    damping: L,
+    broken: [L; 2],
+    stiffness: L,
+    normal_force: L,
+    ruptured: bool,
+}
+
+impl<L: Lanes> Totals<L> {
+    #[inline(always)]
+    fn none() -> Totals<L> {
+        let zero = L::zero();
+        Totals {
+            virial: [zero; 9],
+            power: zero,
+            damping: zero,
+            broken: [zero; 2],
+            stiffness: zero,
+            normal_force: zero,
+            ruptured: false,
+        }
+    }
+
+    #[inline(always)]
+    fn reduced(&self) -> BondSums {
+        let mut virial = [0.0; 9];
+        for (sum, lanes) in virial.iter_mut().zip(self.virial) {
+            *sum = lanes.reduce_add();
+        }
+        BondSums {
+            virial,
+            power: self.power.reduce_add(),
+            damping: self.damping.reduce_add(),
+            broken: [self.broken[0].reduce_add(), self.broken[1].reduce_add()],
+            stiffness: self.stiffness.reduce_add(),
+            normal_force: self.normal_force.reduce_add(),
+            ruptured: self.ruptured,
+        }
+    }
+}
+
+/// The pieces at the ends of a batch of bonds.
+struct Pieces<L> {
+    ends: Ends<L>,
+    /// Velocity of j relative to i, the deformation of the cell included, m/s.
+    velocity: Vectors<L>,
+    /// Spins, rad/s.
+    spins: [Vectors<L>; 2],
+    /// Reciprocals of the radii, 1/m.
+    curvatures: [L; 2],
+    /// From the centre of the body of i to that of the body of j, m.
+    branch_of_bodies: Vectors<L>,
+}
+
+#[inline(always)]
+fn affine<L: Lanes>(v: &Views, x: Vectors<L>) -> Vectors<L> {
+    let mut y = [L::zero(); 3];
+    for r in 0..3 {
+        let [a, b, c] = v.gradient[r];
+        y[r] = dot([L::splat(a), L::splat(b), L::splat(c)], x);
+    }
+    y
+}
+
+/// Four columns one after the other.
+#[inline(always)]
+fn four<L: Lanes>(columns: &[Row8], from: usize) -> [L; 4] {
+    [
+        L::load(&columns[from].0),
+        L::load(&columns[from + 1].0),
+        L::load(&columns[from + 2].0),
+        L::load(&columns[from + 3].0),
+    ]
+}
+
+/// A vector where the mask is true, else nothing.
+#[inline(always)]
+fn keep<L: Lanes>(x: Vectors<L>, mask: L::Mask) -> Vectors<L> {
+    [x[0].keep(mask), x[1].keep(mask), x[2].keep(mask)]
+}
+
+/// `sqrt(a^2 + b^2)`.
+#[inline(always)]
+fn magnitude<L: Lanes>(a: L, b: L) -> L {
+    a.mul_add(a, b * b).sqrt()
+}
+
+/// Loads the pieces of a batch, turned by the step.
+#[inline(always)]
+fn pieces<L: Lanes>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pieces<L> {
+    // SAFETY: rows and orientations are only read in this stage.
+    let (particles, spin, orientations) =
+        unsafe { (v.particles.read(), v.spin.read(), v.bonds.orientations.read()) };
+    let (a, b) = (L::gather8(particles, &rows[0]), L::gather8(particles, &rows[1]));
+    let (wa, wb) = (L::gather4(spin, &rows[0]), L::gather4(spin, &rows[1]));
+    let spins = [[wa[0], wa[1], wa[2]], [wb[0], wb[1], wb[2]]];
+    let (qa, qb) = (L::gather4(orientations, &rows[0]), L::gather4(orientations, &rows[1]));
+    let dt = L::splat(v.dt);
+    let shift = [0, 1, 2].map(
+        #[inline(always)]
+        |k| L::load(&columns[IMAGE + k].0),
+    );
+    let (mut branch, mut velocity) = ([L::zero(); 3], [L::zero(); 3]);
+    for r in 0..3 {
+        let edge = [L::splat(v.edges[r][0]), L::splat(v.edges[r][1]), L::splat(v.edges[r][2])];
+        branch[r] = b[r] - a[r] + dot(edge, shift);
+        velocity[r] = b[4 + r] - a[4 + r];
+    }
+    let drift = affine(v, branch);
+    for r in 0..3 {
+        velocity[r] = velocity[r] + drift[r];
+    }
+    let mut branch_of_bodies = branch;
+    if v.clump_of.len() > 0 {
+        // SAFETY: only read in this stage.
+        let arms = unsafe { v.arms.read() };
+        let (from, to) = (L::gather4(arms, &rows[0]), L::gather4(arms, &rows[1]));
+        for r in 0..3 {
+            branch_of_bodies[r] = branch[r] + (from[r] - to[r]);
+        }
+    }
+    let ends = Ends {
+        orientations: [turned(&qa, &spins[0], dt), turned(&qb, &spins[1], dt)],
+        frames: [four(columns, FRAMES[0]), four(columns, FRAMES[1])],
+        arms: [L::load(&columns[ARMS].0), L::load(&columns[ARMS + 1].0)],
+        branch,
+    };
+    let one = L::splat(1.0);
+    Pieces { ends, velocity, spins, curvatures: [one / a[3], one / b[3]], branch_of_bodies }
+}
+
+/// Strains, judges and loads the bonds of a batch.
+#[inline(always)]
+fn one_batch<L: Lanes>(v: &Views, batch: usize, totals: &mut Totals<L>) {
+    // SAFETY: the columns of a batch are written by the thread of its block alone; rows are only read.
+    let (rows, columns) = unsafe {
+        (&v.bonds.rows.read()[batch], v.bonds.columns.write(batch * COLUMNS..(batch + 1) * COLUMNS))
+    };
+    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
+    // SAFETY: two rows for each bond of the batch, which only this thread writes.
+    let loads = unsafe { v.bonds.loads.write(2 * LANES * batch..2 * LANES * (batch + 1)) };
+    if !alive.any() {
+        loads.fill(Row8::default());
+        return;
+    }
+    let p = pieces::<L>(v, rows, columns);
+    let s = strained(&p.ends);
+    let [normal, shear, bending, twisting] = four::<L>(columns, STIFFNESS);
+    let (u, phi) = (s.displacement, s.rotation);
+    let force = [normal * u[0], shear * u[1], shear * u[2]];
+    let couple = [twisting * phi[0], bending * phi[1], bending * phi[2]];
+    let energy = L::splat(0.5) * (dot(force, u) + dot(couple, phi));
+    let ruptured = judge(v, batch, columns, &force, &couple);
+    let holds = if (ruptured[0] | ruptured[1]).any() {
+        note(v, batch, columns, alive, ruptured, energy, totals)
+    } else {
+        alive
+    };
+    let (mut force, mut couple) = (keep(force, holds), keep(couple, holds));
+    let elastic = in_space(&s.axes, &force);
+    if v.bonds.damped {
+        let lost = add_dashpots(columns, &p, &s, holds, &mut force, &mut couple);
+        totals.damping = L::splat(v.dt).mul_add(lost, totals.damping);
+    }
+    add_to_totals(v, totals, &elastic, &in_space(&s.axes, &force), &p.branch_of_bodies);
+    totals.normal_force = totals.normal_force + (normal * u[0]).abs().keep(holds);
+    let square = dot(p.ends.branch, p.ends.branch);
+    totals.stiffness = totals.stiffness + (normal * square).keep(holds);
+    put(loads, &s.levers, &in_space(&s.axes, &force), &in_space(&s.axes, &couple), &p.curvatures);
+}
+
+/// Which bonds reach their limits: by tension, and by shear.
+#[inline(always)]
+fn judge<L: Lanes>(
+    v: &Views,
+    batch: usize,
+    columns: &[Row8],
+    force: &Vectors<L>,
+    couple: &Vectors<L>,
+) -> [L::Mask; 2] {
+    let mut loads = BondLoads::default();
+    force[0].store(&mut loads.tension);
+    magnitude(force[1], force[2]).store(&mut loads.shear);
+    couple[0].abs().store(&mut loads.twisting);
+    magnitude(couple[1], couple[2]).store(&mut loads.bending);
+    let mut limits = [[0.0; LANES]; LIMITS];
+    for (limit, column) in limits.iter_mut().zip(&columns[LIMIT..]) {
+        *limit = column.0;
+    }
+    // SAFETY: laws are only read.
+    let law = unsafe { v.bonds.laws.read()[v.bonds.law.read()[batch] as usize] };
+    let [tension, shear] = law.law().utilisation(&loads, &limits);
+    let (tension, shear, one) = (L::load(&tension), L::load(&shear), L::splat(1.0));
+    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
+    let by_tension = alive & tension.ge(one) & tension.ge(shear);
+    [by_tension, alive & shear.ge(one) & !by_tension]
+}
+
+/// Notes the bonds that rupture, and returns those that still hold.
+#[inline(always)]
+fn note<L: Lanes>(
+    v: &Views,
+    batch: usize,
+    columns: &mut [Row8],
+    alive: L::Mask,
+    [tension, shear]: [L::Mask; 2],
+    energy: L,
+    totals: &mut Totals<L>,
+) -> L::Mask {
+    let holds = alive & !(tension | shear);
+    L::splat(1.0).keep(holds).store(&mut columns[ALIVE].0);
+    totals.broken[0] = totals.broken[0] + energy.keep(tension);
+    totals.broken[1] = totals.broken[1] + energy.keep(shear);
+    totals.ruptured = true;
+    // SAFETY: a batch belongs to the thread of its block.
+    let ruptures = unsafe { &mut v.bonds.ruptures.write(batch..batch + 1)[0] };
+    (ruptures.tension, ruptures.shear) = (tension.bits() as u8, shear.bits() as u8);
+    energy.store(&mut ruptures.energy);
+    holds
+}
+
+/// Adds the dashpots to force and couple, in the axes of the bonds; returns the power that they take.
+#[inline(always)]
+fn add_dashpots<L: Lanes>(
+    columns: &[Row8],
+    p: &Pieces<L>,
+    s: &super::motion::Strained<L>,
+    holds: L::Mask,
+    force: &mut Vectors<L>,
+    couple: &mut Vectors<L>,
+) -> L {
+    let [normal, shear, bending, twisting] = four::<L>(columns, DAMPING);
+    let (normal, shear) = (normal.keep(holds), shear.keep(holds));
+    let (bending, twisting) = (bending.keep(holds), twisting.keep(holds));
+    let (of_first, of_second) = (cross(p.spins[0], s.levers[0]), cross(p.spins[1], s.levers[1]));
+    let (mut apart, mut turning) = (p.velocity, p.spins[1]);
+    for k in 0..3 {
+        apart[k] = p.velocity[k] + of_second[k] - of_first[k];
+        turning[k] = p.spins[1][k] - p.spins[0][k];
+    }
+    let (rate, turn) = (in_axes(&s.axes, &apart), in_axes(&s.axes, &turning));
+    let by_force = [normal * rate[0], shear * rate[1], shear * rate[2]];
+    let by_couple = [twisting * turn[0], bending * turn[1], bending * turn[2]];
+    for k in 0..3 {
+        force[k] = force[k] + by_force[k];
+        couple[k] = couple[k] + by_couple[k];
+    }
+    dot(by_force, rate) + dot(by_couple, turn)
+}
+
+/// Adds stress and power of the forces.
+#[inline(always)]
+fn add_to_totals<L: Lanes>(
+    v: &Views,
+    totals: &mut Totals<L>,
+    elastic: &Vectors<L>,
+    force: &Vectors<L>,
+    branch: &Vectors<L>,
+) {
+    for r in 0..3 {
+        for c in 0..3 {
+            let sum = &mut totals.virial[3 * r + c];
+            *sum = (-elastic[r]).mul_add(branch[c], *sum);
+        }
+    }
+    totals.power = totals.power + dot(*force, affine(v, *branch));
+}
+
+/// Stores force and torque over radius on both ends.
+#[inline(always)]
+fn put<L: Lanes>(
+    loads: &mut [Row8],
+    levers: &[Vectors<L>; 2],
+    force: &Vectors<L>,
+    couple: &Vectors<L>,
+    curvatures: &[L; 2],
+) {
+    let (first, second) = (cross(levers[0], *force), cross(levers[1], *force));
+    let (mut on_first, mut on_second) = ([L::zero(); 3], [L::zero(); 3]);
+    for k in 0..3 {
+        on_first[k] = (couple[k] + first[k]) * curvatures[0];
+        on_second[k] = -((couple[k] + second[k]) * curvatures[1]);
+    }
+    let (zero, opposite) = (L::zero(), scale(L::splat(-1.0), *force));
+    let [a, b, c] = *force;
+    let [x, y, z] = on_first;
+    let one = L::transpose([a, b, c, zero, x, y, z, zero]);
+    let ([a, b, c], [x, y, z]) = (opposite, on_second);
+    let two = L::transpose([a, b, c, zero, x, y, z, zero]);
+    for lane in 0..LANES {
+        one[lane].store(&mut loads[2 * lane].0);
+        two[lane].store(&mut loads[2 * lane + 1].0);
+    }
+}
+
+/// The stage of pieces that have bonds, for a range of blocks: adds up the loads of their bonds, and turns them.
+pub(crate) struct BondedStage<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) blocks: Range<usize>,
+}
+
+impl Kernel for BondedStage<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let v = self.views;
+        // SAFETY: lists and loads are only read in this stage.
+        let (bonded, offsets, ends, loads) = unsafe {
+            (v.bonds.bonded.read(), v.bonds.offsets.read(), v.bonds.ends.read(), v.bonds.loads.read())
+        };
+        for k in self.blocks {
+            for place in k * PIECES..usize::min((k + 1) * PIECES, bonded.len()) {
+                let row = bonded[place] as usize;
+                // SAFETY: a piece is in the list once, and its block belongs to one thread.
+                let force = unsafe { &mut v.forces.write(row..row + 1)[0] };
+                let mut sum = L::load(&force.0);
+                for end in &ends[offsets[place] as usize..offsets[place + 1] as usize] {
+                    sum = sum + L::load(&loads[*end as usize].0);
+                }
+                sum.store(&mut force.0);
+                if v.dt != 0.0 {
+                    turn::<L::Scalar>(v, row);
+                }
+            }
+        }
+    }
+}
+
+/// Turns a piece by its spin, or takes the orientation of its body.
+#[inline(always)]
+fn turn<R: Real>(v: &Views, row: usize) {
+    // SAFETY: the orientation of a piece is written by the thread of its block; spins and bodies are only read.
+    let (orientation, spin) =
+        unsafe { (&mut v.bonds.orientations.write(row..row + 1)[0], &v.spin.read()[row]) };
+    if v.clump_of.len() > 0 {
+        // SAFETY: only read in this stage.
+        let clump = unsafe { v.clump_of.read()[row] };
+        if clump != NO_CLUMP {
+            *orientation = Row4(unsafe { v.clumps.read()[clump as usize].orientation });
+            return;
+        }
+    }
+    let q = orientation.0.map(R::splat);
+    let [x, y, z, _] = spin.0;
+    let after = turned(&q, &[R::splat(x), R::splat(y), R::splat(z)], R::splat(v.dt));
+    *orientation = Row4(after.map(|component| component.reduce_add()));
+}
