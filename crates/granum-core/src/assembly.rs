@@ -333,6 +333,11 @@ impl Assembly {
         self.pieces.iter_mut().for_each(|piece| piece.position = place(&piece.position));
     }
 
+    /// True if there are bonds, or were.
+    pub fn is_bonded(&self) -> bool {
+        !(self.bonds.is_empty() && self.broken_bonds.is_empty())
+    }
+
     /// True if every body is a sphere, so that the index of a piece is that of its body.
     pub fn all_spheres(&self) -> bool {
         self.rigid.is_empty()
@@ -383,6 +388,12 @@ impl Assembly {
         let (one, two) = (self.arm(contact.i), self.arm(contact.j));
         let [x, y, z] = contact.branch;
         [x + (one[0] - two[0]), y + (one[1] - two[1]), z + (one[2] - two[2])]
+    }
+
+    /// The branch vector of a bond between the centres of its bodies, m, as that of a contact.
+    pub fn branch_of_bond(&self, bond: &Bond) -> Vector {
+        let (one, two) = (self.arm(bond.i), self.arm(bond.j));
+        std::array::from_fn(|a| bond.branch[a] + (one[a] - two[a]))
     }
 
     /// From the centre of its body to that of a piece, m; zero for a piece that does not exist.

@@ -21,12 +21,20 @@ pub struct MacroState {
 }
 
 impl MacroState {
-    /// The state of an assembly, with the stress computed from all its contacts and from pairs that attract each other without
+    /// The state of an assembly, with the stress computed from all its contacts, its bonds, and pairs that attract each other without
     /// touching.
     pub fn from_assembly(assembly: &Assembly) -> MacroState {
         let mut stress = [[0.0; 3]; 3];
         for contact in assembly.contacts.iter().chain(&assembly.apart) {
             let (force, branch) = (contact.force(), assembly.branch_of_bodies(contact));
+            for r in 0..3 {
+                for c in 0..3 {
+                    stress[r][c] -= force[r] * branch[c];
+                }
+            }
+        }
+        for bond in &assembly.bonds {
+            let (force, branch) = (bond.force(), assembly.branch_of_bond(bond));
             for r in 0..3 {
                 for c in 0..3 {
                     stress[r][c] -= force[r] * branch[c];

@@ -42,11 +42,13 @@ pub enum Part {
     EnergyBalance,
     /// Liquid in films on grains and in bridges.
     Liquid,
+    /// Bonds that hold and that ruptured.
+    Bonds,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Part; 19] = [
+    pub const ALL: [Part; 20] = [
         Part::Cell,
         Part::Positions,
         Part::Radii,
@@ -66,6 +68,7 @@ impl Part {
         Part::TargetMeanStress,
         Part::EnergyBalance,
         Part::Liquid,
+        Part::Bonds,
     ];
 
     /// Its name in reports.
@@ -90,6 +93,7 @@ impl Part {
             Part::TargetMeanStress => "target mean stress",
             Part::EnergyBalance => "energy balance",
             Part::Liquid => "liquid in films and bridges",
+            Part::Bonds => "bonds",
         }
     }
 }

@@ -9,7 +9,7 @@ use granum_dem::bond::{
     StrengthScatter,
 };
 use granum_dem::config::{AdhesionKind, ContactModel, Material, NormalKind, TangentialKind};
-use granum_dem::contact::{LawDescription, ParameterValues};
+use granum_dem::contact::LawDescription;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialBody, InitialSphere, Properties, Simulation};
 use granum_shape::ShapeOfSpheres;
@@ -40,9 +40,9 @@ fn golden() -> Bonding {
         for (key, value) in
             [("modulus", 1e9), ("poissons_ratio", 0.25), ("tensile_strength", 20e6), ("cohesion", 15e6)]
         {
-            bonding.parameters.set(key, value).unwrap();
+            bonding.parameters.insert(key.into(), value);
         }
-        bonding.parameters.set("friction_angle", 0.5f64.atan()).unwrap();
+        bonding.parameters.insert("friction_angle".into(), 0.5f64.atan());
     })
 }
 
@@ -242,7 +242,7 @@ fn cement(strength: f64) -> Bonding {
         bonding.damping = 0.1;
         bonding.scatter = StrengthScatter::Weibull { modulus: 4.0, reference_volume: None };
         for (key, value) in [("modulus", 1e9), ("tensile_strength", strength), ("cohesion", strength)] {
-            bonding.parameters.set(key, value).unwrap();
+            bonding.parameters.insert(key.into(), value);
         }
     })
 }
@@ -395,7 +395,9 @@ fn the_strength_of_a_bond_is_its_own() {
     let spheres = [sphere(1, -2.0 * radius), sphere(2, 0.0), sphere(3, 2.0 * radius)];
     let mut s = Simulation::new(Cell::cuboid([edge; 3]), &spheres, soft(1e24)).unwrap();
     s.bond_pieces(&golden(), &[[0, 1]]).unwrap();
-    let weak = golden().with(|bonding| bonding.parameters.set("tensile_strength", 2e6).unwrap());
+    let weak = golden().with(|bonding| {
+        bonding.parameters.insert("tensile_strength".into(), 2e6);
+    });
     s.bond_pieces(&weak, &[[1, 2]]).unwrap();
     let v = 1e-6;
     s.set_velocities(&[[-v, 0.0, 0.0], [0.0; 3], [v, 0.0, 0.0]], &[]);
@@ -473,7 +475,7 @@ fn what_cannot_be_bonded_is_refused_by_name() {
     sticky.material.youngs_modulus = 1e9;
     said(refused(golden(), sticky), "it must be 0");
     let mut given = golden();
-    given.parameters = ParameterValues::NONE.with("modulus", -1.0).unwrap();
+    given.parameters.insert("modulus".into(), -1.0);
     said(refused(given, soft(2650.0)), "modulus is -1 Pa; it must be between 1");
     let wide = golden().with(|bonding| bonding.radius = BondRadius::Share(1.5));
     said(refused(wide, soft(2650.0)), "the share of the radius is 1.5");

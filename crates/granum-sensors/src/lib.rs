@@ -21,6 +21,8 @@
 
 pub mod anisotropies;
 pub mod attraction;
+pub mod bond_fabric;
+pub mod bonds;
 pub mod chain_buckling;
 pub mod contact_motion;
 pub mod contacts_per_pair;
@@ -35,6 +37,7 @@ pub mod energy_channel;
 pub mod fabric;
 pub mod force_chains;
 pub mod force_distribution;
+pub mod fragments;
 pub mod friction_angle;
 pub mod granular_temperature;
 mod histogram;
@@ -64,6 +67,7 @@ mod recorder;
 mod registry;
 pub mod rolling;
 pub mod rose;
+pub mod rupture_energies;
 pub mod second_order_work;
 mod sensor;
 pub mod servo;

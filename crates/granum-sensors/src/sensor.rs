@@ -69,6 +69,8 @@ pub enum Subject {
     Bodies,
     /// Contacts between pieces: two grains of several pieces can have several.
     Contacts,
+    /// Bonds between pieces, those that hold and those that ruptured.
+    Bonds,
 }
 
 impl Subject {
@@ -78,6 +80,7 @@ impl Subject {
             Subject::Sample => "the sample",
             Subject::Bodies => "grains",
             Subject::Contacts => "contacts",
+            Subject::Bonds => "bonds",
         }
     }
 }

@@ -16,6 +16,8 @@ pub struct Stress {
     pub weak_normal: Matrix,
     /// Part of the tangential forces of weak contacts.
     pub weak_tangential: Matrix,
+    /// Part of the bonds.
+    pub bonds: Matrix,
     /// Part of the fluctuating motion of the grains; not included in [`Stress::tensor`].
     pub kinetic: Matrix,
 }
@@ -56,6 +58,9 @@ impl Stress {
                 &assembly.branch_of_bodies(pair),
             );
         }
+        for bond in &assembly.bonds {
+            add_dyad(&mut stress.bonds, -1.0, &bond.force(), &assembly.branch_of_bond(bond));
+        }
         // Rotation has no part in it: inside a rigid body the centripetal stress balances it.
         for body in &assembly.bodies {
             add_dyad(&mut stress.kinetic, body.mass, &body.velocity, &body.velocity);
@@ -66,14 +71,21 @@ impl Stress {
             strong_tangential: scaled(&stress.strong_tangential, per_volume),
             weak_normal: scaled(&stress.weak_normal, per_volume),
             weak_tangential: scaled(&stress.weak_tangential, per_volume),
+            bonds: scaled(&stress.bonds, per_volume),
             kinetic: scaled(&stress.kinetic, per_volume),
         }
     }
 
-    /// The stress tensor of all elastic contact forces.
+    /// The stress tensor of all elastic forces of contacts and bonds.
     pub fn tensor(&self) -> Matrix {
         let parts = [&self.strong_normal, &self.strong_tangential, &self.weak_normal, &self.weak_tangential];
-        std::array::from_fn(|i| std::array::from_fn(|j| parts.iter().map(|part| part[i][j]).sum()))
+        let contacts: Matrix =
+            std::array::from_fn(|i| std::array::from_fn(|j| parts.iter().map(|part| part[i][j]).sum()));
+        // Without bonds nothing is added, so that signs of zeros stay.
+        if self.bonds == [[0.0; 3]; 3] {
+            return contacts;
+        }
+        std::array::from_fn(|i| std::array::from_fn(|j| contacts[i][j] + self.bonds[i][j]))
     }
 
     /// Mean stress p.

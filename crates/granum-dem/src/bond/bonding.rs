@@ -1,13 +1,15 @@
 //! What is to be bonded, and by what: the definition of one set of bonds.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
 
 use super::law::kind::BondKind;
 use super::strength::StrengthScatter;
-use crate::contact::ParameterValues;
+use crate::contact::LawParameter;
 
 /// How wide bonds are.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BondRadius {
     /// This share of the radius of the smaller of the two pieces.
@@ -22,7 +24,7 @@ pub enum BondRadius {
 }
 
 /// Which pieces are joined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BondPlaces {
     /// Pieces of different grains that touch, or are nearer than a gap.
@@ -34,13 +36,13 @@ pub enum BondPlaces {
 
 /// A set of bonds that is made at one moment. Bonds carry nothing when they are made, whatever forces there are: cement that sets under a load
 /// changes no force.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Bonding {
     /// How stiff and how strong they are.
     pub law: BondKind,
     /// Values of the law's parameters, in SI units; the others have their defaults.
-    pub parameters: ParameterValues,
+    pub parameters: BTreeMap<String, f64>,
     /// Which pieces they join.
     pub places: BondPlaces,
     /// How wide they are.
@@ -61,7 +63,7 @@ impl Default for Bonding {
     fn default() -> Bonding {
         Bonding {
             law: BondKind::PARALLEL,
-            parameters: ParameterValues::NONE,
+            parameters: BTreeMap::new(),
             places: BondPlaces::Between,
             radius: BondRadius::Share(0.5),
             largest_gap: 0.0,
@@ -87,15 +89,26 @@ impl Bonding {
         self
     }
 
+    /// The value of a parameter of the law: the given one, or its default.
+    fn value(&self, parameter: &LawParameter) -> f64 {
+        self.parameters.get(parameter.key).copied().unwrap_or(parameter.default)
+    }
+
     /// The values of the law's parameters, in the order of its description.
     pub(super) fn values(&self) -> Vec<f64> {
-        self.law.law().description().parameters.iter().map(|p| self.parameters.value(p)).collect()
+        let parameters = self.law.law().description().parameters;
+        parameters.iter().map(|p| self.value(p)).collect()
     }
 
     /// What is wrong with it, if anything.
     pub(super) fn problem(&self) -> Option<String> {
-        for parameter in self.law.law().description().parameters {
-            let value = self.parameters.value(parameter);
+        let parameters = self.law.law().description().parameters;
+        if let Some(key) = self.parameters.keys().find(|key| parameters.iter().all(|p| p.key != key.as_str()))
+        {
+            return Some(format!("the law {:?} has no parameter {key}", self.law.name()));
+        }
+        for parameter in parameters {
+            let value = self.value(parameter);
             let [low, high] = parameter.bounds;
             if !(low..=high).contains(&value) {
                 return Some(format!(

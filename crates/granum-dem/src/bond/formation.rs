@@ -16,7 +16,6 @@ use super::motion::{frame_along, product};
 use super::steps::BondWork;
 use crate::assembly::Vector;
 use crate::clump::clumps::NO_CLUMP;
-use crate::contact::EnergyChannel;
 use crate::images::image_vector;
 use crate::integrator::Integrator;
 use crate::particle_row::ParticleRow;
@@ -31,27 +30,6 @@ const TOUCH: f64 = 1e-6;
 const LEAST_GAP: f64 = 1e-9;
 /// Share of the smaller radius by which they may overlap: the pieces of an agglomerate move by themselves.
 const OVERLAP: f64 = 0.01;
-
-impl Bonds {
-    /// The energies of bonds, as channels of a balance.
-    pub(crate) const CHANNELS: [EnergyChannel; 3] = [
-        EnergyChannel::dissipated(
-            "bond_damping_loss",
-            "damping of bonds",
-            "energy lost in the dashpots of bonds",
-        ),
-        EnergyChannel::dissipated(
-            "bond_tension_loss",
-            "bonds ruptured by tension",
-            "energy that was stored in bonds that ruptured by tension",
-        ),
-        EnergyChannel::dissipated(
-            "bond_shear_loss",
-            "bonds ruptured by shear",
-            "energy that was stored in bonds that ruptured by shear",
-        ),
-    ];
-}
 
 /// Two pieces that are to be joined: their rows, and the edges of the cell to the image of the second.
 type Pair = ([u32; 2], [i32; 3]);

@@ -14,6 +14,7 @@
 pub mod bonding;
 mod bonds;
 mod cement;
+mod channels;
 mod ends;
 mod formation;
 pub mod law;
@@ -28,6 +29,7 @@ mod strength;
 
 pub use bonding::{BondPlaces, BondRadius, Bonding};
 pub use cement::cement_volume;
+pub use channels::BOND_CHANNELS;
 pub use granum_core::assembly::{Bond, BrokenBond, Rupture};
 pub use law::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Eight, LIMITS};
 pub use law::kind::BondKind;

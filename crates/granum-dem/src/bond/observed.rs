@@ -4,8 +4,8 @@ use granum_core::assembly::{Assembly, Bond};
 use granum_simd::vectors::scale;
 use granum_simd::{LANES, Row4};
 
-use super::bonds::Bonds;
 use super::bonds::column::{ARMS, FRAMES, IMAGE, LIMIT, STIFFNESS};
+use super::channels::BOND_CHANNELS;
 use super::law::bond_law::{BondLoads, LIMITS};
 use super::motion::{Ends, Strained, in_space, strained};
 use crate::particle_row::ParticleRow;
@@ -28,8 +28,7 @@ impl State {
         out.bonds.sort_unstable_by_key(|bond| bond.id);
         out.broken_bonds.extend_from_slice(&bonds.broken);
         let ledger = &bonds.ledger;
-        for (key, energy) in Bonds::CHANNELS.iter().zip([ledger.damping, ledger.broken[0], ledger.broken[1]])
-        {
+        for (key, energy) in BOND_CHANNELS.iter().zip([ledger.damping, ledger.broken[0], ledger.broken[1]]) {
             if energy != 0.0 {
                 out.energy.channels.insert(key.key.to_string(), energy);
             }

@@ -3,6 +3,7 @@
 use granum_dem::config::{ContactModel, Grains, Numerics, Preparation, Recording};
 use serde::{Deserialize, Serialize};
 
+use super::bond::CaseBond;
 use super::case_stage::CaseStage;
 use super::case_test::CaseTest;
 use super::vocabulary::Vocabulary;
@@ -33,6 +34,9 @@ pub struct Case {
     pub test: CaseTest,
     /// The states that the sensors record.
     pub recording: Recording,
+    /// Bonds, each set with the stage before which it is made; empty if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bonds: Vec<CaseBond>,
     /// Numerical choices.
     pub numerics: Numerics,
     /// The laws and paths that the case can name. It has no part in the result.
@@ -50,6 +54,7 @@ impl PartialEq for Case {
             preparation_stages,
             test,
             recording,
+            bonds,
             numerics,
             vocabulary: _,
         } = self;
@@ -59,6 +64,7 @@ impl PartialEq for Case {
             && *preparation_stages == other.preparation_stages
             && *test == other.test
             && *recording == other.recording
+            && *bonds == other.bonds
             && *numerics == other.numerics
     }
 }

@@ -58,6 +58,7 @@ impl Case {
         );
         values.extend(self.shape_values());
         values.extend(self.material_values());
+        values.extend(self.bond_values());
         for (heading, text) in
             [(STAGE, self.stages_toml()), (PREPARATION_STAGE, self.preparation_stages_toml())]
         {
@@ -92,8 +93,9 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
     let mut values: Vec<(String, Vec<String>)> = Vec::new();
     for (name, case) in cases {
         // A material or a stage that one case has and the other has not is a difference, not another version's key.
-        let of_tables = ["material.", "pair.", "grains.shape."].iter().any(|table| key.starts_with(table))
-            || [STAGE, PREPARATION_STAGE].contains(&key.as_str());
+        let of_tables =
+            ["material.", "pair.", "grains.shape.", "bond."].iter().any(|table| key.starts_with(table))
+                || [STAGE, PREPARATION_STAGE].contains(&key.as_str());
         let absent = of_tables.then(|| NOT_GIVEN.to_string());
         let Some(value) = case.get(&key).or(absent.as_ref()) else { continue };
         match values.iter_mut().find(|(known, _)| known == value) {

@@ -130,6 +130,9 @@ impl Case {
         if wanted("preparation") {
             text.push_str(&self.preparation_stages_toml());
         }
+        if wanted("bond") {
+            text.push_str(&self.bonds_toml());
+        }
         if wanted("stage") {
             text.push_str(&self.stages_toml());
         }

@@ -5,6 +5,7 @@
 //! part of it, since named paths declare their own parameters ([`granum_dem::loading::preset`]); the tables `[[material]]` and `[[pair]]` use keys of the list.
 
 mod bare_number;
+mod bond;
 mod case_stage;
 mod case_test;
 mod definition;
@@ -48,6 +49,7 @@ mod vocabulary;
 mod write;
 
 pub use bare_number::SetKey;
+pub use bond::CaseBond;
 pub use case_stage::CaseStage;
 pub use case_test::CaseTest;
 pub use definition::Case;

@@ -93,6 +93,7 @@ impl Case {
             };
             all.push(CaseParameter::new(key, &unit, value));
         }
+        all.extend(self.bond_parameters());
         add_stages(&mut all, PREPARATION_STAGE, &self.preparation_stages);
         add_stages(&mut all, STAGE, self.test.tables());
         all

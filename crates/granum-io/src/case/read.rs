@@ -13,6 +13,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::bare_number;
+use super::bond::BOND;
 use super::case_stage::{PREPARATION_STAGE, STAGE};
 use super::case_test::{CaseTest, is_of_shear};
 use super::definition::Case;
@@ -111,6 +112,7 @@ impl Case {
             preparation_stages: Vec::new(),
             materials: Vec::new(),
             pairs: Vec::new(),
+            bonds: Vec::new(),
             shapes: Vec::new(),
             file_of_shape: None,
             written_shapes: Vec::new(),
@@ -125,6 +127,7 @@ impl Case {
         let mut case = Case {
             test: if stages.is_empty() { CaseTest::default() } else { CaseTest::Stages(stages) },
             preparation_stages: std::mem::take(&mut reader.preparation_stages),
+            bonds: std::mem::take(&mut reader.bonds),
             vocabulary,
             ..Case::default()
         };
@@ -163,6 +166,9 @@ impl Case {
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         if path.starts_with("stage.") || path.starts_with("preparation.stage.") {
             return self.set_stage(path, text);
+        }
+        if path.split('.').next() == Some(BOND) {
+            return self.set_bond(path, text);
         }
         if path.starts_with("material.") || path.starts_with("pair.") {
             return self.set_material(path, text);
@@ -217,6 +223,9 @@ impl Reader<'_> {
             } else if path == PREPARATION_STAGE {
                 self.keys.insert(path, key.span());
                 self.preparation_stages = self.stages(value, PREPARATION_STAGE);
+            } else if path == BOND {
+                self.keys.insert(path, key.span());
+                self.bonds = self.bonds(value);
             } else if path == "material" {
                 self.keys.insert(path, key.span());
                 self.materials = self.materials(value);
@@ -414,6 +423,7 @@ impl Reader<'_> {
             self.error(span, format!("{SHAPE}.{error}"));
             return;
         }
+        self.check_bonds(case);
         let law_only = self.reading.law_only;
         for rule in RULES.iter().filter(|rule| !law_only || rule.is_of_law()) {
             let Some(message) = (rule.broken)(case) else { continue };

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use granum_dem::shape::ShapeEntry;
 use toml::de::DeValue;
 
+use super::bond::CaseBond;
 use super::case_stage::CaseStage;
 use super::field::{Field, Value};
 use super::fields::Fields;
@@ -49,6 +50,7 @@ pub(super) struct Reader<'a> {
     pub(super) preparation_stages: Vec<CaseStage>,
     pub(super) materials: Vec<MaterialTable>,
     pub(super) pairs: Vec<PairTable>,
+    pub(super) bonds: Vec<CaseBond>,
     pub(super) shapes: Vec<ShapeTable>,
     /// The file of the section `[grains.shape]`.
     pub(super) file_of_shape: Option<(String, Range<usize>)>,

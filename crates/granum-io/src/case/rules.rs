@@ -309,6 +309,7 @@ impl Case {
             .map_err(|error| Error::Rule(error.to_string()))?;
         self.grains.check_sizes().map_err(|error| Error::Rule(error.to_string()))?;
         self.grains.check_shapes().map_err(|error| Error::Rule(format!("grains.shape.{error}")))?;
+        self.check_bonds()?;
         self.check_materials()
     }
 }

@@ -5,6 +5,7 @@ use granum_dem::loading::preset::{self, PathParameter, PathParameterDefault, Pat
 use granum_dem::servo::COMPONENTS;
 use serde_json::{Map, Value, json};
 
+use super::bond;
 use super::definition::Case;
 use super::field::Field;
 use super::fields::{Fields, SECTIONS};
@@ -49,6 +50,11 @@ impl Case {
             "description": "Values for a pair of materials, instead of those computed from the two.",
             "type": "array",
             "items": pair(&fields),
+        });
+        root["properties"]["bond"] = json!({
+            "description": "Bonds between grains, as of cement, or inside of them.",
+            "type": "array",
+            "items": bond::schema(vocabulary.laws()),
         });
         root["properties"]["preparation"]["properties"]["stage"] = json!({
             "description": "Loading paths between the compaction of the sample and its relaxation; they record nothing and \

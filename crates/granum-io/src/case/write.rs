@@ -47,6 +47,14 @@ const TEMPLATE_TAIL: &str = "
 # path = \"oedometer\"
 # axial_stress = \"200 kPa\"
 
+# Bonds, as of cement, made before a stage (by default the first); the grains must not attract each other otherwise.
+# [[bond]]
+# law = \"parallel\"
+# radius = 0.5
+# modulus = \"5 GPa\"
+# tensile_strength = \"5 MPa\"
+# cohesion = \"10 MPa\"
+
 # Another test: stages instead of [shear], each a named path (`granum run --list` shows all) or an explicit control.
 # [[stage]]
 # path = \"drained-triaxial\"
@@ -124,6 +132,7 @@ impl Case {
             }
         }
         text.push_str(&self.shapes_toml());
+        text.push_str(&self.bonds_toml());
         text.push_str(&self.materials_toml());
         text.push_str(&self.preparation_stages_toml());
         text.push_str(&self.stages_toml());

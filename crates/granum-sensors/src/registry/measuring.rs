@@ -23,7 +23,9 @@ impl Sensors {
     pub fn measure_with(&self, assembly: &Assembly, parts: Parts, recording: &Recording) -> Measurement {
         let observation = Observation::new(assembly).with_recording(recording);
         let mut found = Measurement::default();
-        for known in self.known.iter().filter(|known| known.applies(assembly.all_spheres())) {
+        for known in
+            self.known.iter().filter(|known| known.applies(assembly.all_spheres(), assembly.is_bonded()))
+        {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly).map(String::from));
@@ -90,7 +92,8 @@ impl Sensors {
             .collect();
         let (mut found, mut left_out) = (MeasuredSeries::default(), Measurement::default());
         let all_spheres = observations.iter().all(|one| one.assembly.all_spheres());
-        for known in self.known.iter().filter(|known| known.applies(all_spheres)) {
+        let bonded = observations.iter().any(|one| one.assembly.is_bonded());
+        for known in self.known.iter().filter(|known| known.applies(all_spheres, bonded)) {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;

@@ -8,6 +8,7 @@ use std::sync::{Arc, LazyLock};
 use granum_core::assembly::Vector;
 use granum_core::names::suggestion;
 use granum_core::{Assembly, RegistrationError};
+use granum_dem::bond::BOND_CHANNELS;
 use granum_dem::config::{RecordedColumns, Recording};
 use granum_dem::contact::EnergyChannel;
 use granum_dem::contact::choice::registry::Laws;
@@ -18,12 +19,13 @@ use crate::histogram::Bins;
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use crate::{
-    anisotropies, attraction, chain_buckling, contact_motion, contacts_per_pair, coordination,
-    coordination_by_size, d2min, dilatancy, directions, energy, fabric, force_chains, force_distribution,
-    friction_angle, granular_temperature, inertial_number, invariants, liquid, local_solid_fraction,
-    networks, nonaffine_displacement, orientation, overlap, overlap_distribution, pair_fabric, pair_forces,
-    pair_sliding, radial_distribution, rolling, rose, second_order_work, servo, sliding, solid_fraction,
-    spin, state_parameter, strain, stress, stress_asymmetry, unbalanced_force, void_ratio,
+    anisotropies, attraction, bond_fabric, bonds, chain_buckling, contact_motion, contacts_per_pair,
+    coordination, coordination_by_size, d2min, dilatancy, directions, energy, fabric, force_chains,
+    force_distribution, fragments, friction_angle, granular_temperature, inertial_number, invariants, liquid,
+    local_solid_fraction, networks, nonaffine_displacement, orientation, overlap, overlap_distribution,
+    pair_fabric, pair_forces, pair_sliding, radial_distribution, rolling, rose, rupture_energies,
+    second_order_work, servo, sliding, solid_fraction, spin, state_parameter, strain, stress,
+    stress_asymmetry, unbalanced_force, void_ratio,
 };
 
 pub use self::measuring::{LeftOut, MeasuredSeries, Measurement};
@@ -37,6 +39,8 @@ enum Recorded {
     SinceStages,
     /// In every test of grains of several pieces ([`Sensors::for_clumps`]), and where a case names it.
     OfClumps,
+    /// In every test with bonds ([`Sensors::for_bonds`]), and where a case names it.
+    OfBonds,
     /// Where a case names it in `recording.sensors`.
     WhereNamed,
 }
@@ -77,9 +81,14 @@ impl Known {
         needed.or_else(|| self.sensor.lacks(recording))
     }
 
-    /// True if it measures such grains without being asked: some sensors say nothing of grains that all have one piece.
-    pub(crate) fn applies(&self, all_spheres: bool) -> bool {
-        self.recorded != Recorded::OfClumps || !all_spheres
+    /// True if it measures such grains without being asked: some sensors say nothing of grains that all have one piece, or of grains without
+    /// bonds.
+    pub(crate) fn applies(&self, all_spheres: bool, bonded: bool) -> bool {
+        match self.recorded {
+            Recorded::OfClumps => !all_spheres,
+            Recorded::OfBonds => bonded,
+            _ => true,
+        }
     }
 
     /// The reason if the sensor would have to look at too many neighbours.
@@ -113,12 +122,14 @@ pub struct Sensors {
     known: Vec<Arc<Known>>,
     /// True if a test with them has grains of several pieces.
     clumps: bool,
+    /// True if a test with them has bonds.
+    bonds: bool,
 }
 
 /// [`Sensors::standard`], made once.
 static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
-    use Recorded::{Always, OfClumps, SinceStages, WhereNamed};
-    let mut sensors = Sensors { known: Vec::new(), clumps: false };
+    use Recorded::{Always, OfBonds, OfClumps, SinceStages, WhereNamed};
+    let mut sensors = Sensors { known: Vec::new(), clumps: false, bonds: false };
     sensors.add(Always, strain::Strain);
     sensors.add(Always, stress::StressSensor);
     sensors.add(Always, servo::Servo);
@@ -162,6 +173,11 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(OfClumps, orientation::Orientation);
     sensors.add(OfClumps, spin::Spin);
     sensors.add(OfClumps, stress_asymmetry::StressAsymmetry);
+    sensors.add(OfBonds, bonds::Bonds);
+    sensors.add(OfBonds, bond_fabric::BondFabric);
+    sensors.add(OfBonds, fragments::Fragments);
+    sensors.add(OfBonds, rupture_energies::RuptureEnergies);
+    BOND_CHANNELS.into_iter().for_each(|channel| sensors.add(OfBonds, ChannelEnergy(channel)));
     sensors
 });
 
@@ -186,6 +202,12 @@ impl Sensors {
     /// ```
     pub fn for_clumps(&self, clumps: bool) -> Sensors {
         Sensors { clumps, ..self.clone() }
+    }
+
+    /// The same sensors for a test with bonds, or without: only with bonds are these, the fragments and the like recorded, unless a case names
+    /// them. Without a call they are those of grains without bonds.
+    pub fn for_bonds(&self, bonds: bool) -> Sensors {
+        Sensors { bonds, ..self.clone() }
     }
 
     /// The same sensors and one more for each of these energy channels of a contact law, which every test records.
@@ -304,6 +326,7 @@ impl Sensors {
             Recorded::OfClumps => {
                 "in every test of grains of several pieces, and elsewhere where recording.sensors names it"
             }
+            Recorded::OfBonds => "in every test with bonds, and elsewhere where recording.sensors names it",
             Recorded::WhereNamed => "where recording.sensors names it",
         })
     }
@@ -339,6 +362,7 @@ impl Sensors {
             Recorded::Always => true,
             Recorded::SinceStages => columns == RecordedColumns::All,
             Recorded::OfClumps => self.clumps,
+            Recorded::OfBonds => self.bonds,
             Recorded::WhereNamed => false,
         };
         let mut names: Vec<&'static str> =

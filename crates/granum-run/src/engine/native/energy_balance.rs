@@ -15,7 +15,8 @@ impl StoredEnergy {
         StoredEnergy {
             kinetic: assembly.kinetic_energy(),
             elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
-                + attraction_energy(assembly),
+                + attraction_energy(assembly)
+                + assembly.bonds.iter().map(|bond| bond.energy).sum::<f64>(),
         }
     }
 }

@@ -160,6 +160,9 @@ impl Test {
         if *simulation.properties() != properties {
             simulation.set_properties(properties)?;
         }
+        for bond in case.bonds.iter().filter(|bond| bond.before_stage() == self.recorders.len() + 1) {
+            simulation.bond(&bond.bonding(case.vocabulary.laws()))?;
+        }
         if stage.resets {
             self.before = StoredEnergy::from_assembly(&simulation.assembly());
             self.damped = false;
@@ -180,7 +183,7 @@ impl Test {
     ) -> Result<Option<Recorder>, SensorError> {
         let Some(stage) = self.stages.get(at) else { return Ok(None) };
         let origin = self.stage_progress.origin(stage.record.measure);
-        let sensors = sensors.for_clumps(!case.grains.are_spheres());
+        let sensors = sensors.for_clumps(!case.grains.are_spheres()).for_bonds(!case.bonds.is_empty());
         Recorder::of_stage(&sensors, &case.recording, self.columns, &stage.record, origin).map(Some)
     }
 
