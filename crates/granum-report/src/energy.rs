@@ -1,6 +1,7 @@
 //! The energy balance by mechanism.
 
 use granum_core::energy::MechanismGroup;
+use granum_dem::bond::BOND_CHANNELS;
 use granum_dem::contact::EnergyFate;
 
 use super::data::{RunReport, column};
@@ -35,6 +36,8 @@ const STORED: [(&str, Fate, &str); 3] = [
 /// The energy that only contacts which resist rolling store, and that of grains that attract each other at a distance.
 const ROLLING: (&str, Fate, &str) = ("rolling elastic", Fate::Elastic(2), "elastic_rolling_energy");
 const ATTRACTION: (&str, Fate, &str) = ("attraction", Fate::Elastic(3), "attraction_energy");
+/// What bonds store.
+const BONDS: (&str, Fate, &str) = ("bonds elastic", Fate::Elastic(4), "bond_energy");
 
 /// What is lost in the mechanisms of a group, with the column of each.
 fn losses(group: MechanismGroup) -> impl Iterator<Item = (&'static str, Fate, &'static str)> {
@@ -78,7 +81,9 @@ impl Balance {
         // The columns of rolling and of attraction exist only where a law has them.
         let rolling = losses(MechanismGroup::Couples).chain([ROLLING]);
         let attraction = losses(MechanismGroup::Attraction).chain([ATTRACTION]);
-        for (name, fate, column) in rolling.chain(attraction).chain(channels) {
+        let bonds =
+            BOND_CHANNELS.iter().map(|channel| (channel.label, Fate::Lost, channel.key)).chain([BONDS]);
+        for (name, fate, column) in rolling.chain(attraction).chain(channels).chain(bonds) {
             parts.extend(since_start(column).map(|values| Mechanism { name, fate, values }));
         }
         Some(Balance { work: since_start("boundary_work")?, parts })

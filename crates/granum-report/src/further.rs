@@ -12,7 +12,10 @@ pub type Named = (&'static str, Figure, String);
 
 /// The figures that the columns of a run allow.
 pub fn figures(run: &RunReport) -> Vec<Named> {
-    [angles(run), anisotropies(run), chains(run), distances(run)].into_iter().flatten().collect()
+    [angles(run), anisotropies(run), chains(run), distances(run), bonds(run), fragments(run)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// A panel with a line for each of these columns that the run has; `None` if it has none.
@@ -26,6 +29,42 @@ fn panel(run: &RunReport, label: &str, columns: &[(&str, &str)]) -> Option<Panel
         }
     }
     (lines > 0).then(|| Panel::plot(plot))
+}
+
+fn bonds(run: &RunReport) -> Option<Named> {
+    let broken =
+        [("bonds_broken_by_tension", "ruptured by tension"), ("bonds_broken_by_shear", "ruptured by shear")];
+    let first = panel(run, "Bonds", &broken)?;
+    let share = [("broken_bond_fraction", "ruptured"), ("mean_bond_utilisation", "mean utilisation")];
+    let directions = [("bond_deviator_fabric", "bonds"), ("crack_deviator_fabric", "cracks")];
+    let panels = [
+        Some(first),
+        panel(run, "Share of the bonds", &share),
+        panel(run, "Deviator fabric *φ*_{d}", &directions),
+    ];
+    let caption = "Bonds: (a) number of those that ruptured, by tension with bending and by shear with twist; (b) share of all bonds that \
+                   ruptured, and mean ratio of load to strength of those that hold; (c) deviator fabric of the bonds that hold and of the \
+                   cracks, whose normals are those of the bonds that ruptured.";
+    let panels: Vec<Panel> = panels.into_iter().flatten().collect();
+    Some(("bonds", Figure::new("Bonds against strain", panels.len(), panels), caption.into()))
+}
+
+/// Where bonded grains do not span the cell: agglomerates that crush.
+fn fragments(run: &RunReport) -> Option<Named> {
+    let breakage = run.column("einav_breakage");
+    if !breakage.iter().any(|value| *value > 0.0) {
+        return None;
+    }
+    let indices = [("einav_breakage", "Einav's *B*"), ("hardin_breakage", "Hardin's *B*_{r}")];
+    let shares = [
+        ("single_grain_fraction", "single spheres, by mass"),
+        ("largest_fragment_fraction", "largest fragment, by mass"),
+    ];
+    let panels = [panel(run, "Breakage", &indices), panel(run, "Share of the mass", &shares)];
+    let caption = "Fragments: (a) breakage by the gradings of fragments; (b) mass of spheres without bonds and of the largest fragment over \
+                   that of all grains.";
+    let panels: Vec<Panel> = panels.into_iter().flatten().collect();
+    Some(("fragments", Figure::new("Fragments against strain", panels.len(), panels), caption.into()))
 }
 
 fn angles(run: &RunReport) -> Option<Named> {

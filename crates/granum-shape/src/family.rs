@@ -104,6 +104,7 @@ macro_rules! kinds {
 
 kinds! {
     SPHERE = families::sphere::Sphere,
+    AGGLOMERATE = families::agglomerate::Agglomerate,
     DIMER = families::dimer::Dimer,
     CAPSULE = families::capsule::Capsule,
     ELLIPSOID = families::ellipsoid::Ellipsoid,

@@ -77,6 +77,19 @@ pub struct LammpsDeck {
     save: Option<String>,
 }
 
+/// Refuses bonds: those of LAMMPS rupture by another rule and do not carry what their contact carries.
+fn without_bonds(case: &Case) -> Result<(), DeckError> {
+    match case.bonds.len() {
+        0 => Ok(()),
+        count => Err(DeckError::Setting {
+            key: "bond",
+            value: format!("{count} tables"),
+            why: "bonds of LAMMPS (bpm/rotational) have another rule of rupture and damping, and no contact beside them; leave [[bond]] out"
+                .into(),
+        }),
+    }
+}
+
 impl LammpsDeck {
     /// The deck of a case's test on a sample. The script first brings the sample to rest, since it begins without tangential forces,
     /// unless the first stage does so.
@@ -99,6 +112,7 @@ impl LammpsDeck {
 
     /// Refuses a case whose test no deck can have, whatever its sample.
     pub(crate) fn check(case: &Case) -> Result<(), DeckError> {
+        without_bonds(case)?;
         let stages = case.test_stages();
         let properties = case.properties().with_densities(density(&stages)?);
         let motions: Vec<Motion> =
@@ -116,6 +130,7 @@ impl LammpsDeck {
         confinement: Confinement,
         follow: Option<&Follow>,
     ) -> Result<LammpsDeck, DeckError> {
+        without_bonds(case)?;
         if !packing.bodies.is_empty() {
             let why = "some of its grains have several pieces; `granum export -o sample.data` writes them as molecules";
             return Err(DeckError::Sample(why.into()));

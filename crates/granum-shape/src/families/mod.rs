@@ -1,5 +1,6 @@
 //! The families of shapes, a file each.
 
+pub mod agglomerate;
 pub mod capsule;
 pub mod dimer;
 pub mod ellipsoid;

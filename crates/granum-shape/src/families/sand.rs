@@ -28,7 +28,8 @@ const ANGULARITY: ShapeParameter = ShapeParameter {
     meaning: "Roughness D_3 of a random grain: root mean square of the part of degree 3 of its radius over the radius. 0 is an ellipsoid.",
 };
 
-const SHAPES: ShapeParameter = ShapeParameter {
+/// Number of different shapes, which several families have.
+pub(crate) const SHAPES: ShapeParameter = ShapeParameter {
     key: "shapes",
     default: 10.0,
     bounds: [1.0, 50.0],

@@ -63,7 +63,7 @@ fn keys_are_set_compared_and_listed() {
     assert!(said(&mut Case::default(), "bond.1.modulus", "1 GPa").contains("needs a table [[bond]]"));
     let other = parse(&CEMENTED.replace("3 MPa", "4 MPa"));
     let found = crate::case::differences(&[("a", &parse(CEMENTED).values()), ("b", &other.values())]);
-    assert_eq!(found[0].to_string(), "bond.1.tensile_strength: 3e6 Pa in a; 4e6 Pa in b");
+    assert_eq!(found[0].to_string(), "bond.1.tensile_strength: 3000000 Pa in a; 4000000 Pa in b");
 }
 
 #[test]
