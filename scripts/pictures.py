@@ -36,7 +36,8 @@ FIGURE = {
     "paper": "stress", "drained-dense": "stress", "drained-loose": "stress", "undrained-loose": "stress-path",
     "undrained-dense": "stress-path", "cyclic-undrained": "loops", "cyclic-drained": "loops", "simple-shear": "shear",
     "true-triaxial": "deviatoric-plane", "powder-oedometer": "compression", "powder-flow": "stress-path", "wet-grains": "stress",
-    "rolling-resistance": "stress", "long-grains": "stress", "bedded-grains": "stress", "strain-history": "stress-path",
+    "rolling-resistance": "stress", "long-grains": "stress", "bedded-grains": "stress", "cemented-sand": "stress", "rock-like": "bonds",
+    "crushable-grains": "fragments", "strain-history": "stress-path",
 }
 # What the picture of a family shows: the command of its chapter.
 FAMILIES = {"sand": ["--friction", "0.4", "--rolling-friction", "0.2", "--pressure", "100 kPa", "--youngs-modulus", "2 GPa",

@@ -25,7 +25,7 @@ impl Sensor for RuptureEnergies {
     }
 
     fn histograms(&self, _: &Recording) -> Vec<Bins> {
-        vec![Bins::new("rupture_energies", "log10(E/<E>)", "1").width(0.25).range(-4.0, 2.0)]
+        vec![Bins::new("rupture_energies", "rupture_energy_exponent", "1").width(0.25).range(-4.0, 2.0)]
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

@@ -93,7 +93,7 @@ impl StageProgress {
     }
 
     /// The reason for the end if stresses are controlled that the sample no longer carries. While its volume decreases it may carry
-    /// them again: a loose sample that collapses is compressed until it does. A stage that asks for no stress goes on, or has met
+    /// them again: a loose sample that collapses is compressed until it does. A sample that bonds hold carries tension. A stage that asks for no stress goes on, or has met
     /// its end.
     pub(super) fn unjammed(&self, ends: &[Until], state: &State) -> Option<Reason> {
         let before = invariants::mean(&self.start.stress);
@@ -101,7 +101,9 @@ impl StageProgress {
         let is_controlled = state.control().rows().next().is_some();
         let lost = before > 0.0 && is_controlled && mean_stress < UNJAMMED * before;
         let volume_rate: f64 = (0..3).map(|axis| state.gradient[axis][axis]).sum();
-        if !lost || volume_rate < 0.0 || zero_stress::is_asked_for(state, before) {
+        // Bonds carry tension, so that a mean stress of zero says nothing where they do.
+        let is_held = || !state.bonds.is_empty() && state.contact_stress() >= UNJAMMED * before;
+        if !lost || volume_rate < 0.0 || zero_stress::is_asked_for(state, before) || is_held() {
             return None;
         }
         let end = zero_stress::end_without_stress(ends, before).map(Reason::End);

@@ -12,7 +12,7 @@ fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
         lattice::random_contacts(60, 5),
         clumps::few(),
     ];
-    let mut so_far = Sensors { known: Vec::new(), clumps: false };
+    let mut so_far = Sensors { known: Vec::new(), clumps: false, bonds: false };
     for known in &STANDARD.known {
         let Known { sensor, description, .. } = &**known;
         assert_eq!(so_far.check(sensor.as_ref()), Ok(()));
