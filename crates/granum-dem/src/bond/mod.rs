@@ -15,6 +15,7 @@ pub mod bonding;
 mod bonds;
 mod cement;
 mod channels;
+mod criterion;
 mod ends;
 mod formation;
 pub mod law;
@@ -31,7 +32,7 @@ pub use bonding::{BondPlaces, BondRadius, Bonding};
 pub use cement::cement_volume;
 pub use channels::BOND_CHANNELS;
 pub use granum_core::assembly::{Bond, BrokenBond, Rupture};
-pub use law::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Eight, LIMITS};
+pub use law::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 pub use law::kind::BondKind;
 pub use strength::StrengthScatter;
 

@@ -7,7 +7,8 @@ use granum_simd::vectors::{cross, dot, scale};
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row4, Row8};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
-use super::law::bond_law::{BondLoads, Eight, LIMITS};
+use super::criterion;
+use super::law::bond_law::{BondLoads, Criterion, Eight, LIMITS};
 use super::law::kind::BondKind;
 use super::motion::{Ends, Vectors, in_axes, in_space, strained, turned};
 use crate::clump::clumps::NO_CLUMP;
@@ -16,6 +17,9 @@ use crate::team::RawSlice;
 
 /// Batches of bonds in a block, the unit of work of a thread.
 pub(crate) const BATCHES: usize = 8;
+/// Number of ends between prefetching one and adding it, and of those that are prefetched for each piece.
+const AHEAD: usize = 32;
+const ENDS_A_PIECE: usize = 6;
 /// Pieces in a block of the second stage.
 pub(crate) const PIECES: usize = 64;
 
@@ -64,6 +68,8 @@ pub(crate) struct BondViews {
     pub(crate) ends: RawSlice<u32>,
     /// True if any bond has dashpots.
     pub(crate) damped: bool,
+    /// True where the bonds do not fit into the caches.
+    pub(crate) far: bool,
 }
 
 /// The stage of bonds for a range of blocks of batches.
@@ -81,11 +87,26 @@ impl Kernel for BondStage<'_> {
         for k in self.blocks {
             let mut totals = Totals::<L>::none();
             for batch in k * BATCHES..usize::min((k + 1) * BATCHES, v.law.len()) {
+                if v.far {
+                    fetch_pieces(self.views, batch + 1);
+                }
                 one_batch(self.views, batch, &mut totals);
             }
             // SAFETY: a block belongs to the thread that works on it.
             unsafe { v.sums.write(k..k + 1)[0] = totals.reduced() };
         }
+    }
+}
+
+/// Prefetches the pieces of a later batch: their rows are near each other in space, but not in memory.
+#[inline(always)]
+fn fetch_pieces(v: &Views, batch: usize) {
+    // SAFETY: rows are only read in this stage.
+    let Some(rows) = (unsafe { v.bonds.rows.read() }).get(batch) else { return };
+    for row in rows.iter().flatten() {
+        v.particles.prefetch(*row as usize);
+        v.spin.prefetch(*row as usize);
+        v.bonds.orientations.prefetch(*row as usize);
     }
 }
 
@@ -272,22 +293,44 @@ fn judge<L: Lanes>(
     force: &Vectors<L>,
     couple: &Vectors<L>,
 ) -> [L::Mask; 2] {
+    let loads = [force[0], magnitude(force[1], force[2]), magnitude(couple[1], couple[2]), couple[0].abs()];
+    // SAFETY: laws are only read.
+    let kind = unsafe { v.bonds.laws.read()[v.bonds.law.read()[batch] as usize] };
+    let [tension, shear] = match kind.law().criterion() {
+        Criterion::MohrCoulomb => criterion::mohr_coulomb(loads, six(columns)),
+        Criterion::Additive => criterion::additive(loads, six(columns)),
+        Criterion::OfLaw => asked(kind, loads, columns),
+    };
+    let one = L::splat(1.0);
+    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
+    let by_tension = alive & tension.ge(one) & tension.ge(shear);
+    [by_tension, alive & shear.ge(one) & !by_tension]
+}
+
+/// The constants of the law of rupture.
+#[inline(always)]
+fn six<L: Lanes>(columns: &[Row8]) -> [L; LIMITS] {
+    let mut limits = [L::zero(); LIMITS];
+    for k in 0..LIMITS {
+        limits[k] = L::load(&columns[LIMIT + k].0);
+    }
+    limits
+}
+
+/// What the law answers.
+#[inline(always)]
+fn asked<L: Lanes>(kind: BondKind, [tension, shear, bending, twisting]: [L; 4], columns: &[Row8]) -> [L; 2] {
     let mut loads = BondLoads::default();
-    force[0].store(&mut loads.tension);
-    magnitude(force[1], force[2]).store(&mut loads.shear);
-    couple[0].abs().store(&mut loads.twisting);
-    magnitude(couple[1], couple[2]).store(&mut loads.bending);
+    tension.store(&mut loads.tension);
+    shear.store(&mut loads.shear);
+    bending.store(&mut loads.bending);
+    twisting.store(&mut loads.twisting);
     let mut limits = [[0.0; LANES]; LIMITS];
     for (limit, column) in limits.iter_mut().zip(&columns[LIMIT..]) {
         *limit = column.0;
     }
-    // SAFETY: laws are only read.
-    let law = unsafe { v.bonds.laws.read()[v.bonds.law.read()[batch] as usize] };
-    let [tension, shear] = law.law().utilisation(&loads, &limits);
-    let (tension, shear, one) = (L::load(&tension), L::load(&shear), L::splat(1.0));
-    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
-    let by_tension = alive & tension.ge(one) & tension.ge(shear);
-    [by_tension, alive & shear.ge(one) & !by_tension]
+    let [tension, shear] = kind.law().utilisation(&loads, &limits);
+    [L::load(&tension), L::load(&shear)]
 }
 
 /// Notes the bonds that rupture, and returns those that still hold.
@@ -406,6 +449,10 @@ impl Kernel for BondedStage<'_> {
         for k in self.blocks {
             for place in k * PIECES..usize::min((k + 1) * PIECES, bonded.len()) {
                 let row = bonded[place] as usize;
+                let fetched = if v.bonds.far { ENDS_A_PIECE } else { 0 };
+                for later in ends.iter().skip(offsets[place] as usize + AHEAD).take(fetched) {
+                    v.bonds.loads.prefetch(*later as usize);
+                }
                 // SAFETY: a piece is in the list once, and its block belongs to one thread.
                 let force = unsafe { &mut v.forces.write(row..row + 1)[0] };
                 let mut sum = L::load(&force.0);

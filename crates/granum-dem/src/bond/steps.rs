@@ -13,6 +13,9 @@ use crate::kernel::Views;
 use crate::particle_row::ParticleRow;
 use crate::team::RawSlice;
 
+/// From this size of the bonds on, in bytes, what they need is prefetched.
+const FAR: usize = 4 << 20;
+
 /// What the bonds of a simulation need to be computed; all of it follows from the state.
 #[derive(Clone, Default)]
 pub(crate) struct BondWork {
@@ -38,6 +41,7 @@ impl BondWork {
     pub(crate) fn views(&mut self, bonds: &mut Bonds) -> BondViews {
         BondViews {
             damped: bonds.is_damped(),
+            far: size_of_val(&bonds.columns[..]) > FAR,
             law: RawSlice::new(&mut bonds.law),
             laws: RawSlice::new(&mut bonds.laws),
             rows: RawSlice::new(&mut bonds.rows),

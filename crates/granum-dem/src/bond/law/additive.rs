@@ -7,7 +7,7 @@
 //! (Wang 2009; Clemmer, Monti and Lechman 2024), so that the four loads weaken each other and compression lowers B. Forces are not smoothed
 //! near rupture.
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Eight, LIMITS};
+use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 use super::parallel::ParallelBond;
 use super::strengths::{COHESION, MODULUS, POISSONS_RATIO, TENSILE_STRENGTH, single_modes};
 use crate::contact::{LawDescription, LawParameter};
@@ -38,6 +38,10 @@ impl BondLaw for AdditiveBond {
         let [tension, shear, bending, twisting] =
             single_modes(shape, parameters[2] * strength, parameters[3] * strength);
         [tension, shear, bending, twisting, 0.0, 0.0]
+    }
+
+    fn criterion(&self) -> Criterion {
+        Criterion::Additive
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {

@@ -8,7 +8,7 @@
 //! with which the nodes of a chain are those of Timoshenko's beam, however few there are. Tension, bending and twist are `E_b A / l`,
 //! `E_b I / l` and `G_b J / l`. Rupture as of parallel bonds.
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Eight, LIMITS};
+use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 use super::parallel::{mohr_coulomb, stresses_over_strengths};
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
@@ -57,6 +57,10 @@ impl BondLaw for BeamBond {
 
     fn limits(&self, shape: &BondShape, parameters: &[f64], strength: f64) -> [f64; LIMITS] {
         mohr_coulomb(shape, [parameters[3], parameters[4]], parameters[5], parameters[6], strength)
+    }
+
+    fn criterion(&self) -> Criterion {
+        Criterion::MohrCoulomb
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {

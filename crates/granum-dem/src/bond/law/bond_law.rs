@@ -64,6 +64,19 @@ pub struct BondLoads {
     pub twisting: Eight,
 }
 
+/// A criterion that the engine knows how to evaluate for eight bonds at once, in place of [`BondLaw::utilisation`]: its formula is that of
+/// the law which names it, and its results have the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Criterion {
+    /// The law is asked.
+    #[default]
+    OfLaw,
+    /// Stresses at the edge of a cylinder over its strengths, as of parallel bonds.
+    MohrCoulomb,
+    /// Loads over their limits, added up.
+    Additive,
+}
+
 /// A law of bonds, in a file of its own. The engine turns the frames of bonds, multiplies by the stiffnesses, keeps the energies and takes
 /// ruptured bonds away; a law says how stiff and how strong a bond is.
 ///
@@ -107,4 +120,8 @@ pub trait BondLaw: Debug + Send + Sync {
     /// How near eight bonds are to rupture by tension and by shear: a bond ruptures where one of the two reaches one, and the larger names
     /// how. Only sums, products, quotients, square roots and comparisons may be used, so that results have the same bits everywhere.
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2];
+    /// The criterion, if it is one that the engine evaluates itself.
+    fn criterion(&self) -> Criterion {
+        Criterion::OfLaw
+    }
 }

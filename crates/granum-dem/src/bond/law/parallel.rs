@@ -8,7 +8,7 @@
 //! `tau = |F_s|/A + beta |M_t| r_b / J`; the bond ruptures at `sigma = sigma_c` or at `tau = max(0, c - F_n/A tan(phi_b))` (Potyondy and
 //! Cundall 2004, equations 16 and 17; the moment factor beta and the Mohr-Coulomb limit as in PFC).
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Eight, LIMITS};
+use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
 };
@@ -55,6 +55,10 @@ impl BondLaw for ParallelBond {
 
     fn limits(&self, shape: &BondShape, parameters: &[f64], strength: f64) -> [f64; LIMITS] {
         mohr_coulomb(shape, [parameters[3], parameters[4]], parameters[5], parameters[6], strength)
+    }
+
+    fn criterion(&self) -> Criterion {
+        Criterion::MohrCoulomb
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {
