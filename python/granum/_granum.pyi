@@ -280,6 +280,33 @@ class Assembly:
     def piece_radii(self) -> _Reals:
         """Radius of each sphere, m."""
     @property
+    def bonds(self) -> _Integers:
+        """Indices, from 0, of the two grains of each bond that holds: a row a bond, in the order of their numbers."""
+    @property
+    def bond_forces(self) -> _Reals:
+        """Elastic force of each bond on its first grain, N."""
+    @property
+    def bond_normals(self) -> _Reals:
+        """Unit vector along each bond, from the first grain to the second."""
+    @property
+    def bond_energies(self) -> _Reals:
+        """Elastic energy of each bond, J."""
+    @property
+    def bond_utilisations(self) -> _Reals:
+        """Ratio of load to strength of each bond: it ruptures at 1."""
+    @property
+    def cracks(self) -> _Reals:
+        """Places of the cracks, which are the bonds that ruptured, in the order in which they did, m: a row a crack."""
+    @property
+    def crack_normals(self) -> _Reals:
+        """Unit normal of each crack: the direction of the bond."""
+    @property
+    def crack_energies(self) -> _Reals:
+        """Energy that was stored in each bond that ruptured, J."""
+    @property
+    def crack_by_tension(self) -> _Booleans:
+        """True for each crack that opened by tension with bending, false for one by shear with twist."""
+    @property
     def contacts(self) -> _Integers:
         """Indices, from 0, of the two grains of each contact: a row a contact."""
     @property

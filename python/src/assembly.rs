@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 use std::sync::Arc;
 
-use granum_core::assembly::{Body, Contact, Piece, Vector};
+use granum_core::assembly::{Body, Bond, BrokenBond, Contact, Piece, Rupture, Vector};
 use granum_core::{Part, Parts, Table};
 use granum_io::formats::{ObservedAssembly, known_columns};
 use granum_io::snapshot::{contacts_table, grains_table};
@@ -61,6 +61,21 @@ impl Assembly {
     /// What it holds.
     pub fn inner(&self) -> Arc<granum_core::Assembly> {
         self.inner.clone()
+    }
+
+    /// A vector of each bond.
+    fn vectors_of_bonds<'py>(&self, py: Python<'py>, of: impl Fn(&Bond) -> Vector) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let vectors: Vec<f64> = self.inner.bonds.iter().flat_map(of).collect();
+        arrays::reals(py, vectors, vec![self.inner.bonds.len(), 3])
+    }
+
+    /// A number of each bond.
+    fn numbers_of_bonds<'py>(&self, py: Python<'py>, of: impl Fn(&Bond) -> f64) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let numbers: Vec<f64> = self.inner.bonds.iter().map(of).collect();
+        let shape = vec![numbers.len()];
+        arrays::reals(py, numbers, shape)
     }
 
     /// What it holds, if everything is known.
@@ -299,6 +314,74 @@ impl Assembly {
     #[getter]
     fn piece_radii<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.field(py, (Records::Pieces, Part::Radii), FieldKind::Real, offset_of!(Piece, radius))
+    }
+
+    /// Indices, from 0, of the two grains of each bond that holds: a row a bond, in the order of their numbers.
+    #[getter]
+    fn bonds<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let bodies = |piece: usize| self.inner.body_of(piece).unwrap_or_default() as i64;
+        let pairs: Vec<i64> =
+            self.inner.bonds.iter().flat_map(|bond| [bodies(bond.i), bodies(bond.j)]).collect();
+        arrays::integers(py, pairs, vec![self.inner.bonds.len(), 2])
+    }
+
+    /// Elastic force of each bond on its first grain, N.
+    #[getter]
+    fn bond_forces<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.vectors_of_bonds(py, |bond| bond.force())
+    }
+
+    /// Unit vector along each bond, from the first grain to the second.
+    #[getter]
+    fn bond_normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.vectors_of_bonds(py, |bond| bond.normal)
+    }
+
+    /// Elastic energy of each bond, J.
+    #[getter]
+    fn bond_energies<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.numbers_of_bonds(py, |bond| bond.energy)
+    }
+
+    /// Ratio of load to strength of each bond: it ruptures at 1.
+    #[getter]
+    fn bond_utilisations<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.numbers_of_bonds(py, |bond| bond.utilisation)
+    }
+
+    /// Places of the cracks, which are the bonds that ruptured, in the order in which they did, m: a row a crack.
+    #[getter]
+    fn cracks<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let place = |bond: &BrokenBond| granum_core::geometry::apply(&self.inner.cell, bond.place);
+        let places: Vec<f64> = self.inner.broken_bonds.iter().flat_map(place).collect();
+        arrays::reals(py, places, vec![self.inner.broken_bonds.len(), 3])
+    }
+
+    /// Unit normal of each crack: the direction of the bond.
+    #[getter]
+    fn crack_normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let normals: Vec<f64> = self.inner.broken_bonds.iter().flat_map(|bond| bond.normal).collect();
+        arrays::reals(py, normals, vec![self.inner.broken_bonds.len(), 3])
+    }
+
+    /// Energy that was stored in each bond that ruptured, J.
+    #[getter]
+    fn crack_energies<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let energies: Vec<f64> = self.inner.broken_bonds.iter().map(|bond| bond.energy).collect();
+        let shape = vec![energies.len()];
+        arrays::reals(py, energies, shape)
+    }
+
+    /// True for each crack that opened by tension with bending, false for one by shear with twist.
+    #[getter]
+    fn crack_by_tension<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Bonds)?;
+        let of = |bond: &BrokenBond| bond.rupture == Rupture::Tension;
+        arrays::booleans(py, self.inner.broken_bonds.iter().map(of).collect())
     }
 
     /// Indices, from 0, of the two grains of each contact: a row a contact.

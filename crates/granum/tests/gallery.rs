@@ -362,3 +362,57 @@ fn strength_depends_on_the_angle_of_the_layers() {
     let (across, along) = (tilted("0 deg"), tilted("90 deg"));
     assert!(across > 1.05 * along, "{across} {along}");
 }
+
+#[test]
+fn cement_makes_a_brittle_peak_and_leaves_sand() {
+    let changes = [("stage.1.axial_strain", "0.12"), ("stage.1.inertial_number", "3e-3")];
+    let cemented = test(&small("cemented-sand", &changes));
+    let mut without = small("cemented-sand", &changes);
+    without.bonds.clear();
+    let without = test(&without);
+    let (with_peak, without_peak) = (peak(&cemented, "stress_ratio"), peak(&without, "stress_ratio"));
+    assert!(with_peak > 1.25 * without_peak, "{with_peak} {without_peak}");
+    let late = |test: &RunResult| {
+        let ratios = column(test, "stress_ratio");
+        let last = &ratios[3 * ratios.len() / 4..];
+        last.iter().sum::<f64>() / last.len() as f64
+    };
+    assert!((late(&cemented) / late(&without) - 1.0).abs() < 0.2, "{} {}", late(&cemented), late(&without));
+    let broken = column(&cemented, "broken_bond_fraction");
+    assert!(broken[0] < 0.01 && broken[broken.len() - 1] > 0.9, "{broken:?}");
+}
+
+#[test]
+fn a_rock_like_packing_is_elastic_and_brittle() {
+    let changes =
+        [("stage.1.axial_strain", "0.006"), ("stage.1.inertial_number", "1e-3"), ("stage.1.states", "60")];
+    let rock = test(&small("rock-like", &changes));
+    let (stress, strain) = (column(&rock, "stress_11"), column(&rock, "axial_strain"));
+    let largest = stress.iter().copied().fold(0.0, f64::max);
+    assert!(largest > 30e6 && stress[stress.len() - 1] < 0.75 * largest, "{largest} {:?}", stress.last());
+    let early = strain.iter().position(|strain| *strain > 5e-4).unwrap();
+    let modulus = (stress[early] - stress[0]) / (strain[early] - strain[0]);
+    assert!((1e10..2.5e10).contains(&modulus), "{modulus}");
+}
+
+#[test]
+fn crushable_grains_break_and_are_graded() {
+    let mut case = small(
+        "crushable-grains",
+        &[
+            ("stage.1.mean_stress", "100 kPa"),
+            ("stage.2.axial_stress", "600 kPa"),
+            ("stage.2.inertial_number", "1e-2"),
+        ],
+    );
+    case.set("grains.count", "50").unwrap();
+    case.set("grains.shape.agglomerate_spheres", "13").unwrap();
+    case.set("bond.1.tensile_strength", "3 MPa").unwrap();
+    case.set("bond.1.cohesion", "3 MPa").unwrap();
+    let crushed = test(&case);
+    let breakage = column(&crushed, "einav_breakage");
+    let (first, last) = (breakage[0], breakage[breakage.len() - 1]);
+    assert!(last > first + 0.01 && last < 1.0, "{first} {last}");
+    let single = column(&crushed, "single_grain_fraction");
+    assert!(single[single.len() - 1] > single[0]);
+}

@@ -251,4 +251,21 @@ mod tests {
         let error = product(&conjugate(&exact), &q);
         assert!(error[1..].iter().all(|x| x.abs() < 1e-7), "{error:?}");
     }
+
+    /// `bond bpm/rotational` of LAMMPS (version of July 2025, neither smoothed nor damped) for the same four stiffnesses: the formulas meet to
+    /// the second order in displacement and angle (`benches/peers/lammps/bonds.py`).
+    #[test]
+    fn small_displacements_load_as_in_lammps() {
+        let turn = about(&[0.003, 0.002, -0.001], 14e-6f64.sqrt());
+        let made = frame_along(&[1.0, 0.0, 0.0]);
+        let (force, of_first, of_second, _) =
+            loads([[0.0; 3], [1.001, 0.002, 0.0015]], [IDENTITY, turn], &made);
+        near(force, [0.999_623_494_8, 0.999_500_103_9, 1.004_005_497_4], 5e-3);
+        near(of_first, [0.048_244_635_3, -0.461_809_249_3, 0.479_172_342_3], 5e-3);
+        near(of_second, [-0.047_735_874_5, -0.541_700_818_3, 0.519_328_014_8], 5e-3);
+        // Half of the displacement and of the angles: a quarter of the difference.
+        let turn = about(&[0.0015, 0.001, -0.0005], 3.5e-6f64.sqrt());
+        let (half, ..) = loads([[0.0; 3], [1.0005, 0.001, 0.000_75]], [IDENTITY, turn], &made);
+        near(half, [0.499_906_062_2, 0.499_875_013_9, 0.501_000_687_7], 1.3e-3);
+    }
 }

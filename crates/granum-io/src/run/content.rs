@@ -7,7 +7,7 @@ use super::record::RunRecord;
 use super::states::STATES;
 use super::times;
 use crate::folder::check_name;
-use crate::snapshot::{PARTS, list_snapshots, pieces};
+use crate::snapshot::{PARTS, bonds, list_snapshots, pieces};
 
 pub(crate) const CASE: &str = "case.toml";
 pub(super) const SERIES: &str = "series.parquet";
@@ -36,9 +36,9 @@ pub(super) fn is_of_a_run(name: &str) -> bool {
     match name.split_once('/') {
         None => TABLES.contains(&name),
         Some((HISTOGRAMS, file)) => file.strip_suffix(".parquet").is_some_and(word),
-        Some((SNAPSHOTS, file)) => file
-            .split_once('.')
-            .is_some_and(|(name, end)| word(name) && (PARTS.contains(&end) || end == pieces::FILE)),
+        Some((SNAPSHOTS, file)) => file.split_once('.').is_some_and(|(name, end)| {
+            word(name) && (PARTS.contains(&end) || [pieces::FILE, bonds::FILE].contains(&end))
+        }),
         Some(_) => false,
     }
 }

@@ -199,7 +199,8 @@ impl RunFolder {
     pub fn write_snapshot(&self, name: &str, assembly: &Assembly) -> Result<()> {
         check_name("snapshot", name)?;
         let further = (!assembly.all_spheres()).then_some(snapshot::pieces::FILE);
-        let parts = snapshot::PARTS.into_iter().chain(further);
+        let bonds = assembly.is_bonded().then_some(snapshot::bonds::FILE);
+        let parts = snapshot::PARTS.into_iter().chain(further).chain(bonds);
         let files: Vec<String> = parts.map(|end| format!("{name}.{end}")).collect();
         self.put(Some(SNAPSHOTS), &files, |staging| snapshot::write_snapshot(staging, name, assembly))
     }

@@ -2,6 +2,7 @@
 //! energy. The JSON file is written last, so that a snapshot is complete where this file exists. Where grains have several pieces there is
 //! also `NAME.pieces.parquet`.
 
+pub(crate) mod bonds;
 pub(crate) mod pieces;
 
 use std::fs;
@@ -243,6 +244,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         let table = |rows| pieces::table(assembly, rows);
         crate::formats::parquet::write_parts(&path, assembly.pieces.len(), table)?;
     }
+    bonds::write(folder, name, assembly)?;
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,
@@ -308,6 +310,7 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let branches = assembly.contacts.iter().map(|contact| (ids(contact), contact.branch));
     plausible::check_branches(&contacts.shown(), &assembly.cell, branches)?;
     assembly.apart = assembly.contacts.split_off(state.contacts);
+    bonds::read(folder, name, &mut assembly)?;
     Ok(assembly)
 }
 
