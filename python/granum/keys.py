@@ -15,6 +15,72 @@ Quantities: TypeAlias = Any
 """A sequence of quantities, or of such sequences; an array, a frame of pandas or a quantity of pint with an array."""
 
 
+class Bond(TypedDict, total=False):
+    """A set of bonds that is made before a stage."""
+
+    before_stage: int
+    """Number of the stage before which bonds are made; before the first the sample carries the stress of its
+    preparation. Default: 1.0.
+    """
+    cement_content: Quantity
+    """Mass of the cement over that of the grains, from which the radius follows; in place of radius."""
+    cement_density: Quantity
+    """Density of the cement; only together with cement_content. Default: 3100.0."""
+    cohesion: Quantity
+    """Largest shear stress c, twist included, that the bond carries without normal stress; without a value it never
+    ruptures in shear.
+    """
+    damping: Quantity
+    """Damping ratio of the four motions of a bond. Default: 0.0."""
+    friction_angle: Quantity
+    """Angle phi_b by which compression raises the strength in shear: tau_c = c + sigma tan(phi_b)."""
+    largest_gap: Quantity
+    """Largest distance of two surfaces that are joined, over the mean diameter; 0: those that touch. Default: 0.0."""
+    law: Literal["parallel", "beam", "additive"]
+    """How stiff and how strong bonds are. parallel: springs over the section of a cylinder; ruptures by tension with
+    bending, or by shear after Mohr and Coulomb; beam: a cylinder that bends and shears as Timoshenko's beam;
+    ruptures as parallel bonds; additive: stiff as parallel bonds; ruptures where the sum of the four loads over
+    their limits reaches one Default: parallel.
+    """
+    left_out: Quantity
+    """Share of the bonds, drawn at random, that are left out. Default: 0.0."""
+    modulus: Quantity
+    """Young's modulus E_b of the bond."""
+    moment_factor: Quantity
+    """Share beta of the couples in the stresses that rupture the bond."""
+    places: Literal["between", "inside"]
+    """Which pieces are joined. between: pieces of different grains that touch, or are nearer than largest_gap;
+    inside: the touching pieces of each grain, which becomes an agglomerate of spheres that can come apart
+    Default: between.
+    """
+    poissons_ratio: Quantity
+    """Poisson's ratio of the bond, from which its shear modulus E_b / 2 (1 + nu) follows."""
+    radius: Quantity
+    """Radius of a bond over that of the smaller of its two pieces. Default: 0.5."""
+    reference_volume: Quantity
+    """Volume of a bond that has the given strength; others have it times (V/V0)^(-1/m). Only with scatter =
+    "weibull".
+    """
+    scatter: Literal["none", "normal", "weibull"]
+    """How the strengths of bonds scatter. none: all bonds are equally strong; normal: normally distributed, with
+    strength_deviation; weibull: after Weibull, with weibull_modulus Default: none.
+    """
+    seed: int
+    """Seed of the scatter and of what is left out. Default: 1.0."""
+    shear_coefficient: Quantity
+    """Shear coefficient kappa of the section: 6 (1 + nu) / (7 + 6 nu) for a full circle."""
+    stiffness_ratio: Quantity
+    """Ratio of the normal to the shear stiffness, k_n / k_s; 0: it follows from Poisson's ratio."""
+    strength_deviation: Quantity
+    """Standard deviation of the strength over its mean; only with scatter = "normal". Default: 0.2."""
+    tensile_strength: Quantity
+    """Largest tension sigma_c, bending included, that the bond carries; without a value it never ruptures in
+    tension.
+    """
+    weibull_modulus: Quantity
+    """Modulus m of Weibull's distribution; only with scatter = "weibull". Default: 4.0."""
+
+
 class Contact(TypedDict, total=False):
     """The contact law."""
 
@@ -161,6 +227,10 @@ class GrainsMaterial(TypedDict, total=False):
 class GrainsShape(TypedDict, total=False):
     """The shape of the grains: rigid bodies of several spheres. Several shapes: tables [[grains.shape]] with share."""
 
+    agglomerate_spheres: Quantity
+    """Number of spheres of an agglomerate before any are taken out; with kind = "agglomerate". (from 4 to 1000)
+    Default: 43.0.
+    """
     angularity: Quantity
     """Roughness D_3 of a random grain: root mean square of the part of degree 3 of its radius over the radius. 0 is
     an ellipsoid; with kind = "sand". (from 0 to 0.06) Default: 0.03.
@@ -183,9 +253,14 @@ class GrainsShape(TypedDict, total=False):
     """Least over intermediate length, c/b: 1 is as thick as wide; with kind = "ellipsoid" or kind = "sand". (from
     0.2 to 1) Default: 0.8.
     """
-    kind: Literal["sphere", "dimer", "capsule", "ellipsoid", "sand", "mesh", "mesh-euclidean", "mesh-tangent", "tetrapod", "voxels", "pieces"]
-    """Family of the shape. sphere: spheres; dimer: two equal spheres; capsule: equal spheres in a row: a cylinder
-    with round ends; ellipsoid: spheres that touch an ellipsoid from inside; sand: random grains, rough
+    flaws: Quantity
+    """Share of the spheres of an agglomerate that are taken out at random; with kind = "agglomerate". (from 0 to
+    0.4) Default: 0.0.
+    """
+    kind: Literal["sphere", "agglomerate", "dimer", "capsule", "ellipsoid", "sand", "mesh", "mesh-euclidean", "mesh-tangent", "tetrapod", "voxels", "pieces"]
+    """Family of the shape. sphere: spheres; agglomerate: equal spheres of the densest lattice inside of a ball,
+    which touch: with bonds inside they can come apart; dimer: two equal spheres; capsule: equal spheres in a row:
+    a cylinder with round ends; ellipsoid: spheres that touch an ellipsoid from inside; sand: random grains, rough
     ellipsoids; mesh: a mesh in an STL, OBJ or PLY file, covered by the spheres that fill most of it;
     mesh-euclidean: a mesh in a file, covered by the largest spheres that fit, one after the other; mesh-tangent:
     a mesh in a file, covered by spheres that touch it at random points; tetrapod: four equal spheres at the
@@ -206,12 +281,12 @@ class GrainsShape(TypedDict, total=False):
     0.5.
     """
     shape_seed: Quantity
-    """Seed of the random numbers of shapes: another seed gives other shapes of the same kind; with kind = "sand" or
-    kind = "mesh-tangent". (from 0 to 4.294967295e9) Default: 1.0.
+    """Seed of the random numbers of shapes: another seed gives other shapes of the same kind; with kind =
+    "agglomerate", kind = "sand" or kind = "mesh-tangent". (from 0 to 4.294967295e9) Default: 1.0.
     """
     shapes: Quantity
-    """Number of shapes that differ from each other; each grain has one of them; with kind = "sand". (from 1 to 50)
-    Default: 10.0.
+    """Number of shapes that differ from each other; each grain has one of them; with kind = "agglomerate" or kind =
+    "sand". (from 1 to 50) Default: 10.0.
     """
     spacing_y: Quantity
     """Distance of the rows of an image over that of its columns; with kind = "voxels". (from 0.01 to 100) Default:

@@ -70,9 +70,9 @@ impl Sensor for Fragments {
         values.push(ratio(mass(&|fragment| fragment.bodies.len() == 1), whole));
         values.push(ratio(largest, whole));
         values.push(spanning as f64);
-        let graded = Grading::of(now.iter().map(|fragment| (fragment.size, fragment.mass)).collect());
+        let graded = Grading::from_sizes(now.iter().map(|fragment| (fragment.size, fragment.mass)).collect());
         values.push(if spanning == 0 { graded.size_below_which(0.5) } else { 0.0 });
-        let before = Grading::of(made_of(assembly));
+        let before = Grading::from_sizes(made_of(assembly));
         let means_nothing = spanning > 0
             || before.largest_share() > 0.5
             || assembly.bonds.is_empty() && assembly.broken_bonds.is_empty();
@@ -220,7 +220,7 @@ fn made_of(assembly: &Assembly) -> Vec<(f64, f64)> {
 struct Grading(Vec<(f64, f64)>);
 
 impl Grading {
-    fn of(mut sizes: Vec<(f64, f64)>) -> Grading {
+    fn from_sizes(mut sizes: Vec<(f64, f64)>) -> Grading {
         sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let whole: f64 = sizes.iter().map(|(_, mass)| mass).sum();
         Grading(sizes.into_iter().map(|(size, mass)| (size, ratio(mass, whole))).collect())
@@ -332,8 +332,8 @@ mod tests {
 
     #[test]
     fn breakage_has_its_golden_values() {
-        let before = Grading::of(vec![(1e-3, 2.0)]);
-        let now = Grading::of(vec![(0.5e-3, 1.0), (1e-3, 1.0)]);
+        let before = Grading::from_sizes(vec![(1e-3, 2.0)]);
+        let now = Grading::from_sizes(vec![(0.5e-3, 1.0), (1e-3, 1.0)]);
         assert!((hardin(&before, &now) - 0.133_108_613_4).abs() < 1e-9);
         assert!((einav(&before, &now) - 0.138_629_436_1).abs() < 1e-9);
         assert_eq!([hardin(&before, &before), einav(&before, &before)], [0.0; 2]);
@@ -348,7 +348,7 @@ mod tests {
                 sizes.push((cut, passing - last));
                 last = passing;
             }
-            Grading::of(sizes)
+            Grading::from_sizes(sizes)
         };
         assert!((power(2.0).fractal_dimension(1.0) - 2.5).abs() < 1e-9);
         assert_eq!(power(0.5).fractal_dimension(1.0), 0.0);

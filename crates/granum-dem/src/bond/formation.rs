@@ -13,7 +13,7 @@ use super::bonds::{BondRecord, Bonds};
 use super::cement::share_of_radius;
 use super::law::bond_law::{BondLaw, BondShape};
 use super::motion::{frame_along, product};
-use super::steps::BondWork;
+use super::work::BondWork;
 use crate::assembly::Vector;
 use crate::clump::clumps::NO_CLUMP;
 use crate::images::image_vector;

@@ -27,6 +27,8 @@ mod stage;
 mod statics_tests;
 mod steps;
 mod strength;
+mod views;
+mod work;
 
 pub use bonding::{BondPlaces, BondRadius, Bonding};
 pub use cement::cement_volume;
@@ -37,5 +39,6 @@ pub use law::kind::BondKind;
 pub use strength::StrengthScatter;
 
 pub(crate) use bonds::Bonds;
-pub(crate) use stage::{BondStage, BondViews, BondedStage};
-pub(crate) use steps::BondWork;
+pub(crate) use stage::{BondStage, BondedStage};
+pub(crate) use views::BondViews;
+pub(crate) use work::BondWork;

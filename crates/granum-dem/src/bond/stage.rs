@@ -8,69 +8,16 @@ use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row4, Row8};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
 use super::criterion;
-use super::law::bond_law::{BondLoads, Criterion, Eight, LIMITS};
+use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
 use super::motion::{Ends, Vectors, in_axes, in_space, strained, turned};
+use super::views::{BATCHES, BondSums, PIECES};
 use crate::clump::clumps::NO_CLUMP;
 use crate::kernel::Views;
-use crate::team::RawSlice;
 
-/// Batches of bonds in a block, the unit of work of a thread.
-pub(crate) const BATCHES: usize = 8;
 /// Number of ends between prefetching one and adding it, and of those that are prefetched for each piece.
 const AHEAD: usize = 32;
 const ENDS_A_PIECE: usize = 6;
-/// Pieces in a block of the second stage.
-pub(crate) const PIECES: usize = 64;
-
-/// Sums over the bonds of a block.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub(crate) struct BondSums {
-    /// `- sum of (elastic force on i)_a (branch)_b`, J.
-    pub(crate) virial: [f64; 9],
-    /// Power that the deformation of the cell supplies, W.
-    pub(crate) power: f64,
-    /// Lost in dashpots in this step, J.
-    pub(crate) damping: f64,
-    /// Energy of the bonds that ruptured by tension, and by shear, J.
-    pub(crate) broken: [f64; 2],
-    /// `sum of k_n A D^2`, J.
-    pub(crate) stiffness: f64,
-    /// `sum of |N|`, N.
-    pub(crate) normal_force: f64,
-    /// True if a bond ruptured.
-    pub(crate) ruptured: bool,
-}
-
-/// The bonds of a batch that ruptured in this step: one bit for each, by tension and by shear, and their energies, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Ruptures {
-    pub(crate) tension: u8,
-    pub(crate) shear: u8,
-    pub(crate) energy: Eight,
-}
-
-/// What the stages of bonds read and write.
-#[derive(Clone, Copy)]
-pub(crate) struct BondViews {
-    pub(crate) law: RawSlice<u8>,
-    pub(crate) laws: RawSlice<BondKind>,
-    pub(crate) rows: RawSlice<[[u32; LANES]; 2]>,
-    pub(crate) columns: RawSlice<Row8>,
-    pub(crate) orientations: RawSlice<Row4>,
-    /// Force and torque over radius on the ends, two rows a bond.
-    pub(crate) loads: RawSlice<Row8>,
-    pub(crate) sums: RawSlice<BondSums>,
-    pub(crate) ruptures: RawSlice<Ruptures>,
-    pub(crate) bonded: RawSlice<u32>,
-    pub(crate) offsets: RawSlice<u32>,
-    pub(crate) ends: RawSlice<u32>,
-    /// True if any bond has dashpots.
-    pub(crate) damped: bool,
-    /// True where the bonds do not fit into the caches.
-    pub(crate) far: bool,
-}
 
 /// The stage of bonds for a range of blocks of batches.
 pub(crate) struct BondStage<'a> {

@@ -2,67 +2,14 @@
 
 use granum_core::assembly::{BrokenBond, Rupture};
 use granum_core::geometry::{apply, invert};
-use granum_simd::{LANES, Row8, dispatch};
+use granum_simd::{LANES, dispatch};
 
-use super::bonds::Bonds;
 use super::bonds::column::IMAGE;
-use super::ends::EndLists;
-use super::stage::{BATCHES, BondStage, BondSums, BondViews, BondedStage, PIECES, Ruptures};
+use super::stage::{BondStage, BondedStage};
+use super::work::BondWork;
 use crate::integrator::Integrator;
 use crate::kernel::Views;
 use crate::particle_row::ParticleRow;
-use crate::team::RawSlice;
-
-/// From this size of the bonds on, in bytes, what they need is prefetched.
-const FAR: usize = 4 << 20;
-
-/// What the bonds of a simulation need to be computed; all of it follows from the state.
-#[derive(Clone, Default)]
-pub(crate) struct BondWork {
-    lists: EndLists,
-    loads: Vec<Row8>,
-    sums: Vec<BondSums>,
-    ruptures: Vec<Ruptures>,
-}
-
-impl BondWork {
-    /// The work of these bonds.
-    pub(crate) fn new(bonds: &Bonds) -> BondWork {
-        let batches = bonds.batches();
-        BondWork {
-            lists: EndLists::new(bonds),
-            loads: vec![Row8::default(); 2 * LANES * batches],
-            sums: vec![BondSums::default(); batches.div_ceil(BATCHES)],
-            ruptures: vec![Ruptures::default(); batches],
-        }
-    }
-
-    /// The views of its arrays and of the bonds.
-    pub(crate) fn views(&mut self, bonds: &mut Bonds) -> BondViews {
-        BondViews {
-            damped: bonds.is_damped(),
-            far: size_of_val(&bonds.columns[..]) > FAR,
-            law: RawSlice::new(&mut bonds.law),
-            laws: RawSlice::new(&mut bonds.laws),
-            rows: RawSlice::new(&mut bonds.rows),
-            columns: RawSlice::new(&mut bonds.columns),
-            orientations: RawSlice::new(&mut bonds.orientations),
-            loads: RawSlice::new(&mut self.loads),
-            sums: RawSlice::new(&mut self.sums),
-            ruptures: RawSlice::new(&mut self.ruptures),
-            bonded: RawSlice::new(&mut self.lists.bonded),
-            offsets: RawSlice::new(&mut self.lists.offsets),
-            ends: RawSlice::new(&mut self.lists.ends),
-        }
-    }
-}
-
-impl BondViews {
-    /// Number of blocks of bonds, and of pieces that have bonds.
-    pub(crate) fn blocks(&self) -> [usize; 2] {
-        [self.law.len().div_ceil(BATCHES), self.bonded.len().div_ceil(PIECES)]
-    }
-}
 
 impl Integrator {
     /// Follows the bonds to the new rows of their pieces, if the rows were sorted, and leaves out those that ruptured.

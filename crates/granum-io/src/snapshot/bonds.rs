@@ -5,7 +5,6 @@ use std::path::Path;
 use granum_core::assembly::{Assembly, Bond, BrokenBond};
 use serde::{Deserialize, Serialize};
 
-use super::{damaged, part};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 
@@ -22,29 +21,28 @@ struct Bonds {
 }
 
 /// Writes the bonds of an assembly; without any, the file of an earlier snapshot is removed.
-pub(super) fn write(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
-    let path = part(folder, name, FILE);
+pub(super) fn write(path: &Path, assembly: &Assembly) -> Result<()> {
     if !assembly.is_bonded() {
-        let _ = std::fs::remove_file(&path);
+        let _ = std::fs::remove_file(path);
         return Ok(());
     }
     let bonds = Bonds { bonds: assembly.bonds.clone(), broken_bonds: assembly.broken_bonds.clone() };
-    write_atomically(&path, |file| serde_json::to_writer(file, &bonds).map_err(std::io::Error::from))
+    write_atomically(path, |file| serde_json::to_writer(file, &bonds).map_err(std::io::Error::from))
 }
 
 /// Reads the bonds of a snapshot, if it has any.
-pub(super) fn read(folder: &Path, name: &str, assembly: &mut Assembly) -> Result<()> {
-    let path = part(folder, name, FILE);
+pub(super) fn read(path: &Path, assembly: &mut Assembly) -> Result<()> {
     if !path.is_file() {
         return Ok(());
     }
-    let text = crate::text::read_small(&path, LARGEST)?;
-    let bonds: Bonds = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
+    let text = crate::text::read_small(path, LARGEST)?;
+    let damaged = |error: serde_json::Error| Error::content(path, format!("is damaged: {error}"));
+    let bonds: Bonds = serde_json::from_str(&text).map_err(damaged)?;
     let pieces = assembly.pieces.len();
     if let Some(bond) = bonds.bonds.iter().find(|bond| bond.i.max(bond.j) >= pieces) {
         let message =
             format!("the bond {} joins pieces that the snapshot does not have; there are {pieces}", bond.id);
-        return Err(Error::content(&path, message));
+        return Err(Error::content(path, message));
     }
     (assembly.bonds, assembly.broken_bonds) = (bonds.bonds, bonds.broken_bonds);
     Ok(())

@@ -244,7 +244,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         let table = |rows| pieces::table(assembly, rows);
         crate::formats::parquet::write_parts(&path, assembly.pieces.len(), table)?;
     }
-    bonds::write(folder, name, assembly)?;
+    bonds::write(&part(folder, name, bonds::FILE), assembly)?;
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,
@@ -310,7 +310,7 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let branches = assembly.contacts.iter().map(|contact| (ids(contact), contact.branch));
     plausible::check_branches(&contacts.shown(), &assembly.cell, branches)?;
     assembly.apart = assembly.contacts.split_off(state.contacts);
-    bonds::read(folder, name, &mut assembly)?;
+    bonds::read(&part(folder, name, bonds::FILE), &mut assembly)?;
     Ok(assembly)
 }
 

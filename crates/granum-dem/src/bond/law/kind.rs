@@ -74,8 +74,8 @@ impl<'d> serde::Deserialize<'d> for BondKind {
         let known = || BondKind::OWN.iter().map(BondKind::name);
         let found = BondKind::OWN.iter().find(|law| law.name() == name).copied();
         found.ok_or_else(|| {
-            let message = crate::contact::choice::registry::unknown("law of bonds", &name, known());
-            serde::de::Error::custom(message)
+            let known = known().collect::<Vec<_>>().join(", ");
+            serde::de::Error::custom(format!("there is no law of bonds {name:?}; there are: {known}"))
         })
     }
 }

@@ -1,0 +1,52 @@
+//! The working memory of bonds, which follows from the state.
+
+use granum_simd::{LANES, Row8};
+
+use super::bonds::Bonds;
+use super::ends::EndLists;
+use super::views::{BATCHES, BondSums, BondViews, Ruptures};
+use crate::team::RawSlice;
+
+/// From this size of the bonds on, in bytes, what they need is prefetched.
+const FAR: usize = 4 << 20;
+
+/// What the bonds of a simulation need to be computed; all of it follows from the state.
+#[derive(Clone, Default)]
+pub(crate) struct BondWork {
+    pub(super) lists: EndLists,
+    pub(super) loads: Vec<Row8>,
+    pub(super) sums: Vec<BondSums>,
+    pub(super) ruptures: Vec<Ruptures>,
+}
+
+impl BondWork {
+    /// The work of these bonds.
+    pub(crate) fn new(bonds: &Bonds) -> BondWork {
+        let batches = bonds.batches();
+        BondWork {
+            lists: EndLists::new(bonds),
+            loads: vec![Row8::default(); 2 * LANES * batches],
+            sums: vec![BondSums::default(); batches.div_ceil(BATCHES)],
+            ruptures: vec![Ruptures::default(); batches],
+        }
+    }
+
+    /// The views of its arrays and of the bonds.
+    pub(crate) fn views(&mut self, bonds: &mut Bonds) -> BondViews {
+        BondViews {
+            damped: bonds.is_damped(),
+            far: size_of_val(&bonds.columns[..]) > FAR,
+            law: RawSlice::new(&mut bonds.law),
+            laws: RawSlice::new(&mut bonds.laws),
+            rows: RawSlice::new(&mut bonds.rows),
+            columns: RawSlice::new(&mut bonds.columns),
+            orientations: RawSlice::new(&mut bonds.orientations),
+            loads: RawSlice::new(&mut self.loads),
+            sums: RawSlice::new(&mut self.sums),
+            ruptures: RawSlice::new(&mut self.ruptures),
+            bonded: RawSlice::new(&mut self.lists.bonded),
+            offsets: RawSlice::new(&mut self.lists.offsets),
+            ends: RawSlice::new(&mut self.lists.ends),
+        }
+    }
+}
