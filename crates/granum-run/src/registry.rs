@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use granum_core::RegistrationError;
+use granum_dem::bond::BondKind;
 use granum_dem::contact::choice::registry::Law;
 use granum_dem::loading::preset::Preset;
 use granum_io::case::Vocabulary;
@@ -59,6 +60,15 @@ impl RunRegistry {
     /// [`RegistrationError`] if its name or a key of it is taken, or there is no room for its parameters.
     pub fn with_law(mut self, law: impl Into<Law>) -> Result<RunRegistry, RegistrationError> {
         self.vocabulary = self.vocabulary.with_law(law)?;
+        Ok(self)
+    }
+
+    /// Adds a law of bonds, which a table `[[bond]]` of a case can then name, with its parameters as keys of the table.
+    ///
+    /// # Errors
+    /// [`RegistrationError`] if its name is taken.
+    pub fn with_bond_law(mut self, law: BondKind) -> Result<RunRegistry, RegistrationError> {
+        self.vocabulary = self.vocabulary.with_bond_law(law)?;
         Ok(self)
     }
 

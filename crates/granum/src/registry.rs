@@ -5,6 +5,7 @@ use std::path::Path;
 use granum_antony2006::MappingMethod;
 use granum_campaign::scheduler::{SchedulerKind, Schedulers};
 use granum_core::RegistrationError;
+use granum_dem::bond::BondKind;
 use granum_dem::contact::choice::registry::Law;
 use granum_dem::loading::preset::Preset;
 use granum_io::formats::{PackingFormat, ResultFormat, TableFormat};
@@ -72,6 +73,14 @@ impl Registry {
     /// As [`RunRegistry::with_law`].
     pub fn with_law(self, law: impl Into<Law>) -> Result<Registry, RegistrationError> {
         Ok(Registry { runs: self.runs.with_law(law)?, ..self })
+    }
+
+    /// Adds a law of bonds, which a table `[[bond]]` of a case can then name, with its parameters as keys of the table.
+    ///
+    /// # Errors
+    /// As [`RunRegistry::with_bond_law`].
+    pub fn with_bond_law(self, law: BondKind) -> Result<Registry, RegistrationError> {
+        Ok(Registry { runs: self.runs.with_bond_law(law)?, ..self })
     }
 
     /// Adds a path, which case files can then name.

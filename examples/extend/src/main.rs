@@ -1,5 +1,5 @@
 //! A program with what granum does not have, one file each: a contact law, a sensor, a loading path, a packing format, an engine, a
-//! method of surrogates with memory, a study, a scheduler of campaigns, a boundary on which grains rest, and a
+//! method of surrogates with memory, a study, a scheduler of campaigns, a boundary on which grains rest, a law of bonds, and a
 //! subcommand. It has all commands of granum as well, which know them by name.
 //!
 //! `cargo run` tries them all; `cargo run -- pair --help` and other words are commands.
@@ -14,6 +14,7 @@ mod rigid_plane;
 mod rolling_spring;
 mod spheres;
 mod this_process;
+mod thread;
 mod trial;
 
 use std::process::ExitCode;
@@ -25,6 +26,7 @@ use granum::prelude::*;
 fn registry() -> Result<Registry, RegistrationError> {
     Registry::standard()
         .with_law(RollingKind::new(&rolling_spring::RollingSpring))?
+        .with_bond_law(thread::THREAD)?
         .with_path(&biaxial::BIAXIAL)?
         .with_sensor(fluctuating_speeds::FluctuatingSpeeds)?
         .with_packing_format(spheres::Spheres)?

@@ -65,6 +65,7 @@ pub fn all(registry: &Registry) -> Outcome {
 fn in_folder(registry: &Registry, folder: &Path) -> Outcome {
     let packing = folder.join("loose.spheres");
     crate::rigid_plane::comes_to_rest()?;
+    println!("{}", crate::thread::try_it()?);
     registry.runs.formats.write_packing(&packing, &loose_lattice(6))?;
     let records = [0.2, 0.1, 0.3].map(|friction| test(registry, &packing, friction));
     let records = records.into_iter().collect::<Result<Vec<Record>, _>>()?;

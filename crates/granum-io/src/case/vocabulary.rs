@@ -3,6 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use granum_core::RegistrationError;
+use granum_dem::bond::BondKind;
 use granum_dem::contact::choice::registry::{Law, Laws};
 use granum_dem::loading::preset::{Paths, Preset};
 use granum_sensors::{Sensor, Sensors};
@@ -87,6 +88,15 @@ impl Vocabulary {
             sensors = sensors.with_channels(&[*channel]).map_err(taken)?;
         }
         Ok(self.changed(|words| (words.laws, words.sensors) = (laws, sensors)))
+    }
+
+    /// Adds a law of bonds, which a table `[[bond]]` can then name.
+    ///
+    /// # Errors
+    /// As [`Laws::with_bond`].
+    pub fn with_bond_law(&self, law: BondKind) -> Result<Vocabulary, RegistrationError> {
+        let laws = self.laws().clone().with_bond(law)?;
+        Ok(self.changed(|words| words.laws = laws))
     }
 
     /// Adds a named path.
