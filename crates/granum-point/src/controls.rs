@@ -52,8 +52,8 @@ impl Default for Controls {
     fn default() -> Self {
         Controls {
             inertial_number: 1e-3,
-            relaxation: 400,
-            averaging: 200,
+            relaxation: 50,
+            averaging: 50,
             largest_increment: 0.02,
             beyond_largest: BeyondLargest::Divide,
             absurd_increment: 0.5,

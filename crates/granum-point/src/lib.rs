@@ -49,6 +49,7 @@ pub use error::PointError;
 pub use identity::Identity;
 pub use increment::{Increment, Pace};
 pub use material_point::MaterialPoint;
+pub use recipe::Recipe;
 pub use state::State;
 pub use store::{Store, StoredAnswer};
 pub use store_error::StoreError;

@@ -273,8 +273,11 @@ impl MaterialPoint {
         Ok(Answer { state: State::new(content), steps })
     }
 
-    /// Carries out a recipe.
-    pub(crate) fn follow(&self, state: &State, recipe: &Recipe) -> Result<Answer, PointError> {
+    /// Carries out a recipe, for example of the path that a store remembers.
+    ///
+    /// # Errors
+    /// As [`MaterialPoint::advance`] and [`MaterialPoint::at_stress`].
+    pub fn follow(&self, state: &State, recipe: &Recipe) -> Result<Answer, PointError> {
         match recipe {
             Recipe::Advance(increment) => self.advance(state, increment),
             Recipe::Impose(stress) => self.at_stress(state, stress),

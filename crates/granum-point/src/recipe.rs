@@ -6,9 +6,9 @@ use granum_core::geometry::Matrix;
 use crate::identity::Identity;
 use crate::increment::Increment;
 
-/// What is done to a state.
+/// What is done to a state. From the state and the recipe follows the next state, bit by bit ([`crate::MaterialPoint::follow`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Recipe {
+pub enum Recipe {
     /// It is deformed.
     Advance(Increment),
     /// It is brought to a stress, Pa, in the axes of space.

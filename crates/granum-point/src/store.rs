@@ -45,6 +45,8 @@ pub(crate) struct StoredPoint {
     pub(crate) accepted: State,
     /// What was tried since, the last one at the end.
     pub(crate) trials: Vec<Trial>,
+    /// What led from the first state to the accepted one.
+    pub(crate) path: Vec<Recipe>,
 }
 
 /// Something that was tried from the accepted state or from another trial.
@@ -58,6 +60,11 @@ pub(crate) struct Trial {
 }
 
 impl StoredPoint {
+    /// A point at its first state.
+    fn new(state: State) -> StoredPoint {
+        StoredPoint { accepted: state, trials: Vec::new(), path: Vec::new() }
+    }
+
     /// The state of a ticket, computed again if it was dropped.
     fn state(&mut self, ticket: u64, material: &MaterialPoint) -> Result<Option<State>, PointError> {
         if self.accepted.identity().ticket() == ticket {
@@ -72,8 +79,17 @@ impl StoredPoint {
         Ok(Some(material.follow(&start, &recipe)?.state))
     }
 
-    /// Takes a state as accepted.
+    /// Takes a state as accepted, and notes what led to it.
     fn accept(&mut self, state: State) {
+        let first = self.accepted.identity().ticket();
+        let mut ticket = state.identity().ticket();
+        let mut way = Vec::new();
+        while ticket != first {
+            let Some(trial) = self.trials.iter().find(|trial| trial.ticket == ticket) else { break };
+            way.push(trial.recipe);
+            ticket = trial.from;
+        }
+        self.path.extend(way.into_iter().rev());
         self.accepted = state;
         self.trials.clear();
     }
@@ -104,7 +120,7 @@ impl Store {
     /// Keeps a state as the accepted one of a point, and returns its ticket. What the point had before is dropped.
     pub fn put(&self, name: u64, state: State) -> u64 {
         let ticket = state.identity().ticket();
-        let point = StoredPoint { accepted: state, trials: Vec::new() };
+        let point = StoredPoint::new(state);
         let mut points = self.points.write().unwrap_or_else(PoisonError::into_inner);
         points.insert(name, Arc::new(Mutex::new(point)));
         ticket
@@ -113,7 +129,7 @@ impl Store {
     /// The same unless there is a point of that name; returns the ticket of its accepted state.
     pub fn put_if_absent(&self, name: u64, state: &State) -> u64 {
         let mut points = self.points.write().unwrap_or_else(PoisonError::into_inner);
-        let new = || Arc::new(Mutex::new(StoredPoint { accepted: state.clone(), trials: Vec::new() }));
+        let new = || Arc::new(Mutex::new(StoredPoint::new(state.clone())));
         let point = points.entry(name).or_insert_with(new);
         locked(point).accepted.identity().ticket()
     }
@@ -135,6 +151,37 @@ impl Store {
             1 + locked(point).trials.iter().filter(|trial| trial.state.is_some()).count()
         };
         points.values().map(states).sum()
+    }
+
+    /// The names of all points, in ascending order.
+    pub fn names(&self) -> Vec<u64> {
+        self.points.read().unwrap_or_else(PoisonError::into_inner).keys().copied().collect()
+    }
+
+    /// The state of a point that was accepted last, and what led to it from the first state: [`MaterialPoint::follow`] gives the same
+    /// bits again.
+    ///
+    /// # Errors
+    /// [`StoreError::NoPoint`].
+    pub fn accepted(&self, name: u64) -> Result<(State, Vec<Recipe>), StoreError> {
+        let point = self.point(name)?;
+        let point = locked(&point);
+        Ok((point.accepted.clone(), point.path.clone()))
+    }
+
+    /// Takes the state of a ticket as accepted, as a question with it would. A host that saves its own state calls it for its points first,
+    /// so that the last step is in the paths; it can be left out.
+    ///
+    /// # Errors
+    /// As [`Store::state`].
+    pub fn accept(&self, name: u64, ticket: u64, material: &MaterialPoint) -> Result<State, StoreError> {
+        let point = self.point(name)?;
+        let mut point = locked(&point);
+        let state = found(&mut point, name, ticket, material)?;
+        if point.accepted.identity() != state.identity() {
+            point.accept(state.clone());
+        }
+        Ok(state)
     }
 
     /// The state of a ticket, without taking it as accepted.

@@ -51,6 +51,7 @@ struct SavedPoint {
     /// Place of the accepted state among the states.
     accepted: u64,
     trials: Vec<SavedTrial>,
+    path: Vec<SavedRecipe>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -93,7 +94,8 @@ impl Store {
                 let (ticket, from, recipe) = (trial.ticket, trial.from, saved_recipe(&trial.recipe));
                 trials.push(SavedTrial { ticket, from, recipe, state });
             }
-            saved.push(SavedPoint { name: *name, accepted, trials });
+            let path = point.path.iter().map(saved_recipe).collect();
+            saved.push(SavedPoint { name: *name, accepted, trials, path });
         }
         let granum = env!("CARGO_PKG_VERSION").to_string();
         let body = Body { granum, states: states.saved, points: saved };
@@ -152,7 +154,8 @@ impl Store {
                     state: at.map(state).transpose()?,
                 });
             }
-            let stored = StoredPoint { accepted: state(point.accepted)?, trials };
+            let path = point.path.into_iter().map(SavedRecipe::restored).collect();
+            let stored = StoredPoint { accepted: state(point.accepted)?, trials, path };
             points.insert(point.name, Arc::new(Mutex::new(stored)));
         }
         Ok(Store { points: points.into() })

@@ -16,10 +16,10 @@ pub fn table() -> Result<(), Box<dyn Error>> {
         "| relaxation, steps | parts | length of the cell over its first | q/p at 0.1 % | q/p at the end | p at the end, kPa | steps | time, s |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    for relaxation in [0, 400] {
+    for relaxation in [0, 50, 400] {
         let controls = Controls::default().with(|controls| {
             controls.relaxation = relaxation;
-            controls.averaging = relaxation / 2;
+            controls.averaging = relaxation;
         });
         let point = point(300, 1, controls)?;
         for parts in [10u32, 100, 1000] {

@@ -12,7 +12,7 @@ use granum_run::{Laboratory, NoObserver, Source};
 pub fn sample(grains: usize, seed: u64) -> Result<Simulation, Box<dyn Error>> {
     let text = format!(
         "grains.count = {grains}\ngrains.material.interface_energy = 0\ngrains.material.friction = 0.5\n\
-         preparation.seed = {seed}\npreparation.friction = 0.2\npreparation.solid_fraction = 'none'\n\
+         preparation.seed = {seed}\npreparation.friction = 0.01\npreparation.solid_fraction = 'none'\n\
          preparation.mean_stress = '100 kPa'\npreparation.inertial_number = 1e-3\npreparation.unbalanced_force = 1e-3"
     );
     let case = Case::parse(&text, "sand")?;

@@ -42,3 +42,13 @@ fn a_stress_beyond_the_strength_is_refused() {
     assert!(point.at_stress(&start, &[[f64::NAN; 3]; 3]).is_err());
     assert_eq!(start.stress(), before);
 }
+
+/// A host that begins without stress gets a sample without stress, which can be loaded again.
+#[test]
+fn no_stress_can_be_imposed() {
+    let point = point();
+    let empty = point.at_stress(&point.start(), &[[0.0; 3]; 3]).unwrap();
+    assert!(empty.state.mean_stress().abs() < 1e-3 * point.least_mean_stress(), "{}", empty.state.mean_stress());
+    let loaded = point.at_stress(&empty.state, &[[20e3, 0.0, 0.0], [0.0, 20e3, 0.0], [0.0, 0.0, 20e3]]).unwrap();
+    assert!((loaded.state.mean_stress() / 20e3 - 1.0).abs() < 1e-3);
+}

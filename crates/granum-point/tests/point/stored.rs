@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_point::{Increment, Store, StoreError};
+use granum_point::{Increment, Recipe, Store, StoreError};
 
 use crate::sample::point;
 
@@ -98,6 +98,12 @@ fn a_file_keeps_everything() {
     assert_eq!(end.identity(), straight.identity());
     assert_eq!(end.stress(), straight.stress());
     assert_eq!(end.simulation().checkpoint("").unwrap(), straight.simulation().checkpoint("").unwrap());
+    // The path that was accepted, with its first half from the file, can be carried out again.
+    store.accept(1, tickets[0], &fresh).unwrap();
+    let (_, path) = store.accepted(1).unwrap();
+    assert_eq!(path, [Recipe::Advance(axial(1e-4)); 10]);
+    let replayed = path.iter().fold(fresh.start(), |state, recipe| fresh.follow(&state, recipe).unwrap().state);
+    assert_eq!(replayed.identity(), end.identity());
 }
 
 fn refusal(path: &Path, bytes: &[u8]) -> String {
