@@ -118,7 +118,8 @@ pub unsafe extern "C" fn granum_point_from_case(
 ) -> c_int {
     guarded(|| unsafe {
         let path = Path::new(text(path, "path of the case")?);
-        let unreadable = |error: granum_io::Error| Failure::File { path: path.to_path_buf(), what: error.to_string() };
+        let unreadable =
+            |error: granum_io::Error| Failure::File { path: path.to_path_buf(), what: error.to_string() };
         let made = prepared(&Case::read(path).map_err(unreadable)?, controls_from(controls))?;
         write(point, made, "point").inspect_err(|_| free(made))
     })
@@ -147,7 +148,10 @@ pub unsafe extern "C" fn granum_point_free(point: *mut GranumPoint) {
 
 /// The state of the sample before any increment. `*state` is to be freed with `granum_state_free`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn granum_point_start(point: *const GranumPoint, state: *mut *mut GranumState) -> c_int {
+pub unsafe extern "C" fn granum_point_start(
+    point: *const GranumPoint,
+    state: *mut *mut GranumState,
+) -> c_int {
     guarded(|| unsafe {
         let made = handle(GranumState(reference(point, "point")?.0.start()));
         write(state, made, "state").inspect_err(|_| free(made))
@@ -219,7 +223,9 @@ pub unsafe extern "C" fn granum_point_tangent(
             GRANUM_TANGENT_ELASTIC => Tangent::Elastic,
             GRANUM_TANGENT_PROBES => Tangent::Probes { strain: probe_strain },
             GRANUM_TANGENT_SECANT => Tangent::Secant,
-            _ => return Err(Failure::Argument(format!("there is no kind {kind} of stiffness; it is 0 to 3"))),
+            _ => {
+                return Err(Failure::Argument(format!("there is no kind {kind} of stiffness; it is 0 to 3")));
+            }
         };
         let found = reference(point, "point")?.0.tangent(&reference(state, "state")?.0, tangent)?;
         write(stiffness.cast::<[[f64; 6]; 6]>(), found.0, "stiffness")

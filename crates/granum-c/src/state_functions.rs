@@ -11,7 +11,10 @@ use crate::point_handles::{GranumState, free, handle, reference, text, write};
 
 /// Another handle of the same state, which is to be freed as well.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn granum_state_clone(state: *const GranumState, clone: *mut *mut GranumState) -> c_int {
+pub unsafe extern "C" fn granum_state_clone(
+    state: *const GranumState,
+    clone: *mut *mut GranumState,
+) -> c_int {
     guarded(|| unsafe {
         let made = handle(GranumState(reference(state, "state")?.0.clone()));
         write(clone, made, "state").inspect_err(|_| free(made))
@@ -64,7 +67,8 @@ pub unsafe extern "C" fn granum_state_sensor(
     guarded(|| unsafe {
         let column = text(column, "name of the column")?;
         let measurement = reference(state, "state")?.0.measure(&Sensors::standard());
-        let missing = || Failure::Argument(format!("no sensor gives the column {column:?} of a single state"));
+        let missing =
+            || Failure::Argument(format!("no sensor gives the column {column:?} of a single state"));
         write(value, measurement.value(column).ok_or_else(missing)?, "value")
     })
 }

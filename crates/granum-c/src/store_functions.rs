@@ -8,7 +8,9 @@ use granum_point::Store;
 use crate::failure::guarded;
 use crate::host::{components_of, tensor_from};
 use crate::point_functions::increment_from;
-use crate::point_handles::{GranumPoint, GranumState, GranumStore, free, handle, numbers, reference, text, write};
+use crate::point_handles::{
+    GranumPoint, GranumState, GranumStore, free, handle, numbers, reference, text, write,
+};
 
 /// An empty store. `*store` is to be freed with `granum_store_free`.
 #[unsafe(no_mangle)]

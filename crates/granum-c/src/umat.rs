@@ -131,7 +131,8 @@ impl Call {
 
     /// The number of components: six, or four of plane strain and axial symmetry.
     unsafe fn components(&self) -> Result<usize, Failure> {
-        let numbers = unsafe { [count(self.ndi, "NDI")?, count(self.nshr, "NSHR")?, count(self.ntens, "NTENS")?] };
+        let numbers =
+            unsafe { [count(self.ndi, "NDI")?, count(self.nshr, "NSHR")?, count(self.ntens, "NTENS")?] };
         match numbers {
             [3, _, 6] => Ok(6),
             [3, _, 4] => Ok(4),
@@ -146,13 +147,20 @@ impl Call {
         }
     }
 
-    unsafe fn question(&self, session: &Session, statev: &[f64], components: usize) -> Result<PointQuestion, Failure> {
+    unsafe fn question(
+        &self,
+        session: &Session,
+        statev: &[f64],
+        components: usize,
+    ) -> Result<PointQuestion, Failure> {
         let order = session.configuration().host;
         let unit = session.configuration().pascals_per_unit;
         let mut increment = HostIncrement { strain: [0.0; 6], stress: [0.0; 6], rotation: None };
         unsafe {
             increment.strain[..components].copy_from_slice(slice::from_raw_parts(self.dstran, components));
-            for (value, given) in increment.stress.iter_mut().zip(slice::from_raw_parts(self.stress, components)) {
+            for (value, given) in
+                increment.stress.iter_mut().zip(slice::from_raw_parts(self.stress, components))
+            {
                 *value = unit * given;
             }
             if !self.drot.is_null() {
@@ -174,7 +182,8 @@ impl Call {
         }
         let ticket = whole(statev[1], "STATEV(2), the ticket of the state,")?;
         let material = whole(unsafe { *self.props }, "PROPS(1), the number of the material,")? as usize;
-        Ok(PointQuestion { material, name, ticket, stress, increment })
+        let is_plane = components == 4;
+        Ok(PointQuestion { material, name, ticket, stress, is_plane, increment })
     }
 }
 

@@ -152,7 +152,8 @@ impl Call {
             // More points than any element has.
             return Ok(1000 * self.element + self.point);
         }
-        let samples = session.configuration().materials.get(material.wrapping_sub(1)).map_or(1, |m| m.samples);
+        let samples =
+            session.configuration().materials.get(material.wrapping_sub(1)).map_or(1, |m| m.samples);
         if samples > 1 {
             return Err(Failure::Argument(
                 "StVar0(1) is 0 and the host gives no number of the element: with several samples every point needs a name \
@@ -163,7 +164,12 @@ impl Call {
         Ok(NEXT.fetch_add(1, Ordering::Relaxed))
     }
 
-    unsafe fn question(&self, session: &Session, material: usize, before: &[f64]) -> Result<PointQuestion, Failure> {
+    unsafe fn question(
+        &self,
+        session: &Session,
+        material: usize,
+        before: &[f64],
+    ) -> Result<PointQuestion, Failure> {
         if self.stress_before.is_null() || self.strain.is_null() {
             return Err(Failure::Argument("Sig0 or dEps is a null pointer".to_string()));
         }
@@ -183,7 +189,7 @@ impl Call {
         }
         let name = self.name(session, material, before[0])?;
         let ticket = whole(before[1], "StVar0(2), the ticket of the state,")?;
-        Ok(PointQuestion { material, name, ticket, stress, increment })
+        Ok(PointQuestion { material, name, ticket, stress, is_plane: false, increment })
     }
 
     unsafe fn write_stress(

@@ -70,7 +70,11 @@ fn one_element_around_the_umat() {
     )
     .unwrap();
     let configuration = folder.path().join("granum-materials.toml");
-    std::fs::write(&configuration, "host = 'abaqus'\n[[material]]\ncase = 'sand.toml'\ninertial_number = 2e-3\n").unwrap();
+    std::fs::write(
+        &configuration,
+        "host = 'abaqus'\n[[material]]\ncase = 'sand.toml'\ninertial_number = 2e-3\n",
+    )
+    .unwrap();
     let run = || Command::new(&program).arg(&configuration).args(["8", "2e-4"]).output().unwrap();
     let out = run();
     assert!(out.status.success(), "{}", text(&out));
@@ -79,7 +83,11 @@ fn one_element_around_the_umat() {
         let line = out.lines().find(|line| line.starts_with(&format!("step {step}:"))).unwrap().to_string();
         line.split("szz ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap()
     };
-    assert!(axial(1) < -100e3 && axial(8) < axial(1), "compression makes the axial stress more negative: {}", text(&out));
+    assert!(
+        axial(1) < -100e3 && axial(8) < axial(1),
+        "compression makes the axial stress more negative: {}",
+        text(&out)
+    );
     assert_eq!(text(&run()), text(&out));
     // Plane stress, a material that does not exist and mistakes of the configuration are refused by name.
     std::fs::write(&configuration, "host = 'abaqus'\n").unwrap();

@@ -53,7 +53,11 @@ struct Point {
 
 impl Point {
     fn new(name: f64, size: usize) -> Point {
-        Point { stress: vec![0.0; size], statev: vec![name, 0.0, 0.0, 0.0, 0.0], ddsdde: vec![0.0; size * size] }
+        Point {
+            stress: vec![0.0; size],
+            statev: vec![name, 0.0, 0.0, 0.0, 0.0],
+            ddsdde: vec![0.0; size * size],
+        }
     }
 
     /// A call; the point itself is what the host has accepted.
@@ -61,7 +65,14 @@ impl Point {
         self.call(dstran, 3, true, null(), 1.0).0
     }
 
-    fn call(&self, dstran: &[f64], ndi: c_int, fortran: bool, drot: *const f64, material: f64) -> (Point, f64) {
+    fn call(
+        &self,
+        dstran: &[f64],
+        ndi: c_int,
+        fortran: bool,
+        drot: *const f64,
+        material: f64,
+    ) -> (Point, f64) {
         let mut next = self.clone();
         let (ntens, nstatv, nprops) = (dstran.len() as c_int, self.statev.len() as c_int, 1);
         let nshr = ntens - ndi;
@@ -71,9 +82,43 @@ impl Point {
         let zero = null::<c_int>();
         unsafe {
             call(
-                next.stress.as_mut_ptr(), next.statev.as_mut_ptr(), next.ddsdde.as_mut_ptr(), no, no, no, no, no, no, no,
-                none, dstran.as_ptr(), none, none, none, none, none, none, null(), &ndi, &nshr, &ntens, &nstatv,
-                &material, &nprops, none, drot, &mut pnewdt, none, none, none, zero, zero, zero, zero, zero, zero,
+                next.stress.as_mut_ptr(),
+                next.statev.as_mut_ptr(),
+                next.ddsdde.as_mut_ptr(),
+                no,
+                no,
+                no,
+                no,
+                no,
+                no,
+                no,
+                none,
+                dstran.as_ptr(),
+                none,
+                none,
+                none,
+                none,
+                none,
+                none,
+                null(),
+                &ndi,
+                &nshr,
+                &ntens,
+                &nstatv,
+                &material,
+                &nprops,
+                none,
+                drot,
+                &mut pnewdt,
+                none,
+                none,
+                none,
+                zero,
+                zero,
+                zero,
+                zero,
+                zero,
+                zero,
             );
         }
         (next, pnewdt)
@@ -241,8 +286,14 @@ fn a_rotation_of_the_host_rotates_the_sample() {
     // x to y and y to -x: R = [[0, -1, 0], [1, 0, 0], [0, 0, 1]], by columns.
     let drot = [0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let mut turned = point.clone();
-    turned.stress =
-        vec![point.stress[1], point.stress[0], point.stress[2], -point.stress[3], -point.stress[5], point.stress[4]];
+    turned.stress = vec![
+        point.stress[1],
+        point.stress[0],
+        point.stress[2],
+        -point.stress[3],
+        -point.stress[5],
+        point.stress[4],
+    ];
     let (after, _) = turned.call(&[0.0; 6], 3, true, drot.as_ptr(), 1.0);
     for (got, wanted) in after.stress.iter().zip(&turned.stress) {
         assert!((got - wanted).abs() < 1e-6, "{:?} {:?}", after.stress, turned.stress);
@@ -272,7 +323,12 @@ struct Model {
 }
 
 impl Model {
-    fn call(&mut self, task: c_int, deps: [f64; 6], isundr: c_int) -> ([f64; 6], [f64; 36], [f64; 5], [f64; 2], c_int) {
+    fn call(
+        &mut self,
+        task: c_int,
+        deps: [f64; 6],
+        isundr: c_int,
+    ) -> ([f64; 6], [f64; 36], [f64; 5], [f64; 2], c_int) {
         let (mut sig, mut d, mut stvar, mut water, mut bulk) = ([0.0; 6], [0.0; 36], [0.0; 5], 0.0, 0.0);
         let (mut ipl, mut nstat, mut abort) = (-1, 0, -1);
         let mut attributes = [-1; 4];
@@ -280,9 +336,37 @@ impl Model {
         let (props, zero, none, no) = (1.0, 0.0, null::<f64>(), null::<c_int>());
         unsafe {
             user_mod_(
-                &task, no, &isundr, no, no, &0, &0, none, none, none, none, none, &props, self.sig0.as_ptr(), &zero,
-                self.stvar0.as_mut_ptr(), deps.as_ptr(), d.as_mut_ptr(), &mut bulk, sig.as_mut_ptr(), &mut water,
-                stvar.as_mut_ptr(), &mut ipl, &mut nstat, nonsym, strsdep, timedep, tang, no, no, &mut abort,
+                &task,
+                no,
+                &isundr,
+                no,
+                no,
+                &0,
+                &0,
+                none,
+                none,
+                none,
+                none,
+                none,
+                &props,
+                self.sig0.as_ptr(),
+                &zero,
+                self.stvar0.as_mut_ptr(),
+                deps.as_ptr(),
+                d.as_mut_ptr(),
+                &mut bulk,
+                sig.as_mut_ptr(),
+                &mut water,
+                stvar.as_mut_ptr(),
+                &mut ipl,
+                &mut nstat,
+                nonsym,
+                strsdep,
+                timedep,
+                tang,
+                no,
+                no,
+                &mut abort,
             );
         }
         if task == 4 {

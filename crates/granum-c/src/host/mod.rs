@@ -10,4 +10,6 @@ pub use component_order::{ComponentOrder, HostIncrement};
 pub use components::{components_of, tensor_from};
 pub use configuration::{Configuration, InitialStress, MaterialConfiguration, TangentKind};
 pub use session::{PointAnswer, PointQuestion, Session};
-pub use session_functions::{current, granum_points_load, granum_points_message, granum_points_open, granum_points_save, refused};
+pub use session_functions::{
+    current, granum_points_load, granum_points_message, granum_points_open, granum_points_save, refused,
+};

@@ -35,6 +35,8 @@ pub struct PointQuestion {
     pub ticket: u64,
     /// The stress that the host has, Pa, compression positive.
     pub stress: Matrix,
+    /// True if the host carries only xx, yy, zz and xy, as in plane strain: the other components of the stress are those of the sample.
+    pub is_plane: bool,
     /// The increment.
     pub increment: Increment,
 }
@@ -106,7 +108,8 @@ impl Session {
         let Some(sample) = samples.get(which as usize) else {
             return Err(Failure::Argument(format!("material {material} has no sample {which}")));
         };
-        let made = sample.get_or_init(|| self.prepared(material, which).map(Arc::new).map_err(|f| f.to_string()));
+        let made =
+            sample.get_or_init(|| self.prepared(material, which).map(Arc::new).map_err(|f| f.to_string()));
         made.clone().map_err(Failure::Sample)
     }
 
@@ -116,12 +119,15 @@ impl Session {
         if let Some(sample) = &configuration.sample {
             let folder = self.folder.join(sample);
             let state = Laboratory::here().last_state(&folder);
-            let what = |error: granum_run::LaboratoryError| Failure::File { path: folder.clone(), what: error.to_string() };
+            let what = |error: granum_run::LaboratoryError| Failure::File {
+                path: folder.clone(),
+                what: error.to_string(),
+            };
             return Ok(MaterialPoint::new(state.map_err(what)?, controls)?);
         }
         let path = self.folder.join(configuration.case.as_deref().unwrap_or(Path::new("")));
-        let mut case =
-            Case::read(&path).map_err(|error| Failure::File { path: path.clone(), what: error.to_string() })?;
+        let mut case = Case::read(&path)
+            .map_err(|error| Failure::File { path: path.clone(), what: error.to_string() })?;
         case.preparation.seed = case.preparation.seed.wrapping_add(which);
         Ok(MaterialPoint::from_case(&case, controls)?)
     }
@@ -145,7 +151,14 @@ impl Session {
         let without_stress = question.stress.iter().flatten().all(|stress| *stress == 0.0);
         let takes_sample = configuration.initial_stress == InitialStress::Sample;
         let is_own = question.ticket == 0 && without_stress && takes_sample;
-        let imposed = if is_own { None } else { Some(&question.stress) };
+        let mut stress = question.stress;
+        if question.is_plane && !is_own {
+            let own = self.store.state(question.name, ticket, &point)?.stress();
+            for [r, c] in [[1, 2], [2, 1], [2, 0], [0, 2]] {
+                stress[r][c] = own[r][c];
+            }
+        }
+        let imposed = if is_own { None } else { Some(&stress) };
         let answer = self.store.advance(question.name, ticket, &point, imposed, &question.increment)?;
         let stiffness = match wants_stiffness {
             false => None,
