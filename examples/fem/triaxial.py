@@ -26,7 +26,7 @@ VARIABLES = 5
 LAWS = {"umat": "SmallStrainUMAT3DLaw", "user_mod": "SmallStrainUDSM3DLaw"}
 
 
-def material(part, library, law):
+def material(part, library, law, undrained):
     properties = part.CreateNewProperties(1)
     properties.SetValue(K.CONSTITUTIVE_LAW, K.KratosGlobals.GetConstitutiveLaw(LAWS[law]).Clone())
     for name, value in {
@@ -35,7 +35,7 @@ def material(part, library, law):
         "UDSM_NUMBER": 1,
         "UMAT_PARAMETERS": K.Vector([1.0]),
         "STATE_VARIABLES": K.Vector([0.0] * VARIABLES),
-        "GEO_DRAINAGE_TYPE": "CONSTANT_PW_FIELD",
+        "GEO_DRAINAGE_TYPE": "FULLY_COUPLED" if undrained else "CONSTANT_PW_FIELD",
         "RETENTION_LAW": "SaturatedLaw",
         "DENSITY_SOLID": 2650.0,
         "DENSITY_WATER": 1000.0,
@@ -57,7 +57,7 @@ def material(part, library, law):
     return properties
 
 
-def cube(model, library, law):
+def cube(model, library, law, undrained):
     """A unit cube of one hexahedron, rollers at x = y = z = 0; its lateral faces are loaded through their nodes, whose forces a restart file
     keeps (the pressure conditions of Kratos 10.4.4 crash when they are read)."""
     part = model.CreateModelPart("cube", 2)
@@ -71,7 +71,7 @@ def cube(model, library, law):
     corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for k, corner in enumerate(corners):
         part.CreateNewNode(k + 1, *map(float, corner))
-    properties = material(part, library, law)
+    properties = material(part, library, law, undrained)
     part.CreateNewElement("UPwSmallStrainElement3D8N", 1, list(range(1, 9)), properties)
     for node in part.Nodes:
         part.CreateNewCondition("PointLoadCondition3D1N", node.Id, [node.Id], properties)
@@ -79,14 +79,15 @@ def cube(model, library, law):
     for axis in "XYZ":
         tool.AddDof(variable("DISPLACEMENT_" + axis), variable("REACTION_" + axis), part)
     tool.AddDof(K.WATER_PRESSURE, variable("REACTION_WATER_PRESSURE"), part)
-    load(part)
+    load(part, undrained)
     return part
 
 
-def load(part):
+def load(part, undrained):
     """Fixes what is fixed and loads the faces x = 1 and y = 1; a quarter of each face belongs to each of its nodes."""
     for node in part.Nodes:
-        node.Fix(K.WATER_PRESSURE)
+        if not undrained:
+            node.Fix(K.WATER_PRESSURE)
         if node.X0 == 0:
             node.Fix(K.DISPLACEMENT_X)
         if node.Y0 == 0:
@@ -95,10 +96,12 @@ def load(part):
         node.SetSolutionStepValue(variable("POINT_LOAD"), 0, [-0.25 * PRESSURE * node.X0, -0.25 * PRESSURE * node.Y0, 0.0])
 
 
-def solver(part, tolerance):
+def solver(part, tolerance, undrained):
+    # The static scheme of Kratos leaves the pressure of the pore water as it is.
+    scheme = G.BackwardEulerQuasistaticUPwScheme() if undrained else G.GeoStaticScheme()
     strategy = K.ResidualBasedNewtonRaphsonStrategy(
         part,
-        G.GeoStaticScheme(),
+        scheme,
         K.ResidualCriteria(tolerance, 0.25e-3 * PRESSURE),
         K.ResidualBasedBlockBuilderAndSolver(K.SkylineLUFactorizationSolver()),
         60,
@@ -126,11 +129,11 @@ def restarted(model, library, folder, part):
     return model, part
 
 
-def new_stage(part, tolerance):
+def new_stage(part, tolerance, undrained):
     for node in part.Nodes:
         for step in (0, 1):
             node.SetSolutionStepValue(K.DISPLACEMENT, step, [0.0, 0.0, 0.0])
-    strategy = solver(part, tolerance)
+    strategy = solver(part, tolerance, undrained)
     strategy.Initialize()
     return strategy
 
@@ -143,6 +146,7 @@ def main():
     arguments.add_argument("--steps", type=int, default=20)
     arguments.add_argument("--strain", type=float, default=2e-3)
     arguments.add_argument("--tolerance", type=float, default=1e-3)
+    arguments.add_argument("--undrained", action="store_true", help="coupled with pore water that cannot flow out; umat or user_mod")
     arguments.add_argument("--stage", action="store_true", help="a new stage in the middle, without files")
     arguments.add_argument("--restart", action="store_true")
     arguments.add_argument("--threads", type=int, default=1)
@@ -154,11 +158,13 @@ def main():
     began = time.perf_counter()
 
     model = K.Model()
-    part = cube(model, library, options.law)
+    part = cube(model, library, options.law, options.undrained)
+    for name in ("VELOCITY_COEFFICIENT", "DT_PRESSURE_COEFFICIENT"):
+        part.ProcessInfo.SetValue(getattr(G, name), 1.0)
     G.ApplyInitialUniformStressField(
         part, K.Parameters('{"value": [%f, %f, %f, 0.0, 0.0, 0.0]}' % ((-PRESSURE,) * 3))
     ).ExecuteInitialize()
-    strategy = solver(part, options.tolerance)
+    strategy = solver(part, options.tolerance, options.undrained)
     strategy.Initialize()
     name_points_of_kratos(part, VARIABLES)
 
@@ -167,11 +173,11 @@ def main():
         if (options.restart or options.stage) and step == options.steps // 2 + 1:
             if options.restart:
                 model, part = restarted(model, library, options.out, part)
-            strategy = new_stage(part, options.tolerance)
+            strategy = new_stage(part, options.tolerance, options.undrained)
             settled = options.strain * (step - 1) / options.steps
         part.CloneTimeStep(float(step))
         part.ProcessInfo[K.STEP] += 1
-        load(part)
+        load(part, options.undrained)
         top = -(options.strain * step / options.steps - settled)
         for node in part.Nodes:
             node.SetSolutionStepValue(K.DISPLACEMENT_Z, 0, top if node.Z0 == 1 else 0.0)
@@ -187,16 +193,18 @@ def main():
             sys.exit(f"step {step} does not converge; granum: {library.message or 'no refusal'}")
         state = [points(part, variable(f"STATE_VARIABLE_{k}"))[0] for k in range(1, VARIABLES + 1)]
         lateral = part.Nodes[2].GetSolutionStepValue(K.DISPLACEMENT_X)
-        rows.append([step, options.strain * step / options.steps, *stress, lateral, *state])
+        water = sum(node.GetSolutionStepValue(K.WATER_PRESSURE) for node in part.Nodes) / 8
+        rows.append([step, options.strain * step / options.steps, *stress, lateral, *state, water])
     library.save(os.path.join(options.out, "states.granum"))
     with open(os.path.join(options.out, "curve.csv"), "w") as file:
-        file.write("step,axial_strain,mean_xx,mean_yy,mean_zz,mean_xy,mean_yz,mean_xz,lateral_displacement,name,ticket,void_ratio,coordination_number,noise\n")
+        file.write("step,axial_strain,mean_xx,mean_yy,mean_zz,mean_xy,mean_yz,mean_xz,lateral_displacement,name,ticket,void_ratio,coordination_number,noise,water_pressure\n")
         for row in rows:
             file.write(",".join(repr(float(x)) for x in row) + "\n")
     last = rows[-1]
     print(
         f"{options.steps} steps, {iterations} iterations, {time.perf_counter() - began:.1f} s: "
-        f"mean szz {last[4]:.1f} Pa, sxx {last[2]:.1f} Pa, ticket of the first point {last[10]:.0f}"
+        f"mean szz {last[4]:.1f} Pa, sxx {last[2]:.1f} Pa, water {last[-1]:.1f} Pa, "
+        f"ticket of the first point {last[10]:.0f}"
     )
 
 

@@ -17,12 +17,13 @@ static void check(int code, const char *what) {
 }
 
 int main(void) {
-    const char *text = "grains.count = 100\n"
+    const char *text = "grains.count = 50\n"
                        "grains.material.interface_energy = 0\n"
                        "preparation.solid_fraction = 'none'\n"
                        "preparation.friction = 0.1\n"
                        "preparation.mean_stress = '100 kPa'\n"
-                       "preparation.unbalanced_force = 0.02\n";
+                       "preparation.inertial_number = 0.02\n"
+                       "preparation.unbalanced_force = 0.1\n";
     if (granum_interface_version() != GRANUM_INTERFACE_VERSION) {
         fprintf(stderr, "header and library are of different versions\n");
         return 1;

@@ -51,8 +51,9 @@ std::vector<Six> steps(granum_store *store, granum_point *point, std::vector<std
 
 int main(int argc, char **argv) try {
     if (argc != 2) throw std::runtime_error("usage: stored_points FILE");
-    const char *text = "grains.count = 100\ngrains.material.interface_energy = 0\npreparation.solid_fraction = 'none'\n"
-                       "preparation.friction = 0.1\npreparation.mean_stress = '100 kPa'\npreparation.unbalanced_force = 0.02\n";
+    const char *text = "grains.count = 50\ngrains.material.interface_energy = 0\npreparation.solid_fraction = 'none'\n"
+                       "preparation.friction = 0.1\npreparation.mean_stress = '100 kPa'\npreparation.unbalanced_force = 0.1\n"
+                       "preparation.inertial_number = 0.02\n";
     granum_point *made = nullptr;
     check(granum_point_from_case_text(text, nullptr, &made));
     Point point(made);

@@ -2,10 +2,11 @@
 //! output.
 //!
 //! ```sh
-//! cargo run --release -p granum-point --example measure_a_point -- [parts|growth|objectivity|stiffness|size]
+//! cargo run --release -p granum-point --example measure_a_point -- [parts|growth|objectivity|stiffness|size|drained]
 //! ```
 
 mod cuts;
+mod drained;
 mod growth;
 mod objectivity;
 mod sand;
@@ -25,6 +26,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     if is_asked("stiffness") {
         stiffness::table()?;
+    }
+    if is_asked("drained") {
+        drained::table()?;
     }
     if is_asked("size") {
         sand::scatter()?;

@@ -48,7 +48,12 @@ fn a_stress_beyond_the_strength_is_refused() {
 fn no_stress_can_be_imposed() {
     let point = point();
     let empty = point.at_stress(&point.start(), &[[0.0; 3]; 3]).unwrap();
-    assert!(empty.state.mean_stress().abs() < 1e-3 * point.least_mean_stress(), "{}", empty.state.mean_stress());
-    let loaded = point.at_stress(&empty.state, &[[20e3, 0.0, 0.0], [0.0, 20e3, 0.0], [0.0, 0.0, 20e3]]).unwrap();
+    assert!(
+        empty.state.mean_stress().abs() < 1e-3 * point.least_mean_stress(),
+        "{}",
+        empty.state.mean_stress()
+    );
+    let loaded =
+        point.at_stress(&empty.state, &[[20e3, 0.0, 0.0], [0.0, 20e3, 0.0], [0.0, 0.0, 20e3]]).unwrap();
     assert!((loaded.state.mean_stress() / 20e3 - 1.0).abs() < 1e-3);
 }

@@ -102,7 +102,8 @@ fn a_file_keeps_everything() {
     store.accept(1, tickets[0], &fresh).unwrap();
     let (_, path) = store.accepted(1).unwrap();
     assert_eq!(path, [Recipe::Advance(axial(1e-4)); 10]);
-    let replayed = path.iter().fold(fresh.start(), |state, recipe| fresh.follow(&state, recipe).unwrap().state);
+    let replayed =
+        path.iter().fold(fresh.start(), |state, recipe| fresh.follow(&state, recipe).unwrap().state);
     assert_eq!(replayed.identity(), end.identity());
 }
 
