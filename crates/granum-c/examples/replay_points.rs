@@ -51,5 +51,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         store.len(),
         began.elapsed().as_secs_f64()
     );
-    if different > 0 || increments == 0 { Err("what was replayed is not what the host had".into()) } else { Ok(()) }
+    if different > 0 || increments == 0 {
+        Err("what was replayed is not what the host had".into())
+    } else {
+        Ok(())
+    }
 }

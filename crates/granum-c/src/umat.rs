@@ -79,7 +79,7 @@ unsafe fn count(pointer: *const c_int, name: &str) -> Result<usize, Failure> {
 
 /// A whole number among the state variables.
 pub(crate) fn whole(value: f64, name: &str) -> Result<u64, Failure> {
-    if value >= 0.0 && value <= LARGEST && value.fract() == 0.0 {
+    if (0.0..=LARGEST).contains(&value) && value.fract() == 0.0 {
         return Ok(value as u64);
     }
     Err(Failure::Argument(format!("{name} is {value:e}; it must be a whole number that is not negative")))

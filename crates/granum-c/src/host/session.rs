@@ -14,13 +14,16 @@ use crate::failure::Failure;
 /// Share of the affine stiffness of the sample at its start that stands for the stiffness of a sample without load.
 const UNLOADED: f64 = 0.01;
 
+/// A sample, or why it cannot be made, once it was asked for.
+type Sample = OnceLock<Result<Arc<MaterialPoint>, String>>;
+
 /// The points of a host.
 pub struct Session {
     configuration: Configuration,
     /// Folder of the configuration.
     folder: PathBuf,
     /// The samples of each material.
-    samples: Vec<Vec<OnceLock<Result<Arc<MaterialPoint>, String>>>>,
+    samples: Vec<Vec<Sample>>,
     store: Store,
 }
 
