@@ -138,6 +138,22 @@ def new_stage(part, tolerance, undrained):
     return strategy
 
 
+def attempted(part, strategy, strain):
+    """Tries a strain since the last stage; if it does not converge, displacements are those of the step before. What the library refuses is
+    NaN, with which Newton's iteration does not converge; granum's state is that of the step before in any case."""
+    for node in part.Nodes:
+        node.SetSolutionStepValue(K.DISPLACEMENT_Z, 0, -strain if node.Z0 == 1 else 0.0)
+    strategy.InitializeSolutionStep()
+    strategy.Predict()
+    converged = strategy.SolveSolutionStep()
+    if converged and all(math.isfinite(x) for stress in points(part, K.CAUCHY_STRESS_VECTOR) for x in stress):
+        return True
+    for node in part.Nodes:
+        for quantity in (K.DISPLACEMENT, K.WATER_PRESSURE):
+            node.SetSolutionStepValue(quantity, 0, node.GetSolutionStepValue(quantity, 1))
+    return False
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     arguments.add_argument("library")
@@ -168,29 +184,32 @@ def main():
     strategy.Initialize()
     name_points_of_kratos(part, VARIABLES)
 
-    rows, settled, iterations = [], 0.0, 0
+    rows, settled, reached, iterations, cuts, attempts = [], 0.0, 0.0, 0, 0, 0
     for step in range(1, options.steps + 1):
         if (options.restart or options.stage) and step == options.steps // 2 + 1:
             if options.restart:
                 model, part = restarted(model, library, options.out, part)
             strategy = new_stage(part, options.tolerance, options.undrained)
-            settled = options.strain * (step - 1) / options.steps
-        part.CloneTimeStep(float(step))
-        part.ProcessInfo[K.STEP] += 1
-        load(part, options.undrained)
-        top = -(options.strain * step / options.steps - settled)
-        for node in part.Nodes:
-            node.SetSolutionStepValue(K.DISPLACEMENT_Z, 0, top if node.Z0 == 1 else 0.0)
-        strategy.InitializeSolutionStep()
-        strategy.Predict()
-        converged = strategy.SolveSolutionStep()
-        iterations += part.ProcessInfo[K.NL_ITERATION_NUMBER]
-        strategy.FinalizeSolutionStep()
+            settled = reached
+        goal = options.strain * step / options.steps
+        while reached < goal:
+            attempts += 1
+            part.CloneTimeStep(float(attempts))
+            part.ProcessInfo[K.STEP] += 1
+            load(part, options.undrained)
+            trial = goal
+            while not attempted(part, strategy, trial - settled):
+                iterations += part.ProcessInfo[K.NL_ITERATION_NUMBER]
+                cuts += 1
+                trial = reached + 0.5 * (trial - reached)
+                if trial - reached < 1e-3 * options.strain / options.steps:
+                    sys.exit(f"step {step} does not converge; granum: {library.message or 'no refusal'}")
+            iterations += part.ProcessInfo[K.NL_ITERATION_NUMBER]
+            strategy.FinalizeSolutionStep()
+            reached = trial
         each = points(part, K.CAUCHY_STRESS_VECTOR)
         # The mean of the eight points balances the loads; the points differ, since a sample of few grains is not isotropic.
         stress = [sum(one[k] for one in each) / len(each) for k in range(6)]
-        if not converged or any(math.isnan(x) for x in stress):
-            sys.exit(f"step {step} does not converge; granum: {library.message or 'no refusal'}")
         state = [points(part, variable(f"STATE_VARIABLE_{k}"))[0] for k in range(1, VARIABLES + 1)]
         lateral = part.Nodes[2].GetSolutionStepValue(K.DISPLACEMENT_X)
         water = sum(node.GetSolutionStepValue(K.WATER_PRESSURE) for node in part.Nodes) / 8
@@ -202,7 +221,7 @@ def main():
             file.write(",".join(repr(float(x)) for x in row) + "\n")
     last = rows[-1]
     print(
-        f"{options.steps} steps, {iterations} iterations, {time.perf_counter() - began:.1f} s: "
+        f"{options.steps} steps, {cuts} cut back, {iterations} iterations, {time.perf_counter() - began:.1f} s: "
         f"mean szz {last[4]:.1f} Pa, sxx {last[2]:.1f} Pa, water {last[-1]:.1f} Pa, "
         f"ticket of the first point {last[10]:.0f}"
     )
