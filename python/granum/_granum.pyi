@@ -22,6 +22,8 @@ __all__ = [
     "Comparison",
     "Dataset",
     "Family",
+    "MaterialPoint",
+    "PointState",
     "Recorder",
     "Run",
     "Simulation",

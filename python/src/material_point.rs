@@ -122,7 +122,8 @@ impl MaterialPoint {
     ) -> PyResult<Vec<PointState>> {
         let (numbers, shape) = arrays::numbers("strains", strains)?;
         if shape != [states.len(), 6] {
-            let message = format!("{} rows of six numbers are needed, and the shape is {shape:?}", states.len());
+            let message =
+                format!("{} rows of six numbers are needed, and the shape is {shape:?}", states.len());
             return Err(errors::of_value(py, "strains", format!("{shape:?}"), message));
         }
         let rows = numbers.as_chunks::<6>().0;
@@ -140,7 +141,12 @@ impl MaterialPoint {
     }
 
     /// The state brought to a stress, Pa, of six components, compression positive: each is then within a thousandth of the largest.
-    fn at_stress(&self, py: Python<'_>, state: &PointState, stress: &Bound<'_, PyAny>) -> PyResult<PointState> {
+    fn at_stress(
+        &self,
+        py: Python<'_>,
+        state: &PointState,
+        stress: &Bound<'_, PyAny>,
+    ) -> PyResult<PointState> {
         let components = exactly::<6>("stress", stress)?;
         let mut tensor = [[0.0; 3]; 3];
         for (value, [r, c]) in components.iter().zip(PLACES) {
@@ -166,7 +172,8 @@ impl MaterialPoint {
             "probes" => Tangent::Probes { strain: probe_strain },
             "secant" => Tangent::Secant,
             _ => {
-                let message = format!("there is no stiffness {kind:?}; there are affine, elastic, probes, secant");
+                let message =
+                    format!("there is no stiffness {kind:?}; there are affine, elastic, probes, secant");
                 return Err(errors::of_value(py, "kind", kind, message));
             }
         };

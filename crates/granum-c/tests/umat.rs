@@ -276,6 +276,10 @@ fn elements_with_four_components() {
     unknown.statev[1] = 123.0;
     refused(&unknown, &[0.0; 6], 3, 1.0, "ticket 123");
     refused(&six, &[9.0; 6], 3, 1.0, "smaller step");
+    refused(&Point::new(1.0, 5), &[0.0; 5], 3, 1.0, "NTENS = 5");
+    let mut short = Point::new(1.0, 6);
+    short.statev.truncate(1);
+    refused(&short, &[0.0; 6], 3, 1.0, "1 state variables");
 }
 
 /// DROT is by columns, and the host has rotated its stress: a quarter turn about z exchanges x and y, and runs no step.

@@ -139,6 +139,35 @@ fn damaged_files_are_refused_by_name() {
     assert!(Store::load(&path).is_ok());
 }
 
+/// A checksum can be forged: whatever the content is, it is refused or read, and never a panic.
+#[test]
+fn damage_behind_a_right_checksum_is_no_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("points.granum");
+    let (point, store) = (point(), Store::new());
+    let first = store.put(1, point.start());
+    store.advance(1, first, &point, None, &axial(1e-4)).unwrap();
+    store.save(&path).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let mut refused = 0;
+    for k in 0..300usize {
+        let mut damaged = whole.clone();
+        // The first bytes are lengths and identities, the rest is mostly grains.
+        let at = 52 + if k < 100 { k } else { k * 7919 % (whole.len() - 52) };
+        damaged[at] ^= 1 << (k % 8);
+        let sum = granum_core::digest::sha256(&damaged[52..]);
+        for byte in 0..32 {
+            damaged[20 + byte] = u8::from_str_radix(&sum[2 * byte..2 * byte + 2], 16).unwrap();
+        }
+        std::fs::write(&path, &damaged).unwrap();
+        if let Err(error) = Store::load(&path) {
+            assert!(error.to_string().contains("points.granum"), "{error}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 50, "{refused}");
+}
+
 /// Points are asked from several threads at the same time: the same tickets and the same bits.
 #[test]
 fn a_store_can_be_asked_from_several_threads() {
