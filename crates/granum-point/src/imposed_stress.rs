@@ -22,29 +22,39 @@ const LONGEST_WAY: f64 = 0.3;
 
 /// Brings a simulation to a stress, Pa, in the axes of the cell, and lets it relax.
 ///
-/// `scale` is a stress, Pa, by which differences are judged where the imposed one is smaller.
+/// `least` is a stress, Pa, by which differences and speeds are judged where the imposed one is smaller.
 ///
 /// # Errors
 /// [`PointError::StressNotReached`] if the sample does not carry the stress, and if the engine fails.
 pub(crate) fn impose(
     simulation: &mut Simulation,
     stress: &Matrix,
-    scale: f64,
+    least: f64,
     controls: &Controls,
 ) -> Result<AveragedStress, PointError> {
     let mean_stress = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
-    let scale = stress.iter().flatten().fold(scale, |scale, x| scale.max(x.abs()));
+    let scale = stress.iter().flatten().fold(least, |scale, x| scale.max(x.abs()));
     let target = |k: usize| component(stress, k);
     let ramps = std::array::from_fn(|k| Drive::Stress(Target::ramp(Ramp::To(target(k)))));
     let held = std::array::from_fn(|k| Drive::Stress(Target::held(target(k))));
-    let speed = Speed::InertialNumber { number: controls.inertial_number, at: None };
-    let ramp = Stage::new("way to the imposed stress", Control::new(speed, ramps), vec![Until::RampOver])
-        .with(|stage| stage.most_arc_length = Some(LONGEST_WAY));
+    // A sample without stress that is to have none would otherwise have no speed.
+    let present = simulation.state().mean_stress();
+    let speed = |carried: f64| {
+        let at = if carried > least { None } else { Some(least) };
+        Speed::InertialNumber { number: controls.inertial_number, at }
+    };
+    let ramp = Stage::new(
+        "way to the imposed stress",
+        Control::new(speed(present.max(mean_stress)), ramps),
+        vec![Until::RampOver],
+    )
+    .with(|stage| stage.most_arc_length = Some(LONGEST_WAY));
     let at_rest = Until::AtRest { unbalanced_force: AT_REST };
-    let hold = Stage::new("imposed stress", Control::new(speed, held), vec![at_rest]).with(|stage| {
-        stage.settling = true;
-        stage.most_arc_length = Some(0.1 * LONGEST_WAY);
-    });
+    let hold =
+        Stage::new("imposed stress", Control::new(speed(mean_stress), held), vec![at_rest]).with(|stage| {
+            stage.settling = true;
+            stage.most_arc_length = Some(0.1 * LONGEST_WAY);
+        });
     simulation.fix_time_step(None);
     let missed = |difference: f64| PointError::StressNotReached { difference, mean_stress };
     if !matches!(run(&ramp, simulation)?, Reason::End(_)) {
