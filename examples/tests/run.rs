@@ -8,6 +8,8 @@ mod compare_surrogates;
 mod draw_a_figure;
 #[path = "../many_runs.rs"]
 mod many_runs;
+#[path = "../material_point.rs"]
+mod material_point;
 #[path = "../measure_a_packing.rs"]
 mod measure_a_packing;
 #[path = "../own_contact_law.rs"]
@@ -34,6 +36,11 @@ mod triaxial_paths;
 #[test]
 fn shear_a_sample_runs() {
     shear_a_sample::main().unwrap();
+}
+
+#[test]
+fn material_point_runs() {
+    material_point::main().unwrap();
 }
 
 #[test]

@@ -22,6 +22,8 @@ __all__ = [
     "Comparison",
     "Dataset",
     "Family",
+    "MaterialPoint",
+    "PointState",
     "Recorder",
     "Run",
     "Simulation",
@@ -338,6 +340,66 @@ class Assembly:
         """The force chains (Peters et al. 2005), as the sensor of that name counts them: for each the indices of its grains along it."""
     def measure(self) -> dict[str, float]:
         """The values of every sensor that one assembly suffices for, by column, in SI units."""
+
+@final
+class MaterialPoint:
+    """A sample that is strained step by step: it answers with stress, stiffness and sensors. Its states are values: the same strain from the
+    same state gives the same bits, and a state is never changed.
+
+    `sample` is a simulation, as `granum.prepare(case).simulation()` gives one; it is copied. `inertial_number` is that of the straining,
+    `relaxation` the number of steps for which the cell is held after an increment, over the last `averaging` of which the stress is a mean.
+    An increment larger than `largest_increment`, `sqrt(2/3 e:e)`, is divided, or refused with `refuse_larger`.
+    """
+
+    def __new__(
+        cls,
+        sample: Simulation,
+        *,
+        inertial_number: float | None = None,
+        relaxation: int | None = None,
+        averaging: int | None = None,
+        largest_increment: float | None = None,
+        refuse_larger: bool = False,
+    ) -> MaterialPoint: ...
+    @property
+    def start(self) -> PointState:
+        """The state of the sample before any increment."""
+    def advance(self, state: PointState, strain: npt.ArrayLike, *, rotation: npt.ArrayLike | None = None) -> PointState:
+        """The state after an increment: a logarithmic strain of six components xx, yy, zz, yz, zx, xy, compression positive, shear strains as
+        angles, after a `rotation` (3 x 3) of the sample, if there is one.
+        """
+    def advance_all(self, states: Sequence[PointState], strains: npt.ArrayLike, *, threads: int = 0) -> list[PointState]:
+        """The states after increments of many states, rows of six components of strain, on up to `threads` threads (0: all of the machine),
+        with the same bits on any number of them.
+        """
+    def at_stress(self, state: PointState, stress: npt.ArrayLike) -> PointState:
+        """The state brought to a stress, Pa, of six components, compression positive: each is then within a thousandth of the largest."""
+    def tangent(self, state: PointState, kind: str = "probes", *, probe_strain: float = 1e-5) -> _Reals:
+        """The stiffness of a state (6 x 6), Pa: `d_sigma_i = C_ij d_eps_j`. `kind` is `affine`, `elastic`, `probes` (differences of answers
+        to strains of `probe_strain`) or `secant`, as the chapter on finite elements explains.
+        """
+
+@final
+class PointState:
+    """A state of a material point. It is never changed."""
+
+    @property
+    def stress(self) -> _Reals:
+        """Stress, Pa: xx, yy, zz, yz, zx, xy, compression positive."""
+    @property
+    def noise(self) -> _Reals:
+        """Standard deviation of the stress over the steps of its mean, Pa, by the same components, in the axes of the cell."""
+    @property
+    def mean_stress(self) -> float:
+        """Mean stress, Pa."""
+    @property
+    def void_ratio(self) -> float:
+        """Volume of the voids over that of the grains."""
+    @property
+    def ticket(self) -> int:
+        """A whole number that stands for sample, controls and path; it is the same in every process."""
+    def measure(self) -> dict[str, float]:
+        """The values of every sensor of one state, by column."""
 
 @final
 class Simulation:

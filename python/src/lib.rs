@@ -13,6 +13,7 @@ mod detached;
 mod errors;
 mod families;
 mod files;
+mod material_point;
 mod measuring;
 mod mistake;
 mod observed;
@@ -58,6 +59,8 @@ mod module {
     use crate::families::{Family, families};
     #[pymodule_export]
     use crate::files::{read, write, write_grainlearning};
+    #[pymodule_export]
+    use crate::material_point::{MaterialPoint, PointState};
     #[pymodule_export]
     use crate::measuring::measure;
     #[pymodule_export]

@@ -37,6 +37,11 @@ impl Simulation {
         self.inner.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
+    /// A copy of the simulation.
+    pub fn copied(&self, py: Python<'_>) -> PyResult<Engine> {
+        self.see_detached(py, Engine::clone)
+    }
+
     /// The simulation itself, which is then absent.
     pub fn taken(&self) -> Option<Box<Engine>> {
         self.slot().take()

@@ -1,0 +1,56 @@
+//! A material point: a sample of grains that a program strains step by step, and that answers with stress, stiffness and sensors.
+//!
+//! ```text
+//! State + Increment --> MaterialPoint --> Answer { State, stress, noise }
+//! ```
+//!
+//! States are values ([`State`]): [`MaterialPoint::advance`] makes a new one and leaves the old one as it was. The same increment from
+//! the same state gives the same bits, whatever was asked in between and on any number of threads. A [`Store`] keeps the states of many
+//! points under numbers that a finite-element program can carry in its state variables, and writes all of them to one file.
+//!
+//! Compression is positive and the unit is the pascal, as in all of granum. Programs with tension positive convert once, at their border.
+//!
+//! ```
+//! use granum_io::Case;
+//! use granum_point::{Controls, Increment, MaterialPoint};
+//!
+//! let case = "grains.count = 60\npreparation.solid_fraction = 'none'\npreparation.unbalanced_force = 0.05";
+//! let point = MaterialPoint::from_case(&Case::parse(case, "case")?, Controls::default())?;
+//! let start = point.start();
+//! let answer = point.advance(&start, &Increment::from_components([1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]))?;
+//! assert!(answer.stress()[0][0] > start.stress()[0][0], "an axial compression raises the axial stress");
+//! let again = point.advance(&start, &Increment::from_components([1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]))?;
+//! assert_eq!(again.stress(), answer.stress());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod answer;
+mod answer_cache;
+mod controls;
+mod error;
+mod identity;
+mod imposed_stress;
+mod increment;
+mod material_point;
+mod matrix_functions;
+mod recipe;
+mod rotated;
+mod secant;
+mod state;
+mod store;
+mod store_error;
+mod store_file;
+mod straining;
+mod tangent;
+
+pub use answer::Answer;
+pub use controls::{BeyondLargest, Controls};
+pub use error::PointError;
+pub use identity::Identity;
+pub use increment::{Increment, Pace};
+pub use material_point::MaterialPoint;
+pub use recipe::Recipe;
+pub use state::State;
+pub use store::{Store, StoredAnswer};
+pub use store_error::StoreError;
+pub use tangent::Tangent;
