@@ -138,8 +138,10 @@ impl Bodies {
              compute touching all reduce sum v_touches\n\
              # Mean resultant force of the grains that touch over the mean normal force 3 p V / (N_c d) of the contacts.\n\
              variable force_x atom fx\nvariable force_y atom fy\nvariable force_z atom fz\n\
-             compute forces all reduce/chunk bodies sum v_force_x v_force_y v_force_z\n\
-             compute resultant all chunk/spread/atom bodies c_forces[*]\n\
+             compute forces_x all reduce/chunk bodies sum v_force_x\n\
+             compute forces_y all reduce/chunk bodies sum v_force_y\n\
+             compute forces_z all reduce/chunk bodies sum v_force_z\n\
+             compute resultant all chunk/spread/atom bodies c_forces_x c_forces_y c_forces_z\n\
              variable net atom sqrt(c_resultant[1]^2+c_resultant[2]^2+c_resultant[3]^2)/c_size\n\
              compute net all reduce sum v_net\n\
              variable unbalanced equal c_net/(v_touching+1e-9)*{half}*v_coordination/(3*v_p*vol)\n"
@@ -158,8 +160,11 @@ compute late all property/atom d_weight d_share xu yu zu
 variable part_x atom c_late[1]*c_late[3]
 variable part_y atom c_late[1]*c_late[4]
 variable part_z atom c_late[1]*c_late[5]
-compute parts all reduce/chunk bodies sum v_part_x v_part_y v_part_z
-compute centre all chunk/spread/atom bodies c_parts[*]
+# One sum each: the version named above does not clear those of several values.
+compute parts_x all reduce/chunk bodies sum v_part_x
+compute parts_y all reduce/chunk bodies sum v_part_y
+compute parts_z all reduce/chunk bodies sum v_part_z
+compute centre all chunk/spread/atom bodies c_parts_x c_parts_y c_parts_z
 variable at_z atom (c_centre[3]-zlo)/lz
 variable at_y atom (c_centre[2]-ylo-yz*v_at_z)/ly
 variable at_x atom (c_centre[1]-xlo-xy*v_at_y-xz*v_at_z)/lx
@@ -262,4 +267,35 @@ fn weights_of(arms: &[Vector]) -> Vec<f64> {
         factor = std::array::from_fn(|r| factor[r] + more[r]);
     }
     arms.iter().map(|arm| (1.0 + (0..3).map(|k| factor[k] * arm[k]).sum::<f64>()) / count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pieces in a line, in a plane and in space, whose plain mean is not the centre.
+    #[test]
+    fn weights_add_up_and_have_their_mean_at_the_centre() {
+        let line = vec![[-1e-4, 0.0, 0.0], [3e-4, 0.0, 0.0]];
+        let plane = vec![[1e-4, 2e-4, 0.0], [-3e-4, 1e-4, 0.0], [1e-4, -4e-4, 0.0]];
+        let space = vec![
+            [1e-4, 0.0, 0.0],
+            [-1e-4, 0.0, 1e-5],
+            [0.0, 2e-4, -1e-4],
+            [0.0, -1e-4, 2e-4],
+            [0.0, 1e-5, 0.0],
+        ];
+        let even = vec![[-1e-4, 0.0, 0.0], [0.0; 3], [1e-4, 0.0, 0.0]];
+        for arms in [&line, &plane, &space, &even] {
+            let weights = weights_of(arms);
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{weights:?}");
+            for axis in 0..3 {
+                let mean: f64 = arms.iter().zip(&weights).map(|(arm, weight)| weight * arm[axis]).sum();
+                assert!(mean.abs() < 1e-15, "{arms:?}: {weights:?} {mean}");
+            }
+        }
+        let weights = weights_of(&line);
+        assert!((weights[0] - 0.75).abs() < 1e-9 && (weights[1] - 0.25).abs() < 1e-9, "{weights:?}");
+        assert_eq!(weights_of(&even), [1.0 / 3.0; 3]);
+    }
 }
