@@ -108,13 +108,15 @@ def main():
             folder.mkdir()
             (folder / "case.toml").write_text(CASE.format(count=given.count, shape=given.shape, path=given.path, strain=strain))
             run([granum, "prepare", "case.toml", "--seed", seed, "--out", "sample"], folder)
+            # Both programs begin without tangential forces and bring the sample to rest.
+            run([granum, "export", "sample", "-o", "packing.csv"], folder)
             run([granum, "export", "sample", "--to", "lammps", "--out", "deck"], folder)
             copies = [1.0, 0.85, 0.5] if seed == 1 else [1.0]
             for factor in copies:
                 run([given.lammps, "-in", "in.granum", "-screen", "none", "-var", "time_step_factor", factor, "-var", "out", f"{factor}.csv"], folder / "deck")
                 curves["LAMMPS", seed, factor] = curve(folder / "deck" / f"{factor}.csv", along)
-                ours = ["run", "case.toml", "--sample", "sample", "--out", f"run{factor}", "--set", f"numerics.time_step_factor={0.2 * factor}"]
-                run([granum, *ours, "--seed", seed], folder)
+                ours = ["run", "case.toml", "--packing", "packing.csv", "--out", f"run{factor}", "--set", f"numerics.time_step_factor={0.2 * factor}"]
+                run([granum, *ours], folder)
                 run([granum, "export", f"run{factor}", "-o", f"{factor}.csv"], folder)
                 curves["granum", seed, factor] = curve(folder / f"{factor}.csv", along)
             if seed == 1:

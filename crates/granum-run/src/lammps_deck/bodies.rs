@@ -12,7 +12,7 @@
 //! The centre of a body is a weighted mean of its pieces: of all weights with the sum one and the right mean those nearest to equal ones.
 //! Forces on bodies are given to pieces in these shares, so that they have no moment.
 
-use granum_core::assembly::{Assembly, Body, Vector};
+use granum_core::assembly::{Assembly, Body, Matrix, Vector};
 use granum_core::geometry::{apply, invert};
 use granum_core::rotation::matrix;
 
@@ -233,40 +233,32 @@ fn by_atom(values: &[f64]) -> String {
     format!("{}\n{}", values.len(), lines.concat())
 }
 
-/// Weights with the sum one by which the mean of the arms is zero: `(1 + a . c) / n` with `sum c (c . a) = -sum c`, of arms in a line or in a plane in
-/// that line or plane.
+/// Weights with the sum one by which the mean of the arms is zero, those nearest to equal ones: `1/n - (c - m) . S^-1 m` with the plain mean m of
+/// the arms and `S = sum (c - m) (x) (c - m)`, for arms in a line or in a plane within that.
 fn weights_of(arms: &[Vector]) -> Vec<f64> {
     let count = arms.len() as f64;
-    let mut squares = [[0.0; 3]; 3];
-    let mut sum = [0.0; 3];
-    for arm in arms {
-        for (r, row) in squares.iter_mut().enumerate() {
-            sum[r] += arm[r];
-            for (c, entry) in row.iter_mut().enumerate() {
-                *entry += arm[r] * arm[c];
-            }
-        }
-    }
+    let equal = vec![1.0 / count; arms.len()];
+    let mean: Vector = std::array::from_fn(|k| arms.iter().map(|arm| arm[k]).sum::<f64>() / count);
+    let sides: Vec<Vector> = arms.iter().map(|arm| std::array::from_fn(|k| arm[k] - mean[k])).collect();
+    let squares: Matrix =
+        std::array::from_fn(|r| std::array::from_fn(|c| sides.iter().map(|side| side[r] * side[c]).sum()));
     let trace = squares[0][0] + squares[1][1] + squares[2][2];
-    let size = sum.iter().map(|x| x * x).sum::<f64>();
-    if size <= 1e-24 * trace || trace <= 0.0 {
-        return vec![1.0 / count; arms.len()];
+    if mean.iter().map(|x| x * x).sum::<f64>() <= 1e-24 * trace || trace <= 0.0 {
+        return equal;
     }
-    // A small part of the trace lets arms of a line or a plane through; a second solution takes its effect away.
-    let ridge = 1e-7 * trace;
-    let mut softened = squares;
-    for (k, row) in softened.iter_mut().enumerate() {
-        row[k] += ridge;
-    }
+    // A small part of the trace makes the matrix of a line or a plane invertible; what it leaves is solved for again.
+    let scaled: Matrix = std::array::from_fn(|r| std::array::from_fn(|c| squares[r][c] / trace));
+    let softened: Matrix =
+        std::array::from_fn(|r| std::array::from_fn(|c| scaled[r][c] + if r == c { 1e-6 } else { 0.0 }));
     let inverse = invert(&softened);
     let mut factor = [0.0; 3];
-    for _ in 0..3 {
-        let left: Vector =
-            std::array::from_fn(|r| -sum[r] - (0..3).map(|c| squares[r][c] * factor[c]).sum::<f64>());
-        let more = apply(&inverse, left);
-        factor = std::array::from_fn(|r| factor[r] + more[r]);
+    for _ in 0..5 {
+        let done = apply(&scaled, factor);
+        let more = apply(&inverse, std::array::from_fn(|k| mean[k] / trace - done[k]));
+        factor = std::array::from_fn(|k| factor[k] + more[k]);
     }
-    arms.iter().map(|arm| (1.0 + (0..3).map(|k| factor[k] * arm[k]).sum::<f64>()) / count).collect()
+    let along = |side: &Vector| (0..3).map(|k| side[k] * factor[k]).sum::<f64>();
+    equal.iter().zip(&sides).map(|(weight, side)| weight - along(side)).collect()
 }
 
 #[cfg(test)]
