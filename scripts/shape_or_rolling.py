@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 
 GRID = [round(0.02 * k, 2) for k in range(26)]
 LATE = 0.2
-WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 640, 400, 70, 20, 20, 60
+WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 640, 430, 70, 20, 20, 90
 
 
 def mean(values):
@@ -187,7 +187,7 @@ def figure(found):
         parts.append(f'<path d="M{x(1):.1f} {y(tick):.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>'
                      f'<text x="{LEFT - 8}" y="{y(tick) + 4:.1f}" text-anchor="end">{tick:g}</text>')
     parts.append(f'<path d="M{LEFT} {TOP}V{y(0):.1f}H{WIDTH - RIGHT}" fill="none" stroke="#222"/>')
-    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 14}" text-anchor="middle">aspect ratio of the capsules</text>')
+    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{y(0) + 46:.0f}" text-anchor="middle">aspect ratio of the capsules</text>')
     parts.append(f'<text transform="translate(18 {(TOP + y(0)) / 2:.1f}) rotate(-90)" text-anchor="middle">nearest rolling friction of spheres</text>')
     # Rorato's relation over the sphericities of the grains, as far as the range goes.
     line = sorted((sand["aspect_ratio"], 0.196 * sand["sphericity"] ** -8.98) for sand in found)
@@ -200,9 +200,10 @@ def figure(found):
             value, sign = sand["nearest"][name]
             parts.append(marked(mark, x(sand["aspect_ratio"]), y(value), 5 * big, colour, sign == ""))
     for k, (_, words, colour, mark) in enumerate(styles):
-        parts.append(marked(mark, LEFT + 20, TOP + 14 + 18 * k, 5, colour, True))
-        parts.append(f'<text x="{LEFT + 32}" y="{TOP + 18 + 18 * k}">{words}</text>')
-    parts.append(f'<path d="M{LEFT + 12} {TOP + 68}h16" stroke="#888" stroke-dasharray="5 4"/><text x="{LEFT + 32}" y="{TOP + 72}">Rorato et al. 2021, from the sphericity</text>')
+        parts.append(marked(mark, LEFT + 6 + 105 * k, HEIGHT - 18, 5, colour, True))
+        parts.append(f'<text x="{LEFT + 18 + 105 * k}" y="{HEIGHT - 14}">{words}</text>')
+    parts.append(f'<path d="M{LEFT + 312} {HEIGHT - 18}h20" stroke="#888" stroke-dasharray="5 4"/>'
+                 f'<text x="{LEFT + 338}" y="{HEIGHT - 14}">after Rorato et al. 2021</text>')
     return "\n".join(parts) + "\n</svg>\n"
 
 
