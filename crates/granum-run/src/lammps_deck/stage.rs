@@ -271,7 +271,7 @@ fn start(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String
         };
     }
     if !eases && setting.bodies {
-        return text + ONE_PUSH;
+        return text + &drive::from_here(motion, setting.tilt) + ONE_PUSH;
     }
     if !eases {
         return text + "velocity all set v_push_x v_push_y v_push_z\n";
@@ -309,7 +309,8 @@ fn still(motion: &Motion, turns: bool, setting: &Setting) -> String {
         };
     }
     if setting.bodies {
-        return text + ONE_PUSH;
+        // A run of its own, in which the box counts from where it is.
+        return text + &drive::from_here(motion, setting.tilt) + ONE_PUSH;
     }
     text + "velocity all set v_push_x v_push_y v_push_z\n"
 }

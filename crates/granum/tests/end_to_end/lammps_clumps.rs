@@ -165,6 +165,41 @@ fn lammps_runs_the_decks_of_bodies_and_finds_the_curves_of_granum() {
     }
 }
 
+/// Several stages, after each of which bodies lose the velocities of the homogeneous strain.
+#[test]
+fn stages_of_bodies_follow_each_other() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let laws = case("kind = \"dimer\"");
+    let (before, after) = laws.split_once("[shear]").unwrap();
+    let after = after.split_once("[recording]").unwrap().1;
+    let sample = format!("{before}[recording]{}", after.replace("states = 8\n", ""));
+    std::fs::write(here.join("case.toml"), &sample).unwrap();
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+    done(here, &["export", "sample", "-o", "packing.csv"]);
+    let stages = "[[stage]]\npath = 'oedometer'\naxial_stress = '60 kPa'\nunloading_stress = '40 kPa'\ninertial_number = 3e-3\n\
+                  [[stage]]\npath = 'undrained-triaxial'\naxial_strain = -0.004\ninertial_number = 3e-3\n";
+    std::fs::write(here.join("stages.toml"), format!("{sample}{stages}")).unwrap();
+    done(here, &["export", "stages.toml", "--packing", "packing.csv", "--to", "lammps", "--out", "deck"]);
+    if !executed(&here.join("deck"), "in.granum") {
+        return;
+    }
+    done(here, &["run", "stages.toml", "--packing", "packing.csv", "--out", "run"]);
+    done(here, &["export", "run", "-o", "series.csv"]);
+    let theirs = read_table(here.join("deck/curve.csv")).unwrap();
+    let ours = read_table(here.join("series.csv")).unwrap();
+    let ends = |table: &Table, column: &str| {
+        let [stage, values] = ["stage", column].map(|name| table.column(name).unwrap().to_vec());
+        let last = |number: f64| (0..stage.len()).rev().find(|&k| stage[k] == number).unwrap();
+        [1.0, 2.0, 3.0].map(|number| values[last(number)])
+    };
+    for (column, tolerance) in [("mean_stress", 0.05), ("stress_11", 0.05), ("solid_fraction", 1e-3)] {
+        let (a, b) = (ends(&theirs, column), ends(&ours, column));
+        println!("{column}: LAMMPS {a:?}, granum {b:?}");
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < tolerance * b), "{column}: {a:?}, {b:?}");
+    }
+}
+
 #[test]
 fn what_fix_rigid_small_does_not_move_is_refused() {
     let base = tempfile::tempdir().unwrap();
