@@ -17,13 +17,15 @@ use granum_run::laboratory;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const ALL: [Target; 6] = [
+pub const ALL: [Target; 8] = [
     ("case", case),
     ("packing", packing),
     ("model", model),
     ("checkpoint", checkpoint),
     ("csv", csv),
     ("parquet", parquet),
+    ("mesh", mesh),
+    ("voxels", voxels),
 ];
 
 /// A case file; after the byte `R` the record of a run, after `P` the plan of a training.
@@ -181,6 +183,39 @@ pub fn parquet(data: &[u8]) {
         return;
     };
     use_table(&table);
+}
+
+/// A mesh, as STL after the byte `S`, as OBJ after `O` and as PLY after `P`: one that is accepted is a closed body with a volume.
+pub fn mesh(data: &[u8]) {
+    let (name, bytes) = match data {
+        [b'S', bytes @ ..] => ("grain.stl", bytes),
+        [b'O', bytes @ ..] => ("grain.obj", bytes),
+        [b'P', bytes @ ..] => ("grain.ply", bytes),
+        _ => return,
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("a file");
+    let mut notices = Vec::new();
+    match granum_shape::mesh::read(&path, &mut notices) {
+        Ok(read) => {
+            let moments = granum_shape::mesh::moments(&read);
+            assert!(moments.volume > 0.0 && moments.volume.is_finite(), "{}", moments.volume);
+            assert!(moments.centre.iter().all(|x| x.is_finite()), "{:?}", moments.centre);
+        }
+        Err(error) => assert!(error.to_string().contains(name), "{error}"),
+    }
+}
+
+/// A stack of images as TIFF: one that is accepted has a label for each voxel.
+pub fn voxels(data: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grains.tif");
+    std::fs::write(&path, data).expect("a file");
+    match granum_shape::voxels::read(&path) {
+        Ok(stack) => assert_eq!(stack.size.iter().product::<usize>(), stack.labels.len()),
+        Err(error) => assert!(error.to_string().contains("grains.tif"), "{error}"),
+    }
 }
 
 fn assert_same_values(table: &Table, back: &Table) {

@@ -34,12 +34,87 @@ pub fn for_target(target: &str) -> Vec<Seed> {
         "checkpoint" => checkpoints(),
         "csv" => tables(),
         "parquet" => parquets(),
+        "mesh" => meshes(),
+        "voxels" => stacks(),
         _ => Vec::new(),
     }
 }
 
 fn seed(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Seed {
     (name.into(), bytes.into())
+}
+
+/// Corners of the triangles of a box.
+const TRIANGLES: [[usize; 3]; 12] = [
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+];
+
+fn corner(k: usize) -> [f32; 3] {
+    [(k & 1) as f32 * 3.0, (k >> 1 & 1) as f32 * 2.0, (k >> 2 & 1) as f32]
+}
+
+/// A box in each format.
+fn meshes() -> Vec<Seed> {
+    let mut text = String::from("Ssolid box\n");
+    let mut binary = vec![b'S'];
+    binary.extend([0u8; 80]);
+    binary.extend(12u32.to_le_bytes());
+    for triangle in TRIANGLES {
+        text += "facet normal 0 0 0\nouter loop\n";
+        binary.extend([0u8; 12]);
+        for [x, y, z] in triangle.map(corner) {
+            text += &format!("vertex {x} {y} {z}\n");
+            binary.extend([x, y, z].into_iter().flat_map(f32::to_le_bytes));
+        }
+        text += "endloop\nendfacet\n";
+        binary.extend([0u8; 2]);
+    }
+    text += "endsolid box\n";
+    let corners: String = (0..8).map(corner).map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let mut object = String::from("O");
+    object.extend(corners.lines().map(|line| format!("v {line}\n")));
+    object.extend(TRIANGLES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)));
+    let head = "Pply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 12\nproperty list uchar int vertex_indices\nend_header\n";
+    let mut polygon = format!("{head}{corners}");
+    polygon.extend(TRIANGLES.map(|[a, b, c]| format!("3 {a} {b} {c}\n")));
+    vec![
+        seed("text.stl", text),
+        seed("binary.stl", binary),
+        seed("box.obj", object),
+        seed("box.ply", polygon),
+    ]
+}
+
+/// Two images of four voxels, uncompressed.
+fn stacks() -> Vec<Seed> {
+    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
+    for last in [false, true] {
+        let data = bytes.len() + 2 + 12 * 8 + 4;
+        let tags: [(u16, usize); 8] =
+            [(256, 2), (257, 2), (258, 8), (259, 1), (262, 1), (273, data), (278, 2), (279, 4)];
+        bytes.extend(8u16.to_le_bytes());
+        for (tag, value) in tags {
+            bytes.extend(tag.to_le_bytes());
+            bytes.extend(4u16.to_le_bytes());
+            bytes.extend(1u32.to_le_bytes());
+            bytes.extend((value as u32).to_le_bytes());
+        }
+        bytes.extend((if last { 0 } else { data + 4 } as u32).to_le_bytes());
+        bytes.extend([0, 1, 1, 2]);
+    }
+    vec![seed("two.tif", bytes)]
 }
 
 fn cases() -> Vec<Seed> {

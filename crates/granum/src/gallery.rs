@@ -147,6 +147,21 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/sand-undrained-score.toml"),
     },
     ReadyPlan {
+        name: "shaped-sand",
+        case: "long-grains",
+        text: include_str!("../gallery/plans/shaped-sand.toml"),
+    },
+    ReadyPlan {
+        name: "shaped-sand-unseen",
+        case: "long-grains",
+        text: include_str!("../gallery/plans/shaped-sand-unseen.toml"),
+    },
+    ReadyPlan {
+        name: "shaped-sand-score",
+        case: "long-grains",
+        text: include_str!("../gallery/plans/shaped-sand-score.toml"),
+    },
+    ReadyPlan {
         name: "powder-paths",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-paths.toml"),

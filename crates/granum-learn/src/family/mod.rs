@@ -19,6 +19,7 @@ mod replicates;
 mod sand;
 mod score_types;
 mod scores;
+mod shaped_sand;
 mod test_progress;
 #[cfg(test)]
 mod tests;
@@ -30,11 +31,19 @@ pub use powder::{POWDER_CONSTANT_P, POWDER_OEDOMETER};
 pub use prediction::{FamilyCurve, FamilyPrediction, InputSource, UsedInput};
 pub use sand::{SAND, SAND_CONSTANT_P, SAND_UNDRAINED, SAND_UNLOAD_RELOAD};
 pub use score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
+pub use shaped_sand::SHAPED_SAND;
 pub use typical::TypicalValue;
 
 /// All families, path by path. The first path of a family is the one that is meant where none is named.
-pub const ALL: &[&FamilyDefinition] =
-    &[&SAND, &SAND_CONSTANT_P, &SAND_UNDRAINED, &SAND_UNLOAD_RELOAD, &POWDER_CONSTANT_P, &POWDER_OEDOMETER];
+pub const ALL: &[&FamilyDefinition] = &[
+    &SAND,
+    &SAND_CONSTANT_P,
+    &SAND_UNDRAINED,
+    &SAND_UNLOAD_RELOAD,
+    &POWDER_CONSTANT_P,
+    &POWDER_OEDOMETER,
+    &SHAPED_SAND,
+];
 
 /// The family of a name, along a path; without one, along its first path.
 ///

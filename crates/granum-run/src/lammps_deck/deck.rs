@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use granum_core::assembly::{Assembly, Body};
+use granum_core::assembly::{Assembly, Body, Vector};
 use granum_core::{Part, Parts};
 use granum_dem::config::{NormalKind, Preparation};
 use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until};
@@ -14,6 +14,7 @@ use granum_io::formats::lammps_data::LammpsData;
 use granum_io::formats::{ObservedAssembly, ResultFormat};
 use granum_io::{Case, OutputFolder, Packing};
 
+use super::bodies::Bodies;
 use super::check::checked;
 use super::deck_error::DeckError;
 use super::drive::{self, Tilt};
@@ -21,7 +22,7 @@ use super::head::{Head, Stiffening, head};
 use super::hooks::Follow;
 use super::laws::{pair_lines, rolling_follows_stress};
 use super::motion::Motion;
-use super::names::{DATA, SAVE, SCRIPT};
+use super::names::{BODIES, DATA, SAVE, SCRIPT, SHARES, WEIGHTS};
 use super::stage::{self, Setting};
 use crate::laboratory::simulation;
 
@@ -75,6 +76,7 @@ pub struct LammpsDeck {
     script: String,
     /// The commands that write a restart file, of a deck that a program follows.
     save: Option<String>,
+    bodies: Option<Bodies>,
 }
 
 /// Refuses bonds: those of LAMMPS rupture by another rule and do not carry what their contact carries.
@@ -131,8 +133,9 @@ impl LammpsDeck {
         follow: Option<&Follow>,
     ) -> Result<LammpsDeck, DeckError> {
         without_bonds(case)?;
-        if !packing.bodies.is_empty() {
-            let why = "some of its grains have several pieces; `granum export -o sample.data` writes them as molecules";
+        if follow.is_some() && !packing.bodies.is_empty() {
+            let why = "some of its grains have several pieces, of which a run by LAMMPS is not read; write its deck with `granum export --to \
+                       lammps`";
             return Err(DeckError::Sample(why.into()));
         }
         let stages = case.test_stages();
@@ -146,20 +149,30 @@ impl LammpsDeck {
         let modulus = state.bulk_modulus();
         let motions: Vec<Motion> =
             stages.iter().map(|stage| checked(stage, modulus)).collect::<Result<_, _>>()?;
+        let bodies = Bodies::new(&assembly, corner(&assembly))?;
         let [radius, mass] = means(&assembly.bodies);
+        // What touches and is slowed down by a drag are pieces.
+        let contact_radius = bodies.as_ref().map_or(radius, |bodies| bodies.piece_radius);
+        let moved = bodies.as_ref().map_or(1.0, |bodies| bodies.atoms as f64 / assembly.bodies.len() as f64);
         let stiffening = stiffening(case.contact.normal);
         let pair = |follows| {
-            pair_lines(sample.properties(), &assembly.materials, [radius, mean_force(&assembly)], follows)
+            pair_lines(
+                sample.properties(),
+                &assembly.materials,
+                [contact_radius, mean_force(&assembly)],
+                follows,
+            )
         };
         let moments = case.contact.rolling.law().acts();
         let follows = stiffening != Stiffening::None && rolling_follows_stress(&case.contact);
         let setting = Setting {
             unit_rate: sample.strain_rate(1.0, 1.0),
             modulus,
-            drag: mass * SETTLING * case.numerics.time_step_factor / state.time_step(),
+            drag: mass / moved * SETTLING * case.numerics.time_step_factor / state.time_step(),
             tilt: only_tilt(&stages, &motions)?,
             laws: if follows { pair(true)? } else { String::new() },
             follow,
+            bodies: bodies.is_some(),
         };
         let cube = |grain: &Body| grain.equivalent_radius.powi(3);
         let mut script = head(&Head {
@@ -167,6 +180,7 @@ impl LammpsDeck {
             moments,
             sheared: setting.tilt.is_some(),
             grains: assembly.bodies.len(),
+            bodies: bodies.as_ref(),
             diameter: 2.0 * radius,
             volume: 4.0 / 3.0 * std::f64::consts::PI * assembly.bodies.iter().map(cube).sum::<f64>(),
             mean_stress: state.mean_stress(),
@@ -182,7 +196,7 @@ impl LammpsDeck {
         }
         script += "\nprint \"all stages are complete\"\n";
         let properties = sample.properties().clone();
-        Ok(LammpsDeck { assembly, properties, script, save: follow.map(Follow::save) })
+        Ok(LammpsDeck { assembly, properties, script, save: follow.map(Follow::save), bodies })
     }
 
     /// The script.
@@ -215,18 +229,29 @@ impl LammpsDeck {
 
     /// Writes the files into a folder that exists.
     pub(crate) fn write_into(&self, folder: &Path) -> Result<(), DeckError> {
-        // The box is centred on the origin, about which LAMMPS strains it.
-        let edges = &self.assembly.cell;
-        let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
+        let origin = corner(&self.assembly);
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
         let observation = ObservedAssembly::new(self.assembly.clone(), parts, origin);
         LammpsData.write(&folder.join(DATA), &[observation])?;
         write_atomically(&folder.join(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
+        if let Some(bodies) = &self.bodies {
+            for (name, text) in
+                [(BODIES, &bodies.infile), (WEIGHTS, &bodies.weights), (SHARES, &bodies.shares)]
+            {
+                write_atomically(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+            }
+        }
         if let Some(save) = &self.save {
             write_atomically(&folder.join(SAVE), |file| file.write_all(save.as_bytes()))?;
         }
         Ok(())
     }
+}
+
+/// The corner of a box that is centred on the origin, about which LAMMPS strains it.
+fn corner(assembly: &Assembly) -> Vector {
+    let edges = &assembly.cell;
+    std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]))
 }
 
 /// The factor on the densities in all stages but those in which the sample comes to rest.

@@ -272,15 +272,15 @@ pub(super) fn from_here(motion: &Motion, tilt: Option<Tilt>) -> String {
     lengths.chain(tilt).map(|(name, length)| format!("variable from_{name} equal $({length})\n")).collect()
 }
 
-/// The velocity of the homogeneous strain at the full base rates, with numbers of the present, for each axis; "0" where there is
-/// none.
-pub(super) fn homogeneous(motion: &Motion, turns: bool) -> [String; 3] {
+/// The velocity of the homogeneous strain at the full base rates at a place, with numbers of the present, for each axis; "0" where there
+/// is none.
+pub(super) fn homogeneous(motion: &Motion, turns: bool, place: [&str; 3]) -> [String; 3] {
     let direction = if turns { "v_direction*" } else { "" };
     std::array::from_fn(|r| {
         let parts = (0..3).filter_map(|c| {
             let weights = motion.prescribed(r, c);
             let rate = sum(weights.iter().map(|(weight, of)| (*weight, of.as_str())));
-            (rate != "0").then(|| format!("$({direction}({rate}))*{}", AXES[c]))
+            (rate != "0").then(|| format!("$({direction}({rate}))*{}", place[c]))
         });
         let parts: Vec<String> = parts.map(|part| format!("({part})")).collect();
         if parts.is_empty() { "0".into() } else { parts.join("+") }

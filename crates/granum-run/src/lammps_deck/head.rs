@@ -1,5 +1,6 @@
 //! The beginning of the script: what it is, the sample, the laws, and the variables that all stages use.
 
+use super::bodies::Bodies;
 use super::formula::number;
 use super::hooks::Follow;
 use super::names::{DATA, RESTART};
@@ -14,6 +15,8 @@ pub(super) struct Head<'a> {
     pub(super) sheared: bool,
     /// Number of grains.
     pub(super) grains: usize,
+    /// The grains, if they have several pieces.
+    pub(super) bodies: Option<&'a Bodies>,
     /// Their mean diameter, m.
     pub(super) diameter: f64,
     /// Their volume, m3.
@@ -99,6 +102,31 @@ const REMARKS: &str = "\
 # largest distance. Coordination numbers count spheres that overlap.
 ";
 
+/// What is to be known of grains of several pieces.
+const REMARKS_ON_BODIES: &str = "\
+#
+# Grains of several pieces are moved by `fix rigid/small` with masses and inertia of the union of their pieces (bodies.txt), in lists of
+# neighbours that are made in every step. It does not follow a cell that is strained: bodies that cross a face keep their velocity, and pieces
+# beyond a face have that of another place. `fix cross` and `fix beyond` mend both, and the stress is that between centres of bodies, as in
+# granum. The rotation is that of Richardson's method, not granum's. Contacts are counted, not neighbours, also where grains with fewer than
+# two contacts are left out.
+";
+
+const UNSORTED: &str = "\
+# Numbers of pieces are kept between the parts of a step.
+atom_modify sort 0 0.0
+";
+
+/// What follows from the components of the stress.
+const MEASURES_OF_STRESS: &str = "\
+variable p equal (v_s11+v_s22+v_s33)/3\n\
+variable q equal v_s11-0.5*(v_s22+v_s33)\n\
+variable ratio equal v_q/v_p\n\
+variable squares equal 0.5*((v_s11-v_s22)^2+(v_s22-v_s33)^2+(v_s33-v_s11)^2)+3*(v_s12^2+v_s13^2+v_s23^2)\n\
+variable third equal (v_s11-v_p)*((v_s22-v_p)*(v_s33-v_p)-v_s23^2)-v_s12*(v_s12*(v_s33-v_p)-v_s23*v_s13)+v_s13*(v_s12*v_s23-(v_s22-v_p)*v_s13)\n\
+variable von_mises equal sqrt(v_squares)*(1-2*(v_third<0))\n\
+variable von_mises_ratio equal v_von_mises/v_p\n";
+
 /// Found on the undrained path of `data/validation/paths`: with sorting q/p fell by 0.035 where LAMMPS sorted the atoms.
 const SORTING: &str = "\
 # LAMMPS turns the memory of rolling and twisting round when two atoms change their order, so that they are not sorted.
@@ -126,15 +154,22 @@ variable touching equal $(c_touching)
 
 /// The text.
 pub(super) fn head(of: &Head) -> String {
+    let sorted = of.moments || of.bodies.is_some();
     let mut text = format!(
-        "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index {factor}\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
+        "{REMARKS}{more}\nvariable out index {curve}\nvariable time_step_factor index {factor}\n\nunits si\natom_style sphere\n{map}{sorting}boundary p p p\n\
          newton off\ncomm_modify vel yes\n",
-        sorting = if of.moments { SORTING } else { "" },
+        more = if of.bodies.is_some() { REMARKS_ON_BODIES } else { "" },
+        map = if of.bodies.is_some() { "atom_modify map array\n" } else { "" },
+        sorting = match sorted {
+            true if of.moments => SORTING,
+            true => UNSORTED,
+            false => "",
+        },
         curve = super::names::CURVE,
         factor = number(if of.follow.is_some() { FOLLOWED_TIME_STEP } else { 1.0 }),
     );
     text += &match of.follow {
-        None => format!("read_data {DATA}\n"),
+        None => of.bodies.map_or_else(|| format!("read_data {DATA}\n"), Bodies::read),
         Some(_) => format!(
             "variable resume index 0\n\
              if \"${{resume}} == 0\" then \"read_data {DATA}\" else \"read_restart {RESTART}${{resume}}\"\n"
@@ -146,24 +181,22 @@ pub(super) fn head(of: &Head) -> String {
             Some(_) => "if \"${resume} == 0\" then \"change_box all triclinic\"\n",
         };
     }
-    let skin = number(0.02 * of.diameter);
+    let skin = 0.02 * of.diameter;
+    let lists = match of.bodies {
+        // A body has the image that LAMMPS gives it where lists are made.
+        Some(_) => "check no exclude molecule/intra all",
+        None => "check yes",
+    };
     text += &format!(
-        "\npair_style granular\n{pair}\nneighbor {skin} bin\nneigh_modify delay 0 every 1 check yes\nfix move all nve/sphere\n",
-        pair = of.pair
+        "\npair_style granular\n{pair}\nneighbor {skin} bin\nneigh_modify delay 0 every 1 {lists}\n",
+        pair = of.pair,
+        skin = number(skin)
     );
-    text += "\n# Stress of the contacts, Pa, and what follows from it.\n\
-             compute stress all pressure NULL pair\n\
-             fix stress all ave/time 1 1 1 c_stress[1] c_stress[2] c_stress[3] c_stress[4] c_stress[5] c_stress[6]\n";
-    for (name, k) in [("s11", 1), ("s22", 2), ("s33", 3), ("s12", 4), ("s13", 5), ("s23", 6)] {
-        text += &format!("variable {name} equal f_stress[{k}]\n");
-    }
-    text += "variable p equal (v_s11+v_s22+v_s33)/3\n\
-             variable q equal v_s11-0.5*(v_s22+v_s33)\n\
-             variable ratio equal v_q/v_p\n\
-             variable squares equal 0.5*((v_s11-v_s22)^2+(v_s22-v_s33)^2+(v_s33-v_s11)^2)+3*(v_s12^2+v_s13^2+v_s23^2)\n\
-             variable third equal (v_s11-v_p)*((v_s22-v_p)*(v_s33-v_p)-v_s23^2)-v_s12*(v_s12*(v_s33-v_p)-v_s23*v_s13)+v_s13*(v_s12*v_s23-(v_s22-v_p)*v_s13)\n\
-             variable von_mises equal sqrt(v_squares)*(1-2*(v_third<0))\n\
-             variable von_mises_ratio equal v_von_mises/v_p\n";
+    text += &match of.bodies {
+        Some(bodies) => bodies.motion(skin) + &bodies.stress(),
+        None => format!("fix move all nve/sphere\n{}", stress()),
+    };
+    text += MEASURES_OF_STRESS;
     text += "\n# Strain since the start of the test, from the lengths x0, y0, z0 of the cell there.\n\
              variable e11 equal ln(v_x0/lx)\n\
              variable e22 equal ln(v_y0/ly)\n\
@@ -179,23 +212,11 @@ pub(super) fn head(of: &Head) -> String {
         "variable solid_fraction equal {volume}/vol\nvariable void_ratio equal vol/{volume}-1\n",
         volume = number(of.volume)
     );
-    text += &format!(
-        "\n# Contacts: coordination number of all grains, and of those with two contacts or more.\n\
-         compute contacts all contact/atom\n\
-         compute coordination all reduce ave c_contacts\n\
-         variable none atom c_contacts==0\n\
-         variable one atom c_contacts==1\n\
-         compute loose all reduce sum v_none v_one\n\
-         variable mechanical equal ({n}*c_coordination-c_loose[2])/({n}-c_loose[1]-c_loose[2]+1e-9)\n\
-         variable touches atom c_contacts>0\n\
-         compute touching all reduce sum v_touches\n\
-         # Mean resultant force of the grains that touch over the mean normal force 3 p V / (N_c d) of the contacts.\n\
-         variable net atom sqrt(fx*fx+fy*fy+fz*fz)\n\
-         compute net all reduce sum v_net\n\
-         variable unbalanced equal c_net/(v_touching+1e-9)*{half}*v_coordination/(3*v_p*vol)\n",
-        n = of.grains,
-        half = number(0.5 * of.grains as f64 * of.diameter),
-    );
+    let half = number(0.5 * of.grains as f64 * of.diameter);
+    text += &match of.bodies {
+        Some(bodies) => bodies.contacts(of.grains, &half),
+        None => contacts(of.grains, &half),
+    };
     text += "\n# How much stiffer the contacts are than in the sample that was read; from that, modulus of the servo and time step.\n";
     text += &stiffness(of);
     text += &format!(
@@ -229,6 +250,39 @@ pub(super) fn head(of: &Head) -> String {
             ) + &super::hooks::resume()
         }
     }
+}
+
+/// The stress of the contacts of spheres.
+fn stress() -> String {
+    let mut text = String::from(
+        "\n# Stress of the contacts, Pa, and what follows from it.\n\
+         compute stress all pressure NULL pair\n\
+         fix stress all ave/time 1 1 1 c_stress[1] c_stress[2] c_stress[3] c_stress[4] c_stress[5] c_stress[6]\n",
+    );
+    for (name, k) in [("s11", 1), ("s22", 2), ("s33", 3), ("s12", 4), ("s13", 5), ("s23", 6)] {
+        text += &format!("variable {name} equal f_stress[{k}]\n");
+    }
+    text
+}
+
+/// The contacts of spheres, and the resultant forces on them.
+fn contacts(grains: usize, half: &str) -> String {
+    format!(
+        "\n# Contacts: coordination number of all grains, and of those with two contacts or more.\n\
+         compute contacts all contact/atom\n\
+         compute coordination all reduce ave c_contacts\n\
+         variable none atom c_contacts==0\n\
+         variable one atom c_contacts==1\n\
+         compute loose all reduce sum v_none v_one\n\
+         variable mechanical equal ({n}*c_coordination-c_loose[2])/({n}-c_loose[1]-c_loose[2]+1e-9)\n\
+         variable touches atom c_contacts>0\n\
+         compute touching all reduce sum v_touches\n\
+         # Mean resultant force of the grains that touch over the mean normal force 3 p V / (N_c d) of the contacts.\n\
+         variable net atom sqrt(fx*fx+fy*fy+fz*fz)\n\
+         compute net all reduce sum v_net\n\
+         variable unbalanced equal c_net/(v_touching+1e-9)*{half}*v_coordination/(3*v_p*vol)\n",
+        n = grains,
+    )
 }
 
 fn stiffness(of: &Head) -> String {

@@ -6,6 +6,10 @@ pub const SCRIPT: &str = "in.granum";
 pub const DATA: &str = "packing.data";
 /// Name of the curve that the script writes.
 pub const CURVE: &str = "curve.csv";
+/// Of grains of several pieces: masses, centres and inertia; the weights of the pieces; these times the masses.
+pub(super) const BODIES: &str = "bodies.txt";
+pub(super) const WEIGHTS: &str = "weights.txt";
+pub(super) const SHARES: &str = "shares.txt";
 
 /// The lines that a deck writes for the program that follows it.
 pub(crate) const EVENTS: &str = "events";

@@ -30,6 +30,15 @@ pub(super) struct Setting<'a> {
     pub(super) laws: String,
     /// How a program follows the run, if one does.
     pub(super) follow: Option<&'a Follow>,
+    /// True if grains have several pieces.
+    pub(super) bodies: bool,
+}
+
+impl Setting<'_> {
+    /// The variables with the place by which a grain follows the homogeneous strain, that of its centre.
+    fn place(&self) -> [&'static str; 3] {
+        if self.bodies { ["v_b_x", "v_b_y", "v_b_z"] } else { AXES }
+    }
 }
 
 /// How the rows of a stage follow each other.
@@ -54,6 +63,13 @@ fn last_step(follow: Option<&Follow>) -> &'static str {
 const WALK: &str = "\
 if \"$(v_arc-v_walked) >= 1e-5\" then \"variable walked equal $(v_arc)\" \"variable a11 equal $(v_e11)\" \
 \"variable a22 equal $(v_e22)\" \"variable a33 equal $(v_e33)\" \"variable a12 equal $(v_g12)\" \"variable a23 equal $(v_g23)\"
+";
+
+/// Bodies have velocities of their own, which a force of one step changes; the first half of it acts before that step, and the second in it.
+const ONE_PUSH: &str = "\
+fix push all addforce v_push_x v_push_y v_push_z
+run 1 post no
+unfix push
 ";
 
 /// The text of a stage, of a number from 0.
@@ -86,7 +102,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     text += &format!("label go_{at}\n{}", follow.map_or("", |_| "variable resumed string no\n"));
     text += &rows(at, stage, &motion, setting);
     if turns {
-        text += &turn(at, stage, &motion, follow.is_some());
+        text += &turn(at, stage, &motion, setting);
     }
     text += &format!(
         "label over_{at}\n\
@@ -95,7 +111,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     if follow.is_some() {
         text += &hooks::ended(stage, motion.rows.len());
     }
-    text += &end(&motion, stage, follow.is_some());
+    text += &end(&motion, stage, setting);
     text += &format!(
         "if \"${{met}} < 0.5\" then \"print 'stage {at} met none of its end conditions: the stages after it are not run'\" \"quit 0\"\n"
     );
@@ -182,13 +198,13 @@ fn rows(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String 
 }
 
 /// Turns the stage round: rates and the rates of targets change their sign, and grow again.
-fn turn(at: usize, stage: &Stage, motion: &Motion, followed: bool) -> String {
+fn turn(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String {
     let mut text = format!(
         "label turn_{at}\nvariable turned equal $(v_turned+1)\nvariable met equal $(v_asked)\n{reasons}\
          if \"$(v_over) > 0.5\" then \"jump SELF over_{at}\"\n",
-        reasons = if followed { hooks::reasons(stage) } else { String::new() }
+        reasons = if setting.follow.is_some() { hooks::reasons(stage) } else { String::new() }
     );
-    text += &still(motion, true);
+    text += &still(motion, true, setting);
     text += "variable direction equal $(-v_direction)\nvariable leg_at equal $(v_now)\n";
     for (k, (_, target)) in motion.rows.iter().enumerate() {
         if target.rate != 0.0 || target.ramp.is_some() {
@@ -238,18 +254,24 @@ fn row(now: bool) -> String {
 /// them with a shock.
 fn start(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String {
     let turns = stage.turns.is_some();
-    let flow = drive::homogeneous(motion, turns);
+    let flow = drive::homogeneous(motion, turns, setting.place());
     if flow.iter().all(|part| part == "0") {
         return String::new();
     }
     let eases = stage.control.eases;
     let mut text = String::from("\n# The grains get the velocities of the homogeneous strain.\n");
     for (axis, flow) in AXES.into_iter().zip(&flow) {
-        text += &if eases {
+        text += &if setting.bodies {
+            let time = if eases { "$(v_ease)" } else { "dt" };
+            format!("variable push_{axis} atom c_late[2]*({flow})/{time}\n")
+        } else if eases {
             format!("variable push_{axis} atom mass*({flow})/$(v_ease)\n")
         } else {
             format!("variable push_{axis} atom v{axis}+({flow})\n")
         };
+    }
+    if !eases && setting.bodies {
+        return text + &drive::from_here(motion, setting.tilt) + ONE_PUSH;
     }
     if !eases {
         return text + "velocity all set v_push_x v_push_y v_push_z\n";
@@ -274,21 +296,32 @@ fn start(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String
 }
 
 /// Takes the velocities of the homogeneous strain away.
-fn still(motion: &Motion, turns: bool) -> String {
-    let flow = drive::homogeneous(motion, turns);
+fn still(motion: &Motion, turns: bool, setting: &Setting) -> String {
+    let flow = drive::homogeneous(motion, turns, setting.place());
     if flow.iter().all(|part| part == "0") {
         return String::new();
     }
     let mut text = String::new();
     for (axis, flow) in AXES.into_iter().zip(&flow) {
-        text += &format!("variable push_{axis} atom v{axis}-$(v_share)*({flow})\n");
+        text += &match setting.bodies {
+            true => format!("variable push_{axis} atom -c_late[2]*$(v_share)*({flow})/dt\n"),
+            false => format!("variable push_{axis} atom v{axis}-$(v_share)*({flow})\n"),
+        };
+    }
+    if setting.bodies {
+        // A run of its own, in which the box counts from where it is.
+        return text + &drive::from_here(motion, setting.tilt) + ONE_PUSH;
     }
     text + "velocity all set v_push_x v_push_y v_push_z\n"
 }
 
 /// Takes away what belongs to the stage.
-fn end(motion: &Motion, stage: &Stage, judged: bool) -> String {
-    let mut text = still(motion, stage.turns.is_some());
+fn end(motion: &Motion, stage: &Stage, setting: &Setting) -> String {
+    let judged = setting.follow.is_some();
+    let mut text = still(motion, stage.turns.is_some(), setting);
+    if setting.bodies {
+        text += "variable rate_x equal 0\nvariable rate_y equal 0\nvariable rate_z equal 0\nvariable rate_xy equal 0\nvariable rate_yz equal 0\n";
+    }
     if is_sheared(motion) {
         text += "variable g12_before equal $(v_g12)\nvariable g23_before equal $(v_g23)\n\
                  variable g12 equal v_g12_before\nvariable g23 equal v_g23_before\nunfix angles\n";

@@ -14,6 +14,9 @@ use crate::shape_error::ShapeError;
 /// Volumes below this share of the box around a mesh count as none.
 const NO_VOLUME: f64 = 1e-9;
 
+/// Largest coordinate: moments of inertia are fifth powers of it.
+const LARGEST: f64 = 1e50;
+
 /// A mesh whose equal corners are joined and that is the closed, outward surface of one body that does not cross itself. Triangles without
 /// an area are left out, and triangles that look inwards are turned: the notices tell it.
 ///
@@ -35,6 +38,12 @@ pub fn checked(
     }
     if let Some((k, p)) = mesh.vertices.iter().enumerate().find(|(_, p)| p.iter().any(|x| !x.is_finite())) {
         return refused(format!("has the corner {k} at {p:?}; coordinates must be finite numbers"));
+    }
+    if let Some((k, p)) = mesh.vertices.iter().enumerate().find(|(_, p)| p.iter().any(|x| x.abs() > LARGEST))
+    {
+        return refused(format!(
+            "has the corner {k} at {p:?}; coordinates must be at most {LARGEST:e}, beyond which a volume and its moments are no numbers"
+        ));
     }
     if let Some(k) = mesh.triangles.iter().position(|t| t.iter().any(|c| *c >= mesh.vertices.len())) {
         let message = format!(

@@ -169,6 +169,9 @@ fn meshes_that_are_no_body_are_mended_or_refused() {
 
 #[test]
 fn single_faults_are_named() {
+    let mut far = cube([0.0; 3], 1.0);
+    far.vertices[1][2] = 1e308;
+    refused(far, "coordinates must be at most 1e50");
     let unit = || cube([0.0; 3], 1.0);
     let mut one = unit();
     one.triangles[3].swap(0, 1);

@@ -101,6 +101,16 @@ const HISTORY: &str =
 const LABORATORY: &str = "# compression = positive\ntest,axial_strain (%),volumetric_strain (%),axial_stress (kPa),\
     lateral_stress (kPa)\nA,0,0,50,50\nA,0.5,0.1,90,50\nA,1,0.1,110,50\nA,1.5,0.05,120,50\nA,2,0,125,50\n";
 
+/// Grains of several pieces.
+const DIMERS: &str = "[grains.shape]\nkind = \"dimer\"\n";
+
+/// Grains of a mesh.
+const OF_MESH: &str = "[grains.shape]\nkind = \"mesh\"\nfile = \"grain.obj\"\npieces = 6\n";
+
+/// A box of twelve triangles.
+const OBJECT: &str = "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 3 2 0\nv 0 0 2\nv 3 0 2\nv 0 2 2\nv 3 2 2\n\
+    f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
+
 const PAIR: &str =
     "normal_approach,tangential_displacement\n0,0\n1e-8,0\n1e-8,1e-9\n5e-9,1e-9\n2e-8,-1e-9\n0,0\n";
 
@@ -137,8 +147,14 @@ impl Ground {
         write("history.csv", HISTORY)?;
         write("lab.csv", LABORATORY)?;
         write("pair.csv", PAIR)?;
+        write("dimers.toml", &format!("{CASE}{DIMERS}"))?;
+        write("mesh.toml", &format!("{CASE}{OF_MESH}"))?;
+        write("grain.obj", OBJECT)?;
+        write("grain.stl", &stl())?;
         let done = |line: &str| done(program, folder, line);
         done("prepare case.toml --out sample")?;
+        done("run dimers.toml --out clumps")?;
+        done("export clumps -o clumps.data --snapshot start")?;
         let begun = Instant::now();
         done("shear case.toml --out run-1")?;
         let test = begun.elapsed();
@@ -165,6 +181,21 @@ impl Ground {
         interrupted(program, folder, &train, training)?;
         Ok(Ground { folder: folder.to_path_buf(), test, training })
     }
+}
+
+/// The same box as STL.
+fn stl() -> String {
+    let rows = |word: &'static str| {
+        OBJECT.lines().filter_map(move |line| line.strip_prefix(word)).map(str::trim).collect::<Vec<_>>()
+    };
+    let corners = rows("v ");
+    let corner =
+        |word: &str| word.parse().ok().and_then(|n: usize| corners.get(n - 1)).copied().unwrap_or("");
+    let facet = |row: &str| {
+        let vertices: String = row.split(' ').map(|word| format!("vertex {}\n", corner(word))).collect();
+        format!("facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n")
+    };
+    format!("solid box\n{}endsolid box\n", rows("f ").into_iter().map(facet).collect::<String>())
 }
 
 fn done(program: &Program, folder: &Path, line: &str) -> Result<(), String> {

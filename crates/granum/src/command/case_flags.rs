@@ -66,6 +66,11 @@ impl Setting<'_> {
 }
 
 impl SetFlags {
+    /// True if a key is given.
+    pub fn is_given(&self) -> bool {
+        !self.set.is_empty()
+    }
+
     fn settings(&self) -> Result<Vec<Setting<'_>>, Failure> {
         self.set.iter().map(|text| Setting::parse(text)).collect()
     }

@@ -145,6 +145,7 @@ fn case(
             key => case.set(key, value)?,
         }
     }
+    let rolls = case.parameters().iter().any(|parameter| parameter.key == "contact.rolling_friction");
     let mut set = |key: &str, value: f64| {
         let unit = match field(key) {
             Some(field) => field.si_unit(),
@@ -178,7 +179,10 @@ fn case(
         (PREPARATION_FRICTION, "grains.material.friction"),
         ("preparation.rolling_friction", "contact.rolling_friction"),
     ] {
-        set(key, part * known.get(own).unwrap_or(0.0))?;
+        // Grains without a law of rolling have no coefficients of it.
+        if own != "contact.rolling_friction" || rolls {
+            set(key, part * known.get(own).unwrap_or(0.0))?;
+        }
     }
     // Cohesive grains are so while the sample is made as well.
     if let Some(energy) = known.get("grains.material.interface_energy") {

@@ -18,6 +18,8 @@ use crate::failure::Failure;
 
 /// The end of the names of files of fitted families.
 const FILE: &str = ".json";
+/// The key of the shape of the grains.
+const SHAPE: &str = "grains.shape.kind";
 /// The key of the void ratio of the sample.
 pub const VOID_RATIO: &str = "sample.void_ratio";
 
@@ -32,6 +34,9 @@ pub struct FamilyFlags {
     /// of the grains that is not given is integrated over its range.
     #[arg(long, value_name = "NUMBER", requires = "family")]
     friction: Option<String>,
+    /// Length of long grains over their thickness.
+    #[arg(long, value_name = "NUMBER", requires = "family")]
+    aspect_ratio: Option<String>,
     /// Coefficient of rolling friction of the grains.
     #[arg(long, value_name = "NUMBER", requires = "family")]
     rolling_friction: Option<String>,
@@ -75,10 +80,11 @@ pub struct FamilyFlags {
 
 impl FamilyFlags {
     /// The flags of numbers: name, key, dimension, value.
-    fn numbers(&self) -> [(&'static str, &'static str, Dimension, &Option<String>); 10] {
+    fn numbers(&self) -> [(&'static str, &'static str, Dimension, &Option<String>); 11] {
         let number = Dimension::NUMBER;
         [
             ("--friction", "grains.material.friction", number, &self.friction),
+            ("--aspect-ratio", "grains.shape.aspect_ratio", number, &self.aspect_ratio),
             ("--rolling-friction", "contact.rolling_friction", number, &self.rolling_friction),
             ("--pressure", "preparation.mean_stress", Dimension::STRESS, &self.pressure),
             ("--youngs-modulus", "grains.material.youngs_modulus", Dimension::STRESS, &self.youngs_modulus),
@@ -174,6 +180,21 @@ fn of_case(context: &Context, family: &FamilyDefinition, case: &Case) -> Result<
             }
             ParameterValue::List(_) => {}
         }
+    }
+    // A case of spheres has no shape among its parameters.
+    let word = |words: Option<String>| words.unwrap_or_else(|| "sphere".into());
+    let of_family = family.words.iter().find(|(key, _)| *key == SHAPE).map(|(_, word)| (*word).to_string());
+    let of_case = single_parameters(case).into_iter().find(|parameter| parameter.key == SHAPE);
+    let of_case = of_case.and_then(|parameter| match parameter.value {
+        ParameterValue::Word(word) => Some(word),
+        _ => None,
+    });
+    let (of_case, of_family) = (word(of_case), word(of_family));
+    if of_case != of_family {
+        return Err(Failure::new(format!(
+            "{SHAPE} of the case is {of_case}; the grains of the family {} are of the kind {of_family}",
+            family.name
+        )));
     }
     for (key, text) in family.settings.iter().filter(|(key, _)| key.starts_with("contact.")) {
         let Some((of_case, of_family)) = known.get(key).zip(text.parse::<f64>().ok()) else { continue };

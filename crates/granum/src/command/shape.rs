@@ -10,6 +10,7 @@ use granum_io::{Case, atomic::write_atomically, check_output_file};
 use granum_report::shapes::{ShownShape, figure};
 use serde_json::{Value, json};
 
+use super::case_flags::SetFlags;
 use super::shape_quantities::{quantities, text};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -22,7 +23,7 @@ use crate::output;
 /// seam between two spheres acts as friction; sin(chi) = c/2d for centres at the distance c and spheres of the diameter d.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum shape case.toml\n  granum shape grain.stl --pieces 30 --out shape.svg --case shape.toml"
+    after_help = "Example:\n  granum shape case.toml\n  granum shape case.toml --set grains.shape.aspect_ratio=2\n  granum shape grain.stl --pieces 30 --out shape.svg --case shape.toml"
 )]
 pub struct DescribeShape {
     /// A case file, the folder of a run, a mesh (.stl, .obj, .ply), or labelled images (.tif, or a folder of them).
@@ -39,6 +40,8 @@ pub struct DescribeShape {
     /// Where to write the part of a case file that gives grains these spheres.
     #[arg(long, value_name = "FILE")]
     case: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetFlags,
 }
 
 /// The case of a run in its folder.
@@ -94,6 +97,12 @@ impl DescribeShape {
             let case = if is_run { &in_folder } else { &self.file };
             return self.of_case(context, case);
         }
+        if self.set.is_given() {
+            return Err(Failure::new(format!(
+                "--set: {} is no case, whose keys could be set; --pieces and --kind change what is made of it",
+                self.file.shown()
+            )));
+        }
         let kind = match &self.kind {
             Some(name) => kind_named(name)?,
             None => self.kind_of_file()?,
@@ -112,7 +121,18 @@ impl DescribeShape {
                 case.shown()
             )));
         }
-        let (case, mut entries) = Case::read_with_shapes(case, context.reading())?;
+        let (mut case, mut entries) = Case::read_with_shapes(case, context.reading())?;
+        if self.set.is_given() {
+            let before = case.grains.shapes.clone();
+            self.set.apply_law(&mut case, &["grains", "grains.shape"], &[])?;
+            // What a file gives stays as the file has it, unless one of its keys was set.
+            let given = std::mem::take(&mut entries);
+            let kept = |(k, now): (usize, &ShapeEntry)| match (before.get(k), given.get(k)) {
+                (Some(old), Some(of_file)) if old == now => of_file.clone(),
+                _ => now.clone(),
+            };
+            entries = case.grains.shapes.iter().enumerate().map(kept).collect();
+        }
         if entries.is_empty() {
             context.note("the case has no [grains.shape]: its grains are spheres");
             entries.push(ShapeEntry::default());

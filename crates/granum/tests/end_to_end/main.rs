@@ -21,6 +21,7 @@ mod family_questions;
 mod further_sensors;
 mod hostile_plans;
 mod inputs;
+mod lammps_clumps;
 mod lammps_decks;
 mod lammps_engine;
 mod materials;

@@ -88,6 +88,13 @@ fn the_shapes_of_a_case_are_described() {
     let again = done_json(here, &["shape", "shape.toml"]);
     let sphericity = |found: &serde_json::Value| found["shapes"][0]["sphericity"].as_f64().unwrap();
     assert!((sphericity(&again) - sphericity(&found)).abs() < 1e-9 && again["shapes"][0]["name"] == "pieces");
+    // Keys of the case can be changed, those of grains and no others.
+    let longer = done_json(here, &["shape", "case.toml", "--set", "grains.shape.separation=0.9"]);
+    assert!(sphericity(&longer) < sphericity(&found) - 0.05, "{longer}");
+    let capsule = done_json(here, &["shape", "case.toml", "--set", "grains.shape.kind=tetrapod"]);
+    assert_eq!(capsule["shapes"][0]["name"], "tetrapod");
+    let message = refused(here, 1, &["shape", "case.toml", "--set", "preparation.friction=0.2"]);
+    assert!(message.contains("--set preparation.friction has no effect in this command"), "{message}");
     let message = refused(here, 1, &["shape", "case.toml", "--out", "shape.svg"]);
     assert!(message.contains("shape.svg") && message.contains("--force"), "{message}");
     let message = refused(here, 1, &["shape", "case.toml", "--pieces", "5"]);
@@ -99,6 +106,8 @@ fn a_mesh_becomes_spheres_that_a_case_can_use() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     std::fs::write(here.join("box.stl"), box_stl([3.0, 2.0, 2.0])).unwrap();
+    let message = refused(here, 1, &["shape", "box.stl", "--set", "grains.shape.pieces=12"]);
+    assert!(message.contains("--set: ") && message.contains("is no case"), "{message}");
     let made = ["shape", "box.stl", "--pieces", "12", "--out", "box.svg", "--case", "part.toml"];
     let found = done_json(here, &made);
     let shape = &found["shapes"][0];

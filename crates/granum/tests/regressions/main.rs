@@ -145,6 +145,16 @@ fn tables_as_parquet() {
     replay("parquet");
 }
 
+#[test]
+fn meshes() {
+    replay("mesh");
+}
+
+#[test]
+fn stacks_of_images() {
+    replay("voxels");
+}
+
 /// The checks accept the seeds; otherwise the mutations would only test the first stage of reading a file.
 #[test]
 fn seeds_are_good() {
@@ -160,6 +170,18 @@ fn seeds_are_good() {
     }
     for (name, bytes) in seeds::for_target("packing") {
         assert!(granum_io::formats::packing_csv::read_from(&bytes[..], &name).is_ok(), "{name}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in seeds::for_target("mesh") {
+        let path = folder.path().join(&name);
+        std::fs::write(&path, &bytes[1..]).unwrap();
+        let mesh = granum_shape::mesh::read(&path, &mut Vec::new()).unwrap();
+        assert!((granum_shape::mesh::moments(&mesh).volume - 6.0).abs() < 1e-9, "{name}");
+    }
+    for (name, bytes) in seeds::for_target("voxels") {
+        let path = folder.path().join(&name);
+        std::fs::write(&path, &bytes).unwrap();
+        assert_eq!(granum_shape::voxels::read(&path).unwrap().labels, [0, 1, 1, 2, 0, 1, 1, 2], "{name}");
     }
     for (name, bytes) in seeds::for_target("csv") {
         assert!(granum_io::formats::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
