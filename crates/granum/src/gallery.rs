@@ -87,6 +87,11 @@ pub const PLANS: &[ReadyPlan] = &[
         text: include_str!("../gallery/plans/friction-pressure-density.toml"),
     },
     ReadyPlan {
+        name: "cement-strength",
+        case: "cemented-sand",
+        text: include_str!("../gallery/plans/cement-strength.toml"),
+    },
+    ReadyPlan {
         name: "powder-cohesion",
         case: "powder-oedometer",
         text: include_str!("../gallery/plans/powder-cohesion.toml"),
