@@ -13,7 +13,7 @@ const CHAPTER: &str = include_str!("../../../../docs/src/families.md");
 /// The commands of a section of the chapter, in order; a line that ends with a backslash goes on.
 fn commands(section: &str) -> Vec<Vec<String>> {
     let text = CHAPTER.split(section).nth(1).unwrap_or_default();
-    let text = text.split("\n## ").next().unwrap_or_default();
+    let text = text.split("\n##").next().unwrap_or_default();
     let blocks = text.split("```sh\n").skip(1).map(|text| text.split("```").next().unwrap_or_default());
     let lines: Vec<String> = blocks
         .flat_map(|block| block.replace("\\\n", " ").lines().map(String::from).collect::<Vec<_>>())
