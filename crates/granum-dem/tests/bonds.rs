@@ -570,3 +570,27 @@ fn largest_frequency(assembly: &Assembly, modulus: f64) -> f64 {
     }
     square.sqrt()
 }
+
+/// A fault of other programs: measuring the stiffness of a cemented cell broke its bonds. Probes work on copies.
+#[test]
+fn probes_of_a_copy_leave_bonds_and_bits_as_they_are() {
+    let mut s = compressed(200, 100e3, Hardware::default());
+    let made = s.bond(&cement(1e5)).unwrap();
+    s.set_control(CellControl::fixed());
+    s.advance(50).unwrap();
+    let before = s.clone();
+    assert!(s.bonds() > made / 2);
+    for rate in [100.0, -100.0] {
+        let mut probe = s.clone();
+        probe.set_control(stretched(rate));
+        let steps = (1e-3 / 100.0 / probe.state().time_step()) as u64;
+        probe.advance(steps).unwrap();
+        assert!(
+            probe.bonds() < s.bonds(),
+            "the probe itself ruptures bonds: {} of {}",
+            probe.bonds(),
+            s.bonds()
+        );
+    }
+    assert!(s.state() == before.state() && s.bonds() == before.bonds());
+}
