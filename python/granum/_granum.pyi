@@ -68,7 +68,7 @@ class Case:
     """A case: all the input that determines a result. It never changes; `with_values` and `with_path` give another.
 
     The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
-    `materials` and `pairs` are the lists of tables `[[stage]]`, `[[material]]` and `[[pair]]`. Keys that are left out have their defaults,
+    `materials`, `pairs` and `bonds` are the lists of tables `[[stage]]`, `[[material]]`, `[[pair]]` and `[[bond]]`. Keys that are left out have their defaults,
     and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
 
     Raises `granum.CaseError` with all mistakes at once.
@@ -86,6 +86,7 @@ class Case:
         stages: Sequence[keys.Stage] = ...,
         materials: Sequence[keys.Material] = ...,
         pairs: Sequence[keys.Pair] = ...,
+        bonds: Sequence[keys.Bond] = ...,
     ) -> Case: ...
     @classmethod
     def from_dict(cls, mapping: Mapping[str, Any]) -> Case:

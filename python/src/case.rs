@@ -27,12 +27,13 @@ use crate::values;
 /// The name of a case that was made in Python, for messages.
 const MADE: &str = "case";
 /// Keywords and the keys of the file for which they stand.
-const PLURALS: [[&str; 2]; 3] = [["stages", "stage"], ["materials", "material"], ["pairs", "pair"]];
+const PLURALS: [[&str; 2]; 4] =
+    [["stages", "stage"], ["materials", "material"], ["pairs", "pair"], ["bonds", "bond"]];
 
 /// A case: all the input that determines a result. It never changes; `with_values` and `with_path` give another.
 ///
 /// The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
-/// `materials` and `pairs` are the lists of tables `[[stage]]`, `[[material]]` and `[[pair]]`. Keys that are left out have their defaults,
+/// `materials`, `pairs` and `bonds` are the lists of tables `[[stage]]`, `[[material]]`, `[[pair]]` and `[[bond]]`. Keys that are left out have their defaults,
 /// and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
 ///
 /// Raises `granum.CaseError` with all mistakes at once.

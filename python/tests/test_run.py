@@ -359,7 +359,7 @@ def test_bonds_and_cracks_are_arrays() -> None:
     case = granum.Case(
         grains={"count": 60, "material": {"interface_energy": 0}},
         preparation={"solid_fraction": "none", "unbalanced_force": 0.05},
-        bond=[{"modulus": "1 GPa", "tensile_strength": "10 kPa", "cohesion": "20 kPa", "largest_gap": 0.02}],
+        bonds=[{"modulus": "1 GPa", "tensile_strength": "10 kPa", "cohesion": "20 kPa", "largest_gap": 0.02}],
         shear={"deviator_strain": 0.03, "inertial_number": 0.01},
         recording={"states": 4},
     )
@@ -367,7 +367,7 @@ def test_bonds_and_cracks_are_arrays() -> None:
     assembly = run.snapshot()
     made = len(assembly.bonds) + len(assembly.cracks)
     assert assembly.bonds.shape[1] == 2 and made > 100
-    assert len(assembly.cracks) == run["bonds_broken_by_tension"][-1] + run["bonds_broken_by_shear"][-1] > 0
+    assert len(assembly.cracks) == run.series["bonds_broken_by_tension"][-1] + run.series["bonds_broken_by_shear"][-1] > 0
     assert np.allclose(np.linalg.norm(assembly.crack_normals, axis=1), 1)
     assert (assembly.crack_energies > 0).all() and assembly.crack_by_tension.any()
     assert assembly.bond_forces.shape == assembly.bond_normals.shape == (len(assembly.bonds), 3)

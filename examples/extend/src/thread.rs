@@ -45,6 +45,7 @@ pub fn try_it() -> Result<String, Box<dyn std::error::Error>> {
     let grains = [sphere(1, 4.9e-3), sphere(2, 5.1e-3)];
     let mut simulation = Simulation::new(Cell::cuboid([1e-2; 3]), &grains, Properties::new(material, contact))?;
     simulation.bond_pieces(&Bonding::default().with(|bonding| bonding.law = THREAD), &[[0, 1]])?;
+    simulation.fix_time_step(Some(2e-9));
     simulation.set_velocities(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]], &[]);
     for _ in 0..10_000 {
         simulation.advance(1)?;
