@@ -227,5 +227,5 @@ def test_the_keys_for_editors_are_those_of_the_case() -> None:
     stub = pathlib.Path(inspect.getfile(granum)).with_name("_granum.pyi").read_text(encoding="utf-8")
     signature = stub.split("def __new__(")[1].split(") -> Case")[0]
     named = {line.split(":")[0].strip() for line in signature.splitlines() if ": keys." in line or "Sequence[keys" in line}
-    plurals = {"stage": "stages", "material": "materials", "pair": "pairs"}
+    plurals = {"stage": "stages", "material": "materials", "pair": "pairs", "bond": "bonds"}
     assert named == {plurals.get(key, key) for key in granum.schema()["properties"]}
