@@ -156,7 +156,7 @@ def attempted(part, strategy, strain):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    arguments.add_argument("library")
+    arguments.add_argument("shared_object", metavar="library")
     arguments.add_argument("--configuration", default=os.path.join(os.path.dirname(__file__), "granum-materials.toml"))
     arguments.add_argument("--law", choices=sorted(LAWS), default="umat")
     arguments.add_argument("--steps", type=int, default=20)
@@ -170,7 +170,7 @@ def main():
     options = arguments.parse_args()
     os.makedirs(options.out, exist_ok=True)
     K.ParallelUtilities.SetNumThreads(options.threads)
-    library = Library(options.library, options.configuration)
+    library = Library(options.shared_object, options.configuration)
     began = time.perf_counter()
 
     model = K.Model()

@@ -100,12 +100,13 @@ fn a_tumbling_pair_keeps_its_momenta_and_its_energy() {
             &[[0.05, 0.02, 0.1], [-0.06, 0.04, 0.02]],
         );
         s.fix_time_step(Some(dt));
-        let (before, momentum) = (stored(&s.assembly()), angular_momentum(&s.assembly()));
-        let (mut worst, mut most) = (0.0f64, 0.0f64);
+        let momentum = angular_momentum(&s.assembly());
+        let (mut before, mut worst, mut most) = (None, 0.0f64, 0.0f64);
         for _ in 0..(20.0 / (50.0 * dt)) as usize {
-            s.advance(50).unwrap();
-            let assembly = s.assembly();
-            worst = worst.max((stored(&assembly) - before).abs());
+            s.advance(49).unwrap();
+            let (assembly, energy) = synchronous(&mut s);
+            let start = *before.get_or_insert(energy);
+            worst = worst.max((energy - start).abs());
             most = most.max(assembly.bonds[0].energy);
             let now = angular_momentum(&assembly);
             for a in 0..3 {
@@ -118,9 +119,24 @@ fn a_tumbling_pair_keeps_its_momenta_and_its_energy() {
         worst / most
     };
     let errors = [2e-3, 1e-3, 5e-4].map(error);
-    // The velocities of an observed state are half a step old, so that the error of the energy is of first order in the step within an
-    // oscillation; it does not grow.
-    assert!(errors[0] < 0.06 && errors[2] < 0.3 * errors[0], "{errors:?}");
+    // An independent integration found 1.0e-3, 2.6e-4 and 6.5e-5 at angles of about 0.01 rad.
+    assert!(errors[0] < 2e-3 && errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");
+}
+
+/// Makes a step; the state before it, and its energy with velocities of the same instant: those of a state are half a step old.
+fn synchronous(s: &mut Simulation) -> (Assembly, f64) {
+    let before = s.assembly();
+    s.advance(1).unwrap();
+    let after = s.assembly();
+    let mut now = before.clone();
+    for (body, later) in now.bodies.iter_mut().zip(&after.bodies) {
+        for a in 0..3 {
+            body.velocity[a] = 0.5 * (body.velocity[a] + later.velocity[a]);
+            body.spin[a] = 0.5 * (body.spin[a] + later.spin[a]);
+        }
+    }
+    let energy = stored(&now);
+    (before, energy)
 }
 
 /// Heavy spheres are moved as a mode asks for, until the bond ruptures.
@@ -307,7 +323,7 @@ fn the_energy_balance_of_bonds_that_rupture_closes() {
 fn bonds_give_the_same_bits_on_threads_and_instruction_sets_and_after_a_restart_in_a_cascade() {
     let run = |hardware: Hardware, halfway: bool| {
         let mut s = compressed(300, 100e3, hardware);
-        s.bond(&cement(1e6)).unwrap();
+        let made = s.bond(&cement(1e6)).unwrap();
         s.set_control(stretched(-30.0));
         s.advance(4000).unwrap();
         if halfway {
@@ -317,12 +333,16 @@ fn bonds_give_the_same_bits_on_threads_and_instruction_sets_and_after_a_restart_
             s = restored;
         }
         s.advance(4000).unwrap();
+        assert_eq!(
+            s.bonds() + s.assembly().broken_bonds.len(),
+            made,
+            "those that hold and those that ruptured"
+        );
         s
     };
     let one = run(Hardware { threads: 1, isa: Isa::Portable }, false);
     let broken = one.assembly().broken_bonds.len();
     assert!(broken > 20 && one.bonds() > 20, "{broken} {}", one.bonds());
-    assert_eq!(broken + one.bonds(), one.assembly().bonds.len() + broken);
     for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
         let other = run(Hardware { threads: 3, isa }, true);
         assert!(other.state() == one.state(), "{isa:?}");
@@ -593,4 +613,87 @@ fn probes_of_a_copy_leave_bonds_and_bits_as_they_are() {
         );
     }
     assert!(s.state() == before.state() && s.bonds() == before.bonds());
+}
+
+/// Two dimers, joined by a bond between two of their pieces, that tumble: momenta are exact, and a common rotation loads nothing.
+#[test]
+fn bonds_join_grains_of_several_pieces() {
+    let dimer = [([-0.25, 0.0, 0.0], 0.5), ([0.25, 0.0, 0.0], 0.5)];
+    let shape = ShapeOfSpheres::new(&dimer).unwrap().shape;
+    let body = |id: u64, x: f64| InitialBody {
+        id,
+        position: [25.0 + x, 25.0, 25.0],
+        orientation: granum_core::rotation::IDENTITY,
+        shape: 0,
+        scale: 1.0,
+    };
+    let bodies = [body(1, -0.75), body(2, 0.75)];
+    let pair = |velocities: &[Vector], spins: &[Vector]| {
+        let cell = Cell::cuboid([50.0; 3]);
+        let mut s =
+            Simulation::of_bodies(cell, std::slice::from_ref(&shape), &bodies, &[], soft(1.0)).unwrap();
+        let given = Bonding::default().with(|bonding| bonding.law = BondKind::new(&Given));
+        assert_eq!(s.bond(&given).unwrap(), 1, "the touching pieces of different bodies");
+        s.set_velocities(velocities, spins);
+        s.fix_time_step(Some(5e-4));
+        s
+    };
+    let momentum = |assembly: &Assembly| -> Vector {
+        let mut total = [0.0; 3];
+        for body in &assembly.bodies {
+            let rigid = assembly.rigid[body.rigid.unwrap() as usize];
+            let axes = granum_core::rotation::matrix(&rigid.orientation);
+            let spin = granum_core::rotation::to_body(&axes, &body.spin);
+            let own =
+                granum_core::rotation::to_space(&axes, &std::array::from_fn(|k| rigid.inertia[k] * spin[k]));
+            let place: Vector = std::array::from_fn(|a| body.position[a] - 25.0);
+            let orbital = cross(&place, &body.velocity);
+            for a in 0..3 {
+                total[a] += own[a] + body.mass * orbital[a];
+            }
+        }
+        total
+    };
+    let mut s = pair(&[[0.02, 0.05, -0.03], [-0.02, -0.05, 0.03]], &[[0.05, 0.02, 0.1], [-0.06, 0.04, 0.02]]);
+    let before = momentum(&s.assembly());
+    s.advance(8000).unwrap();
+    let assembly = s.assembly();
+    assert!(assembly.bonds[0].energy > 1e-6);
+    for (now, before) in momentum(&assembly).into_iter().zip(before) {
+        assert!((now - before).abs() < 1e-11, "{now} {before}");
+    }
+    // About the third axis through the middle: the bond is pulled by the centripetal force alone.
+    let w = 0.01;
+    let mut s = pair(&[[0.0, -0.75 * w, 0.0], [0.0, 0.75 * w, 0.0]], &[[0.0, 0.0, w]; 2]);
+    s.advance(8000).unwrap();
+    let bond = s.assembly().bonds[0];
+    let mass = s.assembly().bodies[0].mass;
+    assert!((-bond.normal_force).abs() < 2.1 * mass * w * w * 0.75, "{}", bond.normal_force);
+    assert!(
+        dot(&bond.bending_couple, &bond.bending_couple).sqrt() < 1e-6 && bond.twisting_couple.abs() < 1e-9
+    );
+}
+
+/// Bonds that cannot be made leave a simulation as it was, whatever was changed on the way.
+#[test]
+fn bonds_that_are_refused_change_nothing() {
+    let dimer = [([-0.5e-4, 0.0, 0.0], 0.5e-4), ([0.5e-4, 0.0, 0.0], 0.5e-4)];
+    let shape = ShapeOfSpheres::new(&dimer).unwrap().shape;
+    let body = InitialBody {
+        id: 1,
+        position: [1e-3; 3],
+        orientation: granum_core::rotation::IDENTITY,
+        shape: 0,
+        scale: 1.0,
+    };
+    let mut s = Simulation::of_bodies(Cell::cuboid([2e-3; 3]), &[shape], &[body], &[], soft(2650.0)).unwrap();
+    let before = s.clone();
+    let full = golden().with(|bonding| {
+        bonding.places = BondPlaces::Inside;
+        bonding.radius = BondRadius::Cement { content: 0.9, density: 2650.0 };
+    });
+    assert!(s.bond(&full).is_err());
+    assert!(s.state() == before.state() && s.state().grains() == 1);
+    s.bond(&golden().with(|bonding| bonding.places = BondPlaces::Inside)).unwrap();
+    assert_eq!((s.state().grains(), s.bonds()), (2, 1));
 }

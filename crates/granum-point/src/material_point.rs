@@ -86,7 +86,7 @@ impl MaterialPoint {
         })
     }
 
-    /// A material point whose sample is prepared as a case says; its test is not used.
+    /// A material point whose sample is prepared as a case says, with the bonds that the case makes before its first stage; its test is not used.
     ///
     /// # Errors
     /// [`PointError::Sample`] if the sample cannot be made, and as [`MaterialPoint::new`].
@@ -95,7 +95,11 @@ impl MaterialPoint {
             let plan = Laboratory::here().plan(RunKind::Sample, case, &Source::Case, &mut NoObserver)?;
             Ok(plan.in_memory(&mut NoObserver)?.simulation()?.clone())
         };
-        MaterialPoint::new(sample().map_err(Box::new)?, controls)
+        let mut sample = sample().map_err(Box::new)?;
+        for bond in case.bonds.iter().filter(|bond| bond.before_stage() == 1) {
+            sample.bond(&bond.bonding(case.vocabulary.laws()))?;
+        }
+        MaterialPoint::new(sample, controls)
     }
 
     /// The state of the sample before any increment.

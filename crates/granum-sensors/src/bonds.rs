@@ -26,6 +26,7 @@ impl Sensor for Bonds {
                 SensorColumn::new("bonds_per_grain", "1", "2 N / N_grains: mean number of bonds of a grain"),
                 SensorColumn::new("bond_energy", "J", "elastic energy of the bonds"),
                 SensorColumn::new("bond_mean_stress", "Pa", "part of the bonds in the mean stress"),
+                SensorColumn::new("mean_bond_radius", "m", "mean radius of the bonds that hold"),
                 SensorColumn::new(
                     "mean_bond_utilisation",
                     "1",
@@ -46,6 +47,7 @@ impl Sensor for Bonds {
         values.push(ratio(2.0 * count, assembly.bodies.len() as f64));
         values.push(bonds.iter().map(|bond| bond.energy).sum::<f64>() + 0.0);
         values.push(ratio(virial, 3.0 * observation.volume) + 0.0);
+        values.push(mean(bonds.iter().map(|bond| bond.radius).sum::<f64>() + 0.0, bonds.len()));
         values.push(mean(bonds.iter().map(|bond| bond.utilisation.max(0.0)).sum::<f64>() + 0.0, bonds.len()));
     }
 }
@@ -60,7 +62,8 @@ mod tests {
     #[test]
     fn two_bonds_and_three_cracks() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
-        let bond = Bond { j: 1, branch: [2e-4, 0.0, 0.0], normal: [1.0, 0.0, 0.0], ..Bond::default() };
+        let bond =
+            Bond { j: 1, branch: [2e-4, 0.0, 0.0], normal: [1.0, 0.0, 0.0], radius: 1e-5, ..Bond::default() };
         assembly.bonds = vec![
             Bond { normal_force: -3.0, energy: 1.0, utilisation: 0.5, ..bond },
             Bond { normal_force: 1.0, energy: 2.0, utilisation: -0.2, ..bond },
@@ -81,6 +84,7 @@ mod tests {
         let stress = -2.0 * 2e-4 / (3.0 * assembly.volume());
         assert_eq!(row[..4], [2.0, 2.0, 1.0, 0.6]);
         assert_eq!(row[4..6], [4.0 / 27.0, 3.0]);
-        assert!((row[6] / stress - 1.0).abs() < 1e-12 && row[7] == 0.25, "{row:?}");
+        assert_eq!(row[7], 1e-5);
+        assert!((row[6] / stress - 1.0).abs() < 1e-12 && row[8] == 0.25, "{row:?}");
     }
 }

@@ -41,22 +41,30 @@ impl Simulation {
     /// If a value is impossible, no pieces are there to be joined, or grains attract each other by an interface energy or a law of adhesion.
     pub fn bond(&mut self, bonding: &Bonding) -> Result<usize, SimulationError> {
         self.integrator.check_bonding(bonding)?;
+        // On a copy, so that bonds that cannot be made leave the simulation as it was.
+        let mut changed = self.integrator.clone();
         // Wraps the pieces into the cell.
-        self.integrator.rebuild();
+        changed.rebuild();
         let mut pairs = match bonding.places {
-            BondPlaces::Between => self.integrator.pairs_between(bonding.largest_gap),
-            BondPlaces::Inside => self.integrator.pairs_inside()?,
+            BondPlaces::Between => changed.pairs_between(bonding.largest_gap),
+            BondPlaces::Inside => changed.pairs_inside()?,
         };
-        self.integrator.order(&mut pairs);
+        changed.order(&mut pairs);
         if bonding.left_out > 0.0 {
             let mut rng = ChaCha8Rng::seed_from_u64(bonding.seed);
             rng.set_stream(u64::MAX);
             pairs.retain(|_| crate::random::unit(&mut rng) >= bonding.left_out);
         }
         if bonding.places == BondPlaces::Inside {
-            self.integrator.release_clumps();
+            changed.release_clumps();
         }
-        self.integrator.join(bonding, &pairs)
+        let made = changed.join(bonding, &pairs)?;
+        if bonding.places == BondPlaces::Inside {
+            // Pieces of one grain become neighbours; only now, since rows that are sorted would no longer be those of the pairs.
+            changed.rebuild();
+        }
+        self.integrator = changed;
+        Ok(made)
     }
 
     /// Makes bonds between given pieces, as indices of the pieces of an assembly, at their nearest images.
@@ -69,8 +77,9 @@ impl Simulation {
         pieces: &[[usize; 2]],
     ) -> Result<usize, SimulationError> {
         self.integrator.check_bonding(bonding)?;
-        self.integrator.rebuild();
-        let state = &self.integrator.state;
+        let mut changed = self.integrator.clone();
+        changed.rebuild();
+        let state = &changed.state;
         let order = state.pieces_in_order(&state.bodies_in_order());
         let inverse = invert(&state.cell.edges);
         let mut pairs = Vec::with_capacity(pieces.len());
@@ -87,7 +96,9 @@ impl Simulation {
             let image = apply(&inverse, apart).map(|share| -(share.round() as i32));
             pairs.push(([i as u32, j as u32], image));
         }
-        self.integrator.join(bonding, &pairs)
+        let made = changed.join(bonding, &pairs)?;
+        self.integrator = changed;
+        Ok(made)
     }
 
     /// Number of bonds that hold.
@@ -181,7 +192,8 @@ impl Integrator {
         pairs.sort_unstable_by_key(|(rows, image)| (rows.map(|row| rank[row as usize]), *image));
     }
 
-    /// Lets the pieces of all bodies of several pieces move by themselves. Bodies get new ids, from 1 in the order of those that they had.
+    /// Lets the pieces of all bodies of several pieces move by themselves. Bodies get new ids, from 1 in the order of those that they had. The
+    /// neighbour list is as it was.
     fn release_clumps(&mut self) {
         let state = &mut self.state;
         let order = state.pieces_in_order(&state.bodies_in_order());
@@ -197,7 +209,6 @@ impl Integrator {
             }
         }
         self.measure_bodies();
-        self.rebuild();
     }
 
     /// Joins pairs that are not joined already.

@@ -15,7 +15,8 @@ pub mod bonding;
 mod bonds;
 mod cement;
 mod channels;
-mod criterion;
+#[cfg(test)]
+mod criterion_tests;
 mod ends;
 mod formation;
 pub mod law;

@@ -7,9 +7,10 @@ use granum_simd::vectors::{cross, dot, scale};
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row4, Row8};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
-use super::criterion;
+use super::law::additive::sum_of_ratios;
 use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
+use super::law::parallel::stresses_over_strengths;
 use super::motion::{Ends, Vectors, in_axes, in_space, strained, turned};
 use super::views::{BATCHES, BondSums, PIECES};
 use crate::clump::clumps::NO_CLUMP;
@@ -244,8 +245,8 @@ fn judge<L: Lanes>(
     // SAFETY: laws are only read.
     let kind = unsafe { v.bonds.laws.read()[v.bonds.law.read()[batch] as usize] };
     let [tension, shear] = match kind.law().criterion() {
-        Criterion::MohrCoulomb => criterion::mohr_coulomb(loads, six(columns)),
-        Criterion::Additive => criterion::additive(loads, six(columns)),
+        Criterion::MohrCoulomb => stresses_over_strengths(loads, six(columns)),
+        Criterion::Additive => sum_of_ratios(loads, six(columns)),
         Criterion::OfLaw => asked(kind, loads, columns),
     };
     let one = L::splat(1.0);

@@ -14,6 +14,16 @@ pub(super) const fn friction(most: f64) -> FamilyInput {
     }
 }
 
+/// The stress over the modulus of the grains: how much they overlap.
+pub(super) const STRESS_OVER_MODULUS: FamilyInput = FamilyInput {
+    name: "stress_over_modulus",
+    meaning: "confining stress over Young's modulus of the grains",
+    key: "preparation.mean_stress",
+    over: &["grains.material.youngs_modulus"],
+    is_required: true,
+    limits: Some([1e-5, 4e-4]),
+};
+
 /// How loosely a sample was made.
 pub(super) const PREPARATION_RATIO: FamilyInput = FamilyInput {
     name: "preparation_ratio",

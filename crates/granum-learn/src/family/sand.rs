@@ -1,6 +1,8 @@
 //! Sand: stiff grains without adhesion that resist rolling, along four paths.
 
-use super::common_inputs::{COORDINATION_NUMBER, PREPARATION_RATIO, VOID_RATIO, friction};
+use super::common_inputs::{
+    COORDINATION_NUMBER, PREPARATION_RATIO, STRESS_OVER_MODULUS, VOID_RATIO, friction,
+};
 use super::common_outputs::{OUTPUTS, OUTPUTS_AT_CONSTANT_VOLUME, OUTPUTS_WITH_STRAIN};
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
 use super::test_progress::TEST_PROGRESS;
@@ -26,14 +28,7 @@ const INPUTS: &[FamilyInput] = &[
         is_required: true,
         limits: Some([0.0, 0.5]),
     },
-    FamilyInput {
-        name: "stress_over_modulus",
-        meaning: "confining stress over Young's modulus of the grains",
-        key: "preparation.mean_stress",
-        over: &["grains.material.youngs_modulus"],
-        is_required: true,
-        limits: Some([1e-5, 4e-4]),
-    },
+    STRESS_OVER_MODULUS,
     FamilyInput {
         name: "spread",
         meaning: "half the range of the diameters over their mean",

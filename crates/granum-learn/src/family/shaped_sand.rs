@@ -1,6 +1,8 @@
 //! Sand of long grains: capsules of three spheres without adhesion and without resistance to rolling.
 
-use super::common_inputs::{COORDINATION_NUMBER, PREPARATION_RATIO, VOID_RATIO, friction};
+use super::common_inputs::{
+    COORDINATION_NUMBER, PREPARATION_RATIO, STRESS_OVER_MODULUS, VOID_RATIO, friction,
+};
 use super::common_outputs::OUTPUTS;
 use super::definition::{FamilyDefinition, FamilyInput, PATH};
 
@@ -15,14 +17,7 @@ const INPUTS: &[FamilyInput] = &[
         limits: Some([1.05, 2.5]),
     },
     friction(0.8),
-    FamilyInput {
-        name: "stress_over_modulus",
-        meaning: "confining stress over Young's modulus of the grains",
-        key: "preparation.mean_stress",
-        over: &["grains.material.youngs_modulus"],
-        is_required: true,
-        limits: Some([1e-5, 4e-4]),
-    },
+    STRESS_OVER_MODULUS,
     PREPARATION_RATIO,
     VOID_RATIO,
     COORDINATION_NUMBER,

@@ -114,6 +114,13 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
+        let bonds = observations.last().map_or(0, |observation| observation.assembly.bonds.len());
+        if bonds > 0 {
+            context.warn(&format!(
+                "the {bonds} bonds between the grains are not written: no format of grains and contacts has them. They are in the snapshots of \
+                 the run (NAME.bonds)"
+            ));
+        }
         let grains = observations.last().map_or(0, |observation| observation.assembly.bodies.len());
         let instants = observations.len();
         let of = if instants > 1 { format!(", the last of {instants} instants") } else { String::new() };

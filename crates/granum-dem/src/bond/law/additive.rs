@@ -7,10 +7,13 @@
 //! (Wang 2009; Clemmer, Monti and Lechman 2024), so that the four loads weaken each other and compression lowers B. Forces are not smoothed
 //! near rupture.
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
+use super::bond_law::{
+    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
+};
 use super::parallel::ParallelBond;
 use super::strengths::{COHESION, MODULUS, POISSONS_RATIO, TENSILE_STRENGTH, single_modes};
 use crate::contact::{LawDescription, LawParameter};
+use granum_simd::Real;
 
 /// Bonds whose loads add up.
 #[derive(Debug)]
@@ -45,16 +48,17 @@ impl BondLaw for AdditiveBond {
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {
-        let mut ratios = [[0.0; 8]; 2];
-        for lane in 0..8 {
-            let by_tension = loads.tension[lane] / limits[0][lane] + loads.bending[lane] / limits[2][lane];
-            let by_shear = loads.shear[lane] / limits[1][lane] + loads.twisting[lane] / limits[3][lane];
-            // The larger part names the rupture.
-            let of = usize::from(by_shear > by_tension);
-            ratios[of][lane] = by_tension + by_shear;
-        }
-        ratios
+        each_of_eight(loads, limits, sum_of_ratios)
     }
+}
+
+/// The sum of the loads over their limits, where the larger part names the rupture. The loads are tension, shear, bending and twist.
+#[inline(always)]
+pub(in crate::bond) fn sum_of_ratios<R: Real>(loads: [R; 4], limits: [R; LIMITS]) -> [R; 2] {
+    let by_tension = loads[0] / limits[0] + loads[2] / limits[2];
+    let by_shear = loads[1] / limits[1] + loads[3] / limits[3];
+    let (sum, sheared) = (by_tension + by_shear, by_shear.gt(by_tension));
+    [R::select(sheared, R::zero(), sum), R::select(sheared, sum, R::zero())]
 }
 
 #[cfg(test)]

@@ -8,7 +8,9 @@
 //! with which the nodes of a chain are those of Timoshenko's beam, however few there are. Tension, bending and twist are `E_b A / l`,
 //! `E_b I / l` and `G_b J / l`. Rupture as of parallel bonds.
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
+use super::bond_law::{
+    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
+};
 use super::parallel::{mohr_coulomb, stresses_over_strengths};
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
@@ -64,7 +66,7 @@ impl BondLaw for BeamBond {
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {
-        stresses_over_strengths(loads, limits)
+        each_of_eight(loads, limits, stresses_over_strengths)
     }
 }
 

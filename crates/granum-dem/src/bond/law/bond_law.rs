@@ -64,8 +64,8 @@ pub struct BondLoads {
     pub twisting: Eight,
 }
 
-/// A criterion that the engine knows how to evaluate for eight bonds at once, in place of [`BondLaw::utilisation`]: its formula is that of
-/// the law which names it, and its results have the same bits.
+/// A criterion of granum's own laws, which the engine evaluates for eight bonds at once in place of asking [`BondLaw::utilisation`]. Its formula
+/// stands in the file of the law, once for one bond and for eight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Criterion {
     /// The law is asked.
@@ -75,6 +75,20 @@ pub enum Criterion {
     MohrCoulomb,
     /// Loads over their limits, added up.
     Additive,
+}
+
+/// The ratios of eight bonds by a formula for one: of the loads tension, shear, bending and twist and the constants of the law.
+pub(super) fn each_of_eight(
+    loads: &BondLoads,
+    limits: &[Eight; LIMITS],
+    of: fn([f64; 4], [f64; LIMITS]) -> [f64; 2],
+) -> [Eight; 2] {
+    let mut ratios = [[0.0; LANES]; 2];
+    for lane in 0..LANES {
+        let of_one = [&loads.tension, &loads.shear, &loads.bending, &loads.twisting].map(|load| load[lane]);
+        [ratios[0][lane], ratios[1][lane]] = of(of_one, limits.map(|row| row[lane]));
+    }
+    ratios
 }
 
 /// A law of bonds, in a file of its own. The engine turns the frames of bonds, multiplies by the stiffnesses, keeps the energies and takes

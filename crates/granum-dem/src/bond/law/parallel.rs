@@ -8,11 +8,14 @@
 //! `tau = |F_s|/A + beta |M_t| r_b / J`; the bond ruptures at `sigma = sigma_c` or at `tau = max(0, c - F_n/A tan(phi_b))` (Potyondy and
 //! Cundall 2004, equations 16 and 17; the moment factor beta and the Mohr-Coulomb limit as in PFC).
 
-use super::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
+use super::bond_law::{
+    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
+};
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
 };
 use crate::contact::{LawDescription, LawParameter, Unit};
+use granum_simd::Real;
 
 /// Parallel bonds.
 #[derive(Debug)]
@@ -62,7 +65,7 @@ impl BondLaw for ParallelBond {
     }
 
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {
-        stresses_over_strengths(loads, limits)
+        each_of_eight(loads, limits, stresses_over_strengths)
     }
 }
 
@@ -86,21 +89,18 @@ pub(super) fn mohr_coulomb(
     ]
 }
 
-/// The stresses at the edge of a cylinder over its strengths.
-pub(super) fn stresses_over_strengths(loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2] {
-    let mut ratios = [[0.0; 8]; 2];
-    for lane in 0..8 {
-        let [by_area, by_bending, tensile_strength, by_twist, cohesion, friction] =
-            limits.map(|row| row[lane]);
-        let tension = loads.tension[lane];
-        let stress = tension * by_area + loads.bending[lane] * by_bending;
-        let shear = loads.shear[lane] * by_area + loads.twisting[lane] * by_twist;
-        let strength = cohesion - tension * friction;
-        ratios[0][lane] = stress / tensile_strength;
-        // Where tension has used up the cohesion, nothing holds in shear.
-        ratios[1][lane] = if strength > 0.0 { shear / strength } else { f64::INFINITY };
-    }
-    ratios
+/// The stresses at the edge of a cylinder over its strengths: by tension, and by shear. The loads are tension, shear, bending and twist.
+#[inline(always)]
+pub(in crate::bond) fn stresses_over_strengths<R: Real>(
+    [tension, shear, bending, twisting]: [R; 4],
+    [by_area, by_bending, tensile_strength, by_twist, cohesion, friction]: [R; LIMITS],
+) -> [R; 2] {
+    let stress = tension * by_area + bending * by_bending;
+    let sheared = shear * by_area + twisting * by_twist;
+    let strength = cohesion - tension * friction;
+    // Where tension has used up the cohesion, nothing holds in shear.
+    let ratio = R::select(strength.gt(R::zero()), sheared / strength, R::splat(f64::INFINITY));
+    [stress / tensile_strength, ratio]
 }
 
 #[cfg(test)]
