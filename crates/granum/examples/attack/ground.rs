@@ -101,6 +101,10 @@ const HISTORY: &str =
 const LABORATORY: &str = "# compression = positive\ntest,axial_strain (%),volumetric_strain (%),axial_stress (kPa),\
     lateral_stress (kPa)\nA,0,0,50,50\nA,0.5,0.1,90,50\nA,1,0.1,110,50\nA,1.5,0.05,120,50\nA,2,0,125,50\n";
 
+/// Bonds of which some rupture; the grains of the case do not attract each other.
+const BONDS: &str = "[grains.material]\ninterface_energy = 0\n[[bond]]\nlargest_gap = 0.02\ntensile_strength = \"10 kPa\"\n\
+                     cohesion = \"20 kPa\"\nscatter = \"weibull\"\n";
+
 /// Grains of several pieces.
 const DIMERS: &str = "[grains.shape]\nkind = \"dimer\"\n";
 
@@ -153,6 +157,8 @@ impl Ground {
         write("grain.stl", &stl())?;
         let done = |line: &str| done(program, folder, line);
         done("prepare case.toml --out sample")?;
+        write("bonds.toml", &format!("{CASE}{BONDS}"))?;
+        done("run bonds.toml --out bonded")?;
         done("run dimers.toml --out clumps")?;
         done("export clumps -o clumps.data --snapshot start")?;
         let begun = Instant::now();

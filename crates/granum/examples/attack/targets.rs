@@ -267,6 +267,31 @@ pub const ALL: &[Target] = &[
         weight: 2,
     },
     Target {
+        name: "bonds",
+        needs: &["bonds.toml", "packing.csv"],
+        damaged: &["bonds.toml"],
+        lines: &[
+            simulation("run bonds.toml --out out", Calm),
+            simulation("run bonds.toml --out out --set bond.1.damping=0.1", Calm),
+            line("export bonds.toml --to lammps --packing packing.csv -o out", Calm),
+        ],
+        weight: 3,
+    },
+    Target {
+        name: "bonded-run",
+        needs: &["bonded"],
+        damaged: &["bonded"],
+        lines: &[
+            line("status bonded", ToldBy("digest bonded")),
+            line("digest bonded", Told),
+            line("report bonded --out out", Left("out")),
+            line("measure bonded", Told),
+            line("export bonded --snapshot end -o out.vtp", Left("out.vtp")),
+            simulation("resume bonded", ToldBy("digest bonded")),
+        ],
+        weight: 2,
+    },
+    Target {
         name: "shapes",
         needs: &["grain.obj", "grain.stl", "mesh.toml", "dimers.toml", "clumps.data"],
         damaged: &["grain.obj", "grain.stl", "mesh.toml", "dimers.toml", "clumps.data"],

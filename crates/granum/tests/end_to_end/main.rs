@@ -3,6 +3,7 @@
 
 mod adaptive;
 mod any_path;
+mod bonds;
 mod bounds_of_use;
 mod calibrations;
 mod campaign_chapter;
