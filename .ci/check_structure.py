@@ -6,6 +6,7 @@
 - Every file and folder that ARCHITECTURE.md names exists.
 - The file of a folder `thing/` is `thing/mod.rs`, not a file `thing.rs` beside it.
 - No function is called `of`: its name says what it gives (CONTRIBUTING.md).
+- Files that a user names are opened by `granum_core::input`, which refuses pipes and devices, but for the places in OPENED_OTHERWISE.
 - No code of a library or of the program panics where it could return an error, but for the places in PANICS.
 
 With --show, every import between two files of a crate is printed. Exit code 1 if anything does not hold.
@@ -27,6 +28,24 @@ PANICS = {
     "granum-dem/src/contact/law/energy_channel.rs": "evaluated by the compiler: a law with too many channels is no program",
     "granum-nets/src/gaussian_process/process.rs": "a row of another length, as the documentation of the function says",
     "python/src/mistake.rs": "a mistake on purpose, which the tests of the package ask for",
+}
+# Where files are opened that granum or the system made, or that are only made safe on the disk.
+OPENED_OTHERWISE = {
+    "granum-core/src/input.rs": "the place where files are opened",
+    "granum-campaign/src/claim/owner.rs": "files of the system about a process, and a name of the machine",
+    "granum-campaign/src/execution/one_run.rs": "a file of the system about the process",
+    "granum-campaign/src/rows/row_files.rs": "files of rows, which the campaign looks at before it opens them",
+    "granum-campaign/src/rows/row_writer.rs": "a folder that is made safe on the disk",
+    "granum-io/src/atomic.rs": "a folder that is made safe on the disk",
+    "granum-io/src/formats/gsd/mod.rs": "a file of this format, whose opening is that of granum-core",
+    "granum-io/src/folder/lock.rs": "a lock, which is looked at before it is opened",
+    "granum-io/src/folder/mod.rs": "a lock",
+    "granum-io/src/folder/process.rs": "a file of the system about a process",
+    "granum-run/src/engine/lammps/place.rs": "files that a running LAMMPS writes in the folder of the run",
+    "granum-run/src/engine/lammps/program.rs": "files that a running LAMMPS writes in the folder of the run",
+    "granum-run/src/engine/lammps/progress.rs": "files that a running LAMMPS writes in the folder of the run",
+    "granum-run/src/engine/lammps/run.rs": "files that a running LAMMPS writes in the folder of the run",
+    "granum/src/interrupt.rs": "a file of the system about the process",
 }
 problems = []
 
@@ -229,8 +248,20 @@ def check_paths():
             problems.append(f"ARCHITECTURE.md names {path}, which does not exist")
 
 
+def check_opening():
+    """Files that a user names are opened in one place."""
+    for file in sorted(ROOT.glob("crates/*/src/**/*.rs")):
+        name = str(file.relative_to(ROOT / "crates"))
+        if name in OPENED_OTHERWISE or any(part == "tests" or part.endswith("tests") for part in pathlib.Path(name).with_suffix("").parts):
+            continue
+        text = without_tests(without_comments_and_strings(file.read_text()))
+        for call in re.findall(r"\bfs::read(?:_to_string)?\(|\bFile::open\(", text):
+            problems.append(f"{name} opens a file by {call}...): granum_core::input refuses pipes and devices")
+
+
 check_lengths()
 check_paths()
+check_opening()
 check_panics()
 for folder in [*(ROOT / "crates" / name for name in check_crates()), ROOT / "python"]:
     name, crate = folder.name, Crate(folder)

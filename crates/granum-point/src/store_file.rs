@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_core::geometry::Matrix;
+use granum_core::input::{self, LARGEST_INPUT};
 use granum_dem::contact::choice::registry::Laws;
 use granum_dem::simulation::Simulation;
 use granum_io::atomic::write_atomically;
@@ -125,8 +126,8 @@ impl Store {
     /// [`StoreError::Read`] if the file cannot be read, [`StoreError::File`] if it is not a store, is damaged or cut short, or is of another
     /// version.
     pub fn load_among(path: &Path, laws: &Laws) -> Result<Store, StoreError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| StoreError::Read { path: path.to_path_buf(), source })?;
+        let bytes = input::read(path, LARGEST_INPUT)
+            .map_err(|source| StoreError::Read { path: path.to_path_buf(), source })?;
         let body = checked_body(&bytes).map_err(|what| wrong(path, what))?;
         let damaged = |what: String| wrong(path, format!("contradicts itself: {what}"));
         let (body, rest): (Body, &[u8]) =

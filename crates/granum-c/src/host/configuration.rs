@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use granum_core::input::{self, LARGEST_INPUT};
 use granum_point::{BeyondLargest, Controls, Tangent};
 use serde::Deserialize;
 
@@ -147,7 +148,7 @@ impl Configuration {
     /// [`Failure::File`] with the line of a mistake.
     pub fn read(path: &Path) -> Result<Configuration, Failure> {
         let wrong = |what: String| Failure::File { path: path.to_path_buf(), what };
-        let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        let text = input::read_text(path, LARGEST_INPUT).map_err(|error| wrong(error.to_string()))?;
         let configuration: Configuration = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         let unit = configuration.pascals_per_unit;
         if !(unit > 0.0 && unit.is_finite()) {

@@ -48,7 +48,12 @@ pub(super) fn histogram_file(name: &str) -> String {
     format!("{HISTOGRAMS}/{name}.parquet")
 }
 
-/// The names of the three files of a snapshot in a run folder.
+/// The names of the files that a snapshot in a run folder may have beside those that every snapshot has.
+pub(super) fn further_snapshot_files(name: &str) -> [String; 2] {
+    [pieces::FILE, bonds::FILE].map(|end| format!("{SNAPSHOTS}/{name}.{end}"))
+}
+
+/// The names of the three files of every snapshot in a run folder.
 pub(super) fn snapshot_files(name: &str) -> [String; 3] {
     PARTS.map(|end| format!("{SNAPSHOTS}/{name}.{end}"))
 }

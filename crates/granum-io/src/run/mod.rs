@@ -432,8 +432,8 @@ impl Run {
     pub fn snapshot(&self, name: &str) -> Result<Assembly> {
         check_name("snapshot", name)?;
         self.check_tables()?;
-        for file in content::snapshot_files(name) {
-            self.compared(&file)?;
+        for file in content::snapshot_files(name).iter().chain(&content::further_snapshot_files(name)) {
+            self.compared(file)?;
         }
         snapshot::read_snapshot(&self.path.join(SNAPSHOTS), name)
     }

@@ -1,6 +1,7 @@
 use super::RunKind;
 use super::*;
 use granum_core::Column;
+use granum_core::assembly::Bond;
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -220,6 +221,38 @@ fn every_changed_bit_and_every_missing_file_is_noticed() {
     let message = bare.run().series().unwrap_err().to_string();
     assert!(message.contains("series.parquet: is not a file of this run"), "{message}");
     assert_eq!(bare.run().faults().unwrap().len(), 1);
+}
+
+/// What only snapshots of clumps and of bonded grains have is compared as the rest: a bond or a piece that is lost shows nowhere else.
+#[test]
+fn changed_pieces_and_lost_bonds_are_noticed() {
+    let base = tempfile::tempdir().unwrap();
+    let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+    folder.write_case(&Case::default(), None).unwrap();
+    folder.write_record(&record()).unwrap();
+    for write in [RunFolder::write_series, RunFolder::write_forces, RunFolder::write_preparation] {
+        write(&folder, &table()).unwrap();
+    }
+    let mut assembly = crate::snapshot::tests::with_a_dimer();
+    assembly.bonds = vec![Bond { id: 1, i: 0, j: 2, ..Bond::default() }];
+    folder.write_snapshot("end", &assembly).unwrap();
+    folder.write_record(&record()).unwrap();
+    let read = || Run::at(folder.path()).unwrap().snapshot("end");
+    assert_eq!(read().unwrap().bonds.len(), 1);
+    for name in ["snapshots/end.pieces.parquet", "snapshots/end.bonds"] {
+        let (file, other) = (folder.path().join(name), base.path().join("kept"));
+        let mut bytes = fs::read(&file).unwrap();
+        fs::rename(&file, &other).unwrap();
+        let message = read().unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains("is missing"), "{message}");
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&file, bytes).unwrap();
+        let message = read().unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains("SHA-256"), "{message}");
+        fs::rename(&other, &file).unwrap();
+    }
+    read().unwrap();
 }
 
 #[test]

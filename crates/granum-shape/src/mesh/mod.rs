@@ -11,7 +11,10 @@ mod stl;
 mod tree;
 mod triangles;
 
+use std::io::ErrorKind;
 use std::path::Path;
+
+use granum_core::input;
 
 use crate::shape_error::ShapeError;
 
@@ -39,13 +42,11 @@ pub fn read(path: &Path, notices: &mut Vec<String>) -> Result<TriangleMesh, Shap
             return Err(fault(path, message));
         }
     };
-    let size = std::fs::metadata(path).map_err(|why| fault(path, format!("cannot be read: {why}")))?;
-    if size.len() > LARGEST_FILE {
-        let message =
-            format!("has {} bytes; decimate the mesh to at most {MOST_TRIANGLES} triangles", size.len());
-        return Err(fault(path, message));
-    }
-    let bytes = std::fs::read(path).map_err(|why| fault(path, format!("cannot be read: {why}")))?;
+    let bytes = input::read(path, LARGEST_FILE).map_err(|why| {
+        let advice = format!("; decimate the mesh to at most {MOST_TRIANGLES} triangles");
+        let advice = if why.kind() == ErrorKind::FileTooLarge { &advice } else { "" };
+        fault(path, format!("cannot be read: {why}{advice}"))
+    })?;
     checked(parse(path, &bytes)?, path, notices)
 }
 

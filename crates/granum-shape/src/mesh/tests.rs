@@ -220,6 +220,14 @@ fn files_that_are_no_meshes_are_named() {
     assert!(said("a.ply", b"hello").contains("PLY"));
     let missing = read(Path::new("/nowhere/grain.stl"), &mut Vec::new()).unwrap_err().message;
     assert!(missing.contains("cannot be read"), "{missing}");
+    // A pipe without a writer is never opened and a device never ends: what is not a regular file is refused first.
+    #[cfg(unix)]
+    {
+        let device = folder.path().join("grain.stl");
+        std::os::unix::fs::symlink("/dev/zero", &device).unwrap();
+        let message = read(&device, &mut Vec::new()).unwrap_err().message;
+        assert!(message.contains("regular file"), "{message}");
+    }
     let head =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let face =

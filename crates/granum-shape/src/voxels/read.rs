@@ -3,6 +3,7 @@
 use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
+use granum_core::input::{self, LARGEST_INPUT};
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 use super::stack::LabelledStack;
@@ -90,7 +91,8 @@ fn order(name: &str) -> Vec<(String, u64)> {
 
 /// Adds the images of a file to a stack.
 fn add_images(stack: &mut LabelledStack, path: &Path) -> Result<(), ShapeError> {
-    let bytes = std::fs::read(path).map_err(|why| fault(path, format!("cannot be read: {why}")))?;
+    let bytes =
+        input::read(path, LARGEST_INPUT).map_err(|why| fault(path, format!("cannot be read: {why}")))?;
     let refused = |why: tiff::TiffError| fault(path, format!("is not a TIFF file that can be read: {why}"));
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 4 * MOST_VOXELS;

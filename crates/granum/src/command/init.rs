@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum::gallery::{CALIBRATIONS, CASES, PLANS, ReadyCalibration, ReadyCase, ReadyPlan};
+use granum_core::input::{self, LARGEST_INPUT};
 use granum_core::names::suggestion;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
@@ -118,7 +119,7 @@ impl Init {
         let path = self.path.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
         let case = path.with_file_name(format!("{}.toml", base.name));
         // A case that is there already, as it is, serves.
-        let is_there = std::fs::read(&case).is_ok_and(|text| text == base.text.as_bytes());
+        let is_there = input::read(&case, LARGEST_INPUT).is_ok_and(|text| text == base.text.as_bytes());
         check_output_file(&path, context.force)?;
         if !is_there {
             write(&case, base.text, context)?;
