@@ -4,7 +4,7 @@ use std::cell::UnsafeCell;
 
 use granum_simd::dispatch;
 
-use crate::bond::{BondStage, BondedStage};
+use crate::bond::{BondedStage, TurningStage, bond_stage};
 use crate::contact_sums::ContactSums;
 use crate::integrator::Integrator;
 use crate::kernel::{self, ClumpStage, GrainStage, PruneStage, Views, larger};
@@ -32,6 +32,8 @@ enum StepStage {
     Prune(Moved),
     /// The contacts are evaluated, after the grains moved.
     Contacts(Moved),
+    /// The pieces that have bonds turn.
+    Turning(Moved),
     /// The bonds are strained, judged and loaded.
     Bonds(Moved),
     /// The pieces that have bonds add up their loads.
@@ -43,7 +45,7 @@ impl StepStage {
     fn blocks(self, views: &Views) -> usize {
         match self {
             StepStage::Bonds(_) => views.bonds.blocks()[0],
-            StepStage::Bonded(_) => views.bonds.blocks()[1],
+            StepStage::Turning(_) | StepStage::Bonded(_) => views.bonds.blocks()[1],
             _ => views.blocks.len(),
         }
     }
@@ -84,7 +86,8 @@ impl Team<'_> {
                     StepStage::Clumps => dispatch(self.isa, ClumpStage { views, blocks }),
                     StepStage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
                     StepStage::Contacts(_) => (self.contacts)(views, blocks),
-                    StepStage::Bonds(_) => dispatch(self.isa, BondStage { views, blocks }),
+                    StepStage::Turning(_) => dispatch(self.isa, TurningStage { views, blocks }),
+                    StepStage::Bonds(_) => bond_stage(self.isa, views, blocks),
                     StepStage::Bonded(_) => dispatch(self.isa, BondedStage { views, blocks }),
                 }
                 if self.work.report(count, all) {
@@ -127,8 +130,9 @@ impl Team<'_> {
                 }
                 StepStage::Prune(moved) => self.open(StepStage::Contacts(moved)),
                 StepStage::Contacts(moved) if (*self.views.get()).bonds.blocks()[0] > 0 => {
-                    self.open(StepStage::Bonds(moved));
+                    self.open(StepStage::Turning(moved));
                 }
+                StepStage::Turning(moved) => self.open(StepStage::Bonds(moved)),
                 StepStage::Bonds(moved) => self.open(StepStage::Bonded(moved)),
                 StepStage::Contacts(Moved { fastest, renewed })
                 | StepStage::Bonded(Moved { fastest, renewed }) => {
@@ -157,7 +161,7 @@ impl Team<'_> {
             *self.stage.get() = stage;
             &*self.views.get()
         };
-        if let StepStage::Bonds(_) | StepStage::Bonded(_) = stage {
+        if let StepStage::Turning(_) | StepStage::Bonds(_) | StepStage::Bonded(_) = stage {
             let all = stage.blocks(views);
             return self.work.open(|thread| all * thread / self.threads..all * (thread + 1) / self.threads);
         }

@@ -28,6 +28,7 @@ mod stage;
 mod statics_tests;
 mod steps;
 mod strength;
+mod turning;
 mod views;
 mod work;
 
@@ -40,6 +41,7 @@ pub use law::kind::BondKind;
 pub use strength::StrengthScatter;
 
 pub(crate) use bonds::Bonds;
-pub(crate) use stage::{BondStage, BondedStage};
+pub(crate) use stage::{BondedStage, bond_stage};
+pub(crate) use turning::TurningStage;
 pub(crate) use views::BondViews;
 pub(crate) use work::BondWork;

@@ -1,32 +1,31 @@
-//! The two stages of bonds in a step: eight bonds at a time are strained, judged and loaded; then every piece adds up the forces of its
-//! bonds, and turns.
+//! Two of the stages of bonds in a step: eight bonds at a time are strained, judged and loaded; then every piece adds up the forces of its
+//! bonds. Before both the pieces were turned ([`super::turning`]).
 
 use std::ops::Range;
 
 use granum_simd::vectors::{cross, dot, scale};
-use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row4, Row8};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
 use super::law::additive::sum_of_ratios;
 use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
 use super::law::parallel::stresses_over_strengths;
-use super::motion::{Ends, Vectors, in_axes, in_space, strained, turned};
+use super::motion::{Ends, Vectors, in_axes, in_space, strained};
 use super::views::{BATCHES, BondSums, PIECES};
-use crate::clump::clumps::NO_CLUMP;
 use crate::kernel::Views;
 
 /// Number of ends between prefetching one and adding it, and of those that are prefetched for each piece.
 const AHEAD: usize = 32;
 const ENDS_A_PIECE: usize = 6;
 
-/// The stage of bonds for a range of blocks of batches.
-pub(crate) struct BondStage<'a> {
-    pub(crate) views: &'a Views,
-    pub(crate) blocks: Range<usize>,
+/// The stage of bonds for a range of blocks of batches. With `DAMPED`, bonds have dashpots, which need the velocities of the pieces.
+struct BondStage<'a, const DAMPED: bool> {
+    views: &'a Views,
+    blocks: Range<usize>,
 }
 
-impl Kernel for BondStage<'_> {
+impl<const DAMPED: bool> Kernel for BondStage<'_, DAMPED> {
     type Output = ();
 
     #[inline(always)]
@@ -36,9 +35,9 @@ impl Kernel for BondStage<'_> {
             let mut totals = Totals::<L>::none();
             for batch in k * BATCHES..usize::min((k + 1) * BATCHES, v.law.len()) {
                 if v.far {
-                    fetch_pieces(self.views, batch + 1);
+                    fetch::<DAMPED>(self.views, batch + 1);
                 }
-                one_batch(self.views, batch, &mut totals);
+                one_batch::<L, DAMPED>(self.views, batch, &mut totals);
             }
             // SAFETY: a block belongs to the thread that works on it.
             unsafe { v.sums.write(k..k + 1)[0] = totals.reduced() };
@@ -46,15 +45,29 @@ impl Kernel for BondStage<'_> {
     }
 }
 
-/// Prefetches the pieces of a later batch: their rows are near each other in space, but not in memory.
+/// Prefetches the numbers of a later batch and its pieces: their rows are near each other in space, but not in memory.
 #[inline(always)]
-fn fetch_pieces(v: &Views, batch: usize) {
+fn fetch<const DAMPED: bool>(v: &Views, batch: usize) {
     // SAFETY: rows are only read in this stage.
     let Some(rows) = (unsafe { v.bonds.rows.read() }).get(batch) else { return };
+    for column in 0..if DAMPED { COLUMNS } else { DAMPING } {
+        v.bonds.columns.prefetch(batch * COLUMNS + column);
+    }
     for row in rows.iter().flatten() {
         v.particles.prefetch(*row as usize);
-        v.spin.prefetch(*row as usize);
         v.bonds.orientations.prefetch(*row as usize);
+        if DAMPED {
+            v.spin.prefetch(*row as usize);
+        }
+    }
+}
+
+/// Strains, judges and loads the bonds of a range of blocks.
+pub(crate) fn bond_stage(isa: Isa, views: &Views, blocks: Range<usize>) {
+    if views.bonds.damped {
+        dispatch(isa, BondStage::<true> { views, blocks });
+    } else {
+        dispatch(isa, BondStage::<false> { views, blocks });
     }
 }
 
@@ -148,30 +161,28 @@ fn magnitude<L: Lanes>(a: L, b: L) -> L {
     a.mul_add(a, b * b).sqrt()
 }
 
-/// Loads the pieces of a batch, turned by the step.
+/// Loads the pieces of a batch; their velocities and spins only where bonds have dashpots.
 #[inline(always)]
-fn pieces<L: Lanes>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pieces<L> {
+fn pieces<L: Lanes, const DAMPED: bool>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pieces<L> {
     // SAFETY: rows and orientations are only read in this stage.
-    let (particles, spin, orientations) =
-        unsafe { (v.particles.read(), v.spin.read(), v.bonds.orientations.read()) };
+    let (particles, orientations) = unsafe { (v.particles.read(), v.bonds.orientations.read()) };
     let (a, b) = (L::gather8(particles, &rows[0]), L::gather8(particles, &rows[1]));
-    let (wa, wb) = (L::gather4(spin, &rows[0]), L::gather4(spin, &rows[1]));
-    let spins = [[wa[0], wa[1], wa[2]], [wb[0], wb[1], wb[2]]];
-    let (qa, qb) = (L::gather4(orientations, &rows[0]), L::gather4(orientations, &rows[1]));
-    let dt = L::splat(v.dt);
-    let shift = [0, 1, 2].map(
-        #[inline(always)]
-        |k| L::load(&columns[IMAGE + k].0),
-    );
+    let shift = [L::load(&columns[IMAGE].0), L::load(&columns[IMAGE + 1].0), L::load(&columns[IMAGE + 2].0)];
     let (mut branch, mut velocity) = ([L::zero(); 3], [L::zero(); 3]);
     for r in 0..3 {
         let edge = [L::splat(v.edges[r][0]), L::splat(v.edges[r][1]), L::splat(v.edges[r][2])];
         branch[r] = b[r] - a[r] + dot(edge, shift);
-        velocity[r] = b[4 + r] - a[4 + r];
     }
-    let drift = affine(v, branch);
-    for r in 0..3 {
-        velocity[r] = velocity[r] + drift[r];
+    let mut spins = [[L::zero(); 3]; 2];
+    if DAMPED {
+        let drift = affine(v, branch);
+        // SAFETY: spins are only read in this stage.
+        let spin = unsafe { v.spin.read() };
+        let (wa, wb) = (L::gather4(spin, &rows[0]), L::gather4(spin, &rows[1]));
+        for r in 0..3 {
+            velocity[r] = b[4 + r] - a[4 + r] + drift[r];
+            (spins[0][r], spins[1][r]) = (wa[r], wb[r]);
+        }
     }
     let mut branch_of_bodies = branch;
     if v.clump_of.len() > 0 {
@@ -183,7 +194,7 @@ fn pieces<L: Lanes>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pi
         }
     }
     let ends = Ends {
-        orientations: [turned(&qa, &spins[0], dt), turned(&qb, &spins[1], dt)],
+        orientations: [L::gather4(orientations, &rows[0]), L::gather4(orientations, &rows[1])],
         frames: [four(columns, FRAMES[0]), four(columns, FRAMES[1])],
         arms: [L::load(&columns[ARMS].0), L::load(&columns[ARMS + 1].0)],
         branch,
@@ -194,7 +205,7 @@ fn pieces<L: Lanes>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pi
 
 /// Strains, judges and loads the bonds of a batch.
 #[inline(always)]
-fn one_batch<L: Lanes>(v: &Views, batch: usize, totals: &mut Totals<L>) {
+fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut Totals<L>) {
     // SAFETY: the columns of a batch are written by the thread of its block alone; rows are only read.
     let (rows, columns) = unsafe {
         (&v.bonds.rows.read()[batch], v.bonds.columns.write(batch * COLUMNS..(batch + 1) * COLUMNS))
@@ -206,7 +217,7 @@ fn one_batch<L: Lanes>(v: &Views, batch: usize, totals: &mut Totals<L>) {
         loads.fill(Row8::default());
         return;
     }
-    let p = pieces::<L>(v, rows, columns);
+    let p = pieces::<L, DAMPED>(v, rows, columns);
     let s = strained(&p.ends);
     let [normal, shear, bending, twisting] = four::<L>(columns, STIFFNESS);
     let (u, phi) = (s.displacement, s.rotation);
@@ -221,7 +232,7 @@ fn one_batch<L: Lanes>(v: &Views, batch: usize, totals: &mut Totals<L>) {
     };
     let (mut force, mut couple) = (keep(force, holds), keep(couple, holds));
     let elastic = in_space(&s.axes, &force);
-    if v.bonds.damped {
+    if DAMPED {
         let lost = add_dashpots(columns, &p, &s, holds, &mut force, &mut couple);
         totals.damping = L::splat(v.dt).mul_add(lost, totals.damping);
     }
@@ -243,11 +254,12 @@ fn judge<L: Lanes>(
 ) -> [L::Mask; 2] {
     let loads = [force[0], magnitude(force[1], force[2]), magnitude(couple[1], couple[2]), couple[0].abs()];
     // SAFETY: laws are only read.
-    let kind = unsafe { v.bonds.laws.read()[v.bonds.law.read()[batch] as usize] };
-    let [tension, shear] = match kind.law().criterion() {
+    let (law, criteria) = unsafe { (v.bonds.law.read()[batch] as usize, v.bonds.criteria.read()) };
+    let [tension, shear] = match criteria[law] {
         Criterion::MohrCoulomb => stresses_over_strengths(loads, six(columns)),
         Criterion::Additive => sum_of_ratios(loads, six(columns)),
-        Criterion::OfLaw => asked(kind, loads, columns),
+        // SAFETY: as above.
+        Criterion::OfLaw => asked(unsafe { v.bonds.laws.read()[law] }, loads, columns),
     };
     let one = L::splat(1.0);
     let alive = L::load(&columns[ALIVE].0).gt(L::zero());
@@ -378,7 +390,7 @@ fn put<L: Lanes>(
     }
 }
 
-/// The stage of pieces that have bonds, for a range of blocks: adds up the loads of their bonds, and turns them.
+/// The stage of pieces that have bonds, for a range of blocks: adds up the loads of their bonds.
 pub(crate) struct BondedStage<'a> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
@@ -408,30 +420,7 @@ impl Kernel for BondedStage<'_> {
                     sum = sum + L::load(&loads[*end as usize].0);
                 }
                 sum.store(&mut force.0);
-                if v.dt != 0.0 {
-                    turn::<L::Scalar>(v, row);
-                }
             }
         }
     }
-}
-
-/// Turns a piece by its spin, or takes the orientation of its body.
-#[inline(always)]
-fn turn<R: Real>(v: &Views, row: usize) {
-    // SAFETY: the orientation of a piece is written by the thread of its block; spins and bodies are only read.
-    let (orientation, spin) =
-        unsafe { (&mut v.bonds.orientations.write(row..row + 1)[0], &v.spin.read()[row]) };
-    if v.clump_of.len() > 0 {
-        // SAFETY: only read in this stage.
-        let clump = unsafe { v.clump_of.read()[row] };
-        if clump != NO_CLUMP {
-            *orientation = Row4(unsafe { v.clumps.read()[clump as usize].orientation });
-            return;
-        }
-    }
-    let q = orientation.0.map(R::splat);
-    let [x, y, z, _] = spin.0;
-    let after = turned(&q, &[R::splat(x), R::splat(y), R::splat(z)], R::splat(v.dt));
-    *orientation = Row4(after.map(|component| component.reduce_add()));
 }

@@ -5,7 +5,7 @@ use granum_core::geometry::{apply, invert};
 use granum_simd::{LANES, dispatch};
 
 use super::bonds::column::IMAGE;
-use super::stage::{BondStage, BondedStage};
+use super::stage::{BondedStage, bond_stage};
 use super::work::BondWork;
 use crate::integrator::Integrator;
 use crate::kernel::Views;
@@ -27,7 +27,7 @@ impl Integrator {
     pub(crate) fn bond_forces(&mut self, views: &Views) {
         let [batches, pieces] = views.bonds.blocks();
         let isa = self.hardware.isa;
-        dispatch(isa, BondStage { views, blocks: 0..batches });
+        bond_stage(isa, views, 0..batches);
         dispatch(isa, BondedStage { views, blocks: 0..pieces });
     }
 

@@ -2,7 +2,7 @@
 
 use granum_simd::{LANES, Row4, Row8};
 
-use super::law::bond_law::Eight;
+use super::law::bond_law::{Criterion, Eight};
 use super::law::kind::BondKind;
 use crate::team::RawSlice;
 
@@ -44,6 +44,8 @@ pub(crate) struct Ruptures {
 pub(crate) struct BondViews {
     pub(crate) law: RawSlice<u8>,
     pub(crate) laws: RawSlice<BondKind>,
+    /// What each law answers when it is asked for its criterion: in the stage a call would cost more than the criterion.
+    pub(crate) criteria: RawSlice<Criterion>,
     pub(crate) rows: RawSlice<[[u32; LANES]; 2]>,
     pub(crate) columns: RawSlice<Row8>,
     pub(crate) orientations: RawSlice<Row4>,

@@ -4,6 +4,7 @@ use granum_simd::{LANES, Row8};
 
 use super::bonds::Bonds;
 use super::ends::EndLists;
+use super::law::bond_law::Criterion;
 use super::views::{BATCHES, BondSums, BondViews, Ruptures};
 use crate::team::RawSlice;
 
@@ -17,6 +18,7 @@ pub(crate) struct BondWork {
     pub(super) loads: Vec<Row8>,
     pub(super) sums: Vec<BondSums>,
     pub(super) ruptures: Vec<Ruptures>,
+    criteria: Vec<Criterion>,
 }
 
 impl BondWork {
@@ -28,6 +30,7 @@ impl BondWork {
             loads: vec![Row8::default(); 2 * LANES * batches],
             sums: vec![BondSums::default(); batches.div_ceil(BATCHES)],
             ruptures: vec![Ruptures::default(); batches],
+            criteria: bonds.laws.iter().map(|kind| kind.law().criterion()).collect(),
         }
     }
 
@@ -38,6 +41,7 @@ impl BondWork {
             far: size_of_val(&bonds.columns[..]) > FAR,
             law: RawSlice::new(&mut bonds.law),
             laws: RawSlice::new(&mut bonds.laws),
+            criteria: RawSlice::new(&mut self.criteria),
             rows: RawSlice::new(&mut bonds.rows),
             columns: RawSlice::new(&mut bonds.columns),
             orientations: RawSlice::new(&mut bonds.orientations),
