@@ -11,6 +11,8 @@
 //! Bonds cost nothing where there are none. Within a step every bond is judged by its own loads, so that neither threads nor the order of the
 //! list decide which one ruptures first.
 
+#[cfg(test)]
+mod beam_tests;
 pub mod bonding;
 mod bonds;
 mod cement;

@@ -8,14 +8,14 @@ use super::law::bond_law::{BondLaw, BondShape, BondStiffness};
 use super::law::parallel::ParallelBond;
 use super::motion::{Ends, frame_along, in_space, strained};
 
-const LENGTH: f64 = 0.1e-3;
-const SHAPE: BondShape = BondShape { radius: 20e-6, length: LENGTH };
+pub(super) const LENGTH: f64 = 0.1e-3;
+pub(super) const SHAPE: BondShape = BondShape { radius: 20e-6, length: LENGTH };
 
 /// Spheres at rest, and the bonds between them.
-struct Frame {
-    places: Vec<[f64; 3]>,
-    bonds: Vec<[usize; 2]>,
-    stiffness: BondStiffness,
+pub(super) struct Frame {
+    pub(super) places: Vec<[f64; 3]>,
+    pub(super) bonds: Vec<[usize; 2]>,
+    pub(super) stiffness: BondStiffness,
 }
 
 /// Force, couple about the centre of each end, and the components `f` and `m` of a bond whose ends moved by a displacement and a small
@@ -68,11 +68,11 @@ impl Frame {
         all
     }
 
-    /// Displacements and rotations under a force on one sphere, with some spheres held, by the stiffness from central differences.
-    fn displaced(&self, held: &[usize], loaded: usize, force: [f64; 3]) -> Vec<[f64; 6]> {
+    /// The degrees of freedom of the spheres that are not held, and the stiffness between them, from central differences.
+    pub(super) fn matrix(&self, held: &[usize]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let count = self.places.len();
         let free: Vec<usize> = (0..6 * count).filter(|k| !held.contains(&(k / 6))).collect();
-        let mut matrix = vec![vec![0.0; free.len() + 1]; free.len()];
+        let mut matrix = vec![vec![0.0; free.len()]; free.len()];
         for (c, &of) in free.iter().enumerate() {
             let step = if of % 6 < 3 { 1e-6 * LENGTH } else { 1e-6 };
             let loads = |sign: f64| {
@@ -85,12 +85,17 @@ impl Frame {
                 matrix[r][c] = -(plus[row] - minus[row]) / (2.0 * step);
             }
         }
-        for a in 0..3 {
-            let place = free.iter().position(|of| *of == 6 * loaded + a).unwrap();
-            matrix[place][free.len()] = force[a];
+        (free, matrix)
+    }
+
+    /// Displacements and rotations under a force on one sphere, with some spheres held.
+    pub(super) fn displaced(&self, held: &[usize], loaded: usize, force: [f64; 3]) -> Vec<[f64; 6]> {
+        let (free, mut matrix) = self.matrix(held);
+        for (row, of) in matrix.iter_mut().zip(&free) {
+            row.push(if of / 6 == loaded && of % 6 < 3 { force[of % 6] } else { 0.0 });
         }
         let solution = solve(matrix);
-        let mut moved = vec![[0.0; 6]; count];
+        let mut moved = vec![[0.0; 6]; self.places.len()];
         for (value, of) in solution.into_iter().zip(free) {
             moved[of / 6][of % 6] = value;
         }
@@ -99,7 +104,7 @@ impl Frame {
 }
 
 /// Solves linear equations, given with their right sides, by elimination with pivots.
-fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+pub(super) fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let n = rows.len();
     for k in 0..n {
         let pivot = (k..n).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs())).unwrap();
@@ -120,12 +125,12 @@ fn solve(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     x
 }
 
-fn cantilever(bonds: usize, stiffness: BondStiffness) -> Frame {
+pub(super) fn cantilever(bonds: usize, stiffness: BondStiffness) -> Frame {
     let places = (0..=bonds).map(|k| [k as f64 * LENGTH, 0.0, 0.0]).collect();
     Frame { places, bonds: (0..bonds).map(|k| [k, k + 1]).collect(), stiffness }
 }
 
-fn parallel() -> BondStiffness {
+pub(super) fn parallel() -> BondStiffness {
     ParallelBond.stiffness(&SHAPE, &[1e9, 0.25, 0.0])
 }
 

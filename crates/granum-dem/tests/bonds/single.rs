@@ -167,6 +167,46 @@ fn a_pair_vibrates_with_its_frequencies() {
     }
 }
 
+/// Five bonded spheres in a row that bend freely, across the boundary of a skewed cell: the frequency of a free beam of the same springs,
+/// from the eigenvalues of textbook matrices.
+#[test]
+fn a_free_chain_in_a_skewed_cell_bends_with_its_frequency() {
+    let (radius, edge) = (50e-6, 1e-3);
+    let along = [0.6, 0.64, 0.48];
+    let across = [0.8, -0.48, -0.36];
+    let about = cross(&along, &across);
+    let cell = Cell { edges: [[edge, 0.3 * edge, 0.1 * edge], [0.0, edge, -0.2 * edge], [0.0, 0.0, edge]] };
+    let spheres: Vec<InitialSphere> = (0..5)
+        .map(|k| {
+            let place = std::array::from_fn(|a| (2.0 * k as f64 - 4.0) * radius * along[a]);
+            InitialSphere { id: k as u64 + 1, position: place, radius }
+        })
+        .collect();
+    let mut s = Simulation::new(cell, &spheres, soft(2650.0)).unwrap();
+    assert_eq!(s.bond(&golden()).unwrap(), 4);
+    let (frequency, size) = (263_093.268_843_673_3, 1e-5);
+    let shape = [1.0, -0.464_967_328_534, -1.070_065_342_932, -0.464_967_328_534, 1.0];
+    let turns = [-17_019.703_008_617, -11_897.502_144_371, 0.0, 11_897.502_144_371, 17_019.703_008_617];
+    let velocities = shape.map(|x| across.map(|a| size * x * a));
+    let spins = turns.map(|x| about.map(|a| size * x * a));
+    s.set_velocities(&velocities, &spins);
+    let dt = 2e-3 / frequency;
+    s.fix_time_step(Some(dt));
+    // The velocity of an end is a cosine: five half periods end at its fifth zero.
+    let end = |s: &Simulation| dot(&s.assembly().bodies[0].velocity, &across);
+    let (mut before, mut zeros, mut step) = (end(&s), 0, 0.0);
+    while zeros < 5 {
+        s.advance(1).unwrap();
+        let now = end(&s);
+        zeros += usize::from(before * now < 0.0);
+        step += if zeros < 5 { 1.0 } else { before / (before - now) };
+        before = now;
+    }
+    // The first zero comes after a quarter of a period.
+    let found = 4.5 * std::f64::consts::PI / (step * dt);
+    assert!((found / frequency - 1.0).abs() < 1e-3, "{found} {frequency}");
+}
+
 /// A fault of other programs: the image of a bond was lost when its grains went round the cell.
 #[test]
 fn a_bond_goes_round_the_cell() {
