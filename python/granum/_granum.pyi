@@ -770,6 +770,23 @@ def fit(
     `on_progress` is called as in `granum.run`.
     """
 
+def view_colours() -> list[str]:
+    """The quantities of grains by which a view colours them."""
+
+def view_page(
+    of: Assembly,
+    *,
+    title: str | None,
+    colour: str,
+    values: list[float] | None,
+    opacity: float,
+    forces: bool,
+    chains: bool,
+    cracks: bool,
+    strongest: int,
+) -> str:
+    """The page that shows an assembly: `granum.view` makes it."""
+
 def schema() -> dict[str, Any]:
     """The JSON schema of a case file."""
 

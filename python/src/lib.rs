@@ -32,6 +32,7 @@ mod simulation;
 mod surrogate;
 mod table;
 mod values;
+mod view;
 mod watch;
 
 use pyo3::prelude::*;
@@ -81,6 +82,8 @@ mod module {
     use crate::surrogate::{Surrogate, fit, methods};
     #[pymodule_export]
     use crate::table::Table;
+    #[pymodule_export]
+    use crate::view::{view_colours, view_page};
 
     /// The messages of panics that granum turns into errors are not printed; the hook is that of this module alone.
     #[pymodule_init]

@@ -32,6 +32,7 @@ pub mod strength;
 mod study;
 pub mod symbols;
 pub mod trust;
+pub mod viewer;
 pub mod worth;
 
 pub use campaign::report as campaign_report;

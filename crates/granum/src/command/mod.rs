@@ -76,6 +76,7 @@ mod train;
 mod train_family;
 mod train_study;
 mod trained_range;
+mod view;
 mod whole;
 mod worth;
 mod worth_text;
@@ -130,6 +131,7 @@ commands! {
     Measure(measure::Measure),
     Stiffness(stiffness::MeasureStiffness),
     Export(export::Export),
+    View(view::ViewGrains),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),

@@ -49,6 +49,7 @@ mod tables_of_others;
 mod tests_of_grains;
 mod tutorial;
 mod unexplained;
+mod view;
 mod warnings;
 mod words;
 #[cfg(unix)]

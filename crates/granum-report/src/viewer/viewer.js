@@ -1,47 +1,7 @@
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>__TITLE__</title>
-<style>
-:root { color-scheme: light dark; --back: #ffffff; --ink: #1b1f24; --soft: #6b7280; --panel: #ffffffd9; --line: #d5d9df; }
-@media (prefers-color-scheme: dark) { :root { --back: #16191d; --ink: #e7eaee; --soft: #9aa3ad; --panel: #16191dd9; --line: #3a414a; } }
-html, body { margin: 0; height: 100%; background: var(--back); color: var(--ink); font: 13px/1.45 system-ui, sans-serif; }
-#stage { position: absolute; inset: 0; min-height: 300px; }
-canvas { width: 100%; height: 100%; display: block; touch-action: none; outline-offset: -2px; cursor: grab; }
-canvas:active { cursor: grabbing; }
-#panel { position: absolute; top: 8px; left: 8px; padding: 8px 10px; background: var(--panel); border: 1px solid var(--line); border-radius: 6px; max-width: 15em; }
-#panel h1 { font-size: 13px; margin: 0 0 4px; }
-#panel label { display: flex; align-items: center; gap: 6px; }
-#panel input[type=range] { flex: 1; min-width: 5em; }
-#panel p { margin: 4px 0 0; color: var(--soft); font-size: 12px; }
-#scale { height: 8px; border-radius: 4px; margin-top: 6px; }
-#ends { display: flex; justify-content: space-between; font-size: 11px; color: var(--soft); }
-</style>
-</head>
-<body>
-<div id="stage">
-<canvas id="view" tabindex="0" role="img" aria-label="__TITLE__: turn with the mouse or the arrow keys, nearer and farther with the wheel or plus and minus"></canvas>
-<div id="panel">
-<h1>__TITLE__</h1>
-<label><input type="checkbox" id="grains" checked> grains</label>
-<label>opacity <input type="range" id="opacity" min="0" max="1" step="0.01"></label>
-<label>size <input type="range" id="size" min="0.1" max="1" step="0.01" value="1"></label>
-<label>cut <input type="range" id="cut" min="0" max="1" step="0.01" value="0"></label>
-<label><input type="checkbox" id="forces" checked> forces</label>
-<label><input type="checkbox" id="chains"> force chains alone</label>
-<div id="scale"></div><div id="ends"><span id="low"></span><span id="name"></span><span id="high"></span></div>
-<p id="note"></p>
-</div>
-</div>
-<script type="application/json" id="data">__DATA__</script>
-<script>
-"use strict";
-const by = id => document.getElementById(id), data = JSON.parse(by("data").textContent);
-const canvas = by("view"), gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-const say = text => { by("note").textContent = text; };
-const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
+// The viewer of grains: grains with all of their spheres, forces, force chains, bonds and cracks in three dimensions, by WebGL 2, without anything
+// from elsewhere. `show(root, data)` is all that a page calls; `granum_report::viewer` makes the data.
+
+const bytes = text => Uint8Array.from(atob(text || ""), c => c.charCodeAt(0)).buffer;
 
 // Vectors and matrices, by columns.
 const sub = (a, b) => a.map((x, k) => x - b[k]), dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -79,14 +39,22 @@ uniform mat4 view, projection; uniform vec3 box, origin; uniform float longest, 
 void main() { vec3 a = origin + place * box, l = branch * longest, w = normalize(l), x = normalize(cross(w, abs(w.z) < .9 ? vec3(0., 0., 1.) : vec3(1., 0., 0.))), y = cross(w, x);
   vec3 n = ring.x * x + ring.y * y; about = force; normal = (view * vec4(n, 0.)).xyz;
   gl_Position = (only > .5 && force.y < .5) || place.y < cut ? vec4(2., 2., 2., 1.) : projection * view * vec4(a + l * ring.z + n * width * abs(force.x), 1.); }`,
-  HEAD + LIGHT + `in vec3 normal; flat in vec2 about; out vec4 ink;
+  HEAD + LIGHT + `in vec3 normal; flat in vec2 about; uniform vec3 tint; out vec4 ink;
 void main() { vec3 weak = vec3(.55, .6, .66), strong = vec3(.80, .18, .15), pull = vec3(.15, .35, .80), chain = vec3(.96, .58, .08);
-  vec3 c = about.x < 0. ? pull : mix(weak, strong, smoothstep(.05, .5, about.x)); ink = vec4(lit(about.y > .5 ? chain : c, normalize(normal)), 1.); }`],
+  vec3 c = about.x < 0. ? pull : mix(weak, strong, smoothstep(.05, .5, about.x)); ink = vec4(lit(tint.x > 0. ? tint : about.y > .5 ? chain : c, normalize(normal)), 1.); }`],
+  // A crack is a disc across the bond that ruptured.
+  cracks: [HEAD + `layout(location=0) in vec2 ring; layout(location=1) in vec3 place; layout(location=2) in vec3 across; layout(location=3) in vec2 form;
+uniform mat4 view, projection; uniform vec3 box, origin; uniform float largest, cut; out vec3 normal; flat out float shear;
+void main() { vec3 w = normalize(across), x = normalize(cross(w, abs(w.z) < .9 ? vec3(0., 0., 1.) : vec3(1., 0., 0.))), y = cross(w, x);
+  normal = (view * vec4(w, 0.)).xyz; shear = form.y; vec3 p = origin + place * box + (ring.x * x + ring.y * y) * form.x * largest;
+  gl_Position = place.y < cut ? vec4(2., 2., 2., 1.) : projection * view * vec4(p, 1.); }`,
+  HEAD + LIGHT + `in vec3 normal; flat in float shear; out vec4 ink;
+void main() { vec3 n = normalize(normal); ink = vec4(lit(shear > .5 ? vec3(.48, .25, .70) : vec3(.90, .30, .12), n.z < 0. ? -n : n), 1.); }`],
   lines: [HEAD + `layout(location=0) in vec3 place; uniform mat4 view, projection; void main() { gl_Position = projection * view * vec4(place, 1.); }`,
   HEAD + `uniform vec3 line; out vec4 ink; void main() { ink = vec4(line, 1.); }`],
 };
 
-function program([vertex, fragment]) {
+function program(gl, [vertex, fragment]) {
   const made = gl.createProgram();
   for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
@@ -104,7 +72,7 @@ function program([vertex, fragment]) {
   return { made, places };
 }
 // An array of vertices: attributes as [location, numbers, type, scaled, stride, offset, each instance].
-function vertices(content, attributes) {
+function vertices(gl, content, attributes) {
   const buffer = gl.createBuffer();
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.bufferData(gl.ARRAY_BUFFER, content, gl.STATIC_DRAW);
   for (const [location, numbers, type, scaled, stride, offset, each] of attributes) {
@@ -112,29 +80,41 @@ function vertices(content, attributes) {
     gl.vertexAttribDivisor(location, each ? 1 : 0);
   }
 }
-function start() {
-  const programs = Object.fromEntries(Object.entries(SHADERS).map(([name, sources]) => [name, program(sources)]));
-  const arrays = {}, U = gl.UNSIGNED_SHORT, I = gl.SHORT, F = gl.FLOAT, SIDES = 10;
+function start(root, by, data, canvas, gl) {
+  const programs = Object.fromEntries(Object.entries(SHADERS).map(([name, sources]) => [name, program(gl, sources)]));
+  const arrays = {}, U = gl.UNSIGNED_SHORT, I = gl.SHORT, F = gl.FLOAT, SIDES = 10, ROUND = 20;
   const array = (name, fill) => { arrays[name] = gl.createVertexArray(); gl.bindVertexArray(arrays[name]); fill(); };
   array("grains", () => {
-    vertices(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), [[0, 2, F, false, 8, 0, false]]);
-    vertices(bytes(data.grains), [[1, 3, U, true, 10, 0, true], [2, 2, U, true, 10, 6, true]]);
+    vertices(gl, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), [[0, 2, F, false, 8, 0, false]]);
+    vertices(gl, bytes(data.grains), [[1, 3, U, true, 10, 0, true], [2, 2, U, true, 10, 6, true]]);
   });
   array("forces", () => {
     const ring = [];
     for (let k = 0; k <= SIDES; k++) { const a = 2 * Math.PI * k / SIDES; for (const z of [0, 1]) ring.push(Math.cos(a), Math.sin(a), z); }
-    vertices(new Float32Array(ring), [[0, 3, F, false, 12, 0, false]]);
-    vertices(bytes(data.forces), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
+    vertices(gl, new Float32Array(ring), [[0, 3, F, false, 12, 0, false]]);
+    vertices(gl, bytes(data.forces), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
   });
-  const [a, b, c] = data.cell, corner = (i, j, k) => a.map((x, n) => i * x + j * b[n] + k * c[n]), ends = [];
+  array("bonds", () => {
+    const ring = [];
+    for (let k = 0; k <= SIDES; k++) { const a = 2 * Math.PI * k / SIDES; for (const z of [0, 1]) ring.push(Math.cos(a), Math.sin(a), z); }
+    vertices(gl, new Float32Array(ring), [[0, 3, F, false, 12, 0, false]]);
+    vertices(gl, bytes(data.bonds), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
+  });
+  array("cracks", () => {
+    const ring = [0, 0];
+    for (let k = 0; k <= ROUND; k++) { const a = 2 * Math.PI * k / ROUND; ring.push(Math.cos(a), Math.sin(a)); }
+    vertices(gl, new Float32Array(ring), [[0, 2, F, false, 8, 0, false]]);
+    vertices(gl, bytes(data.cracks), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
+  });
+  const [a, b, c] = data.cell, corner = (i, j, k) => a.map((x, n) => data.start[n] + i * x + j * b[n] + k * c[n]), ends = [];
   for (let edge = 0; edge < 3; edge++) for (const [i, j] of [[0, 0], [0, 1], [1, 0], [1, 1]]) for (const k of [0, 1]) {
     const at = [i, j];
     at.splice(edge, 0, k);
     ends.push(...corner(...at));
   }
-  array("lines", () => vertices(new Float32Array(ends), [[0, 3, F, false, 12, 0, false]]));
+  array("lines", () => vertices(gl, new Float32Array(ends), [[0, 3, F, false, 12, 0, false]]));
 
-  const middle = corner(.5, .5, .5), extent = Math.hypot(...corner(1, 1, 1));
+  const middle = corner(.5, .5, .5), extent = Math.hypot(...a.map((x, n) => x + b[n] + c[n]));
   const eye = { turn: .65, tilt: .35, far: 1.45 * extent };
   function draw() {
     const ratio = window.devicePixelRatio || 1, w = Math.max(1, Math.round(canvas.clientWidth * ratio)), h = Math.max(1, Math.round(canvas.clientHeight * ratio));
@@ -144,9 +124,9 @@ function start() {
     const { turn, tilt, far } = eye;
     const from = [middle[0] + far * Math.cos(tilt) * Math.sin(turn), middle[1] - far * Math.cos(tilt) * Math.cos(turn), middle[2] + far * Math.sin(tilt)];
     const common = { view: lookAt(from, middle, [0, 0, 1]), projection: perspective(.7, w / h, .02 * extent, far + 2 * extent) };
-    const use = (name, more) => {
+    const use = (name, more, shown = name) => {
       const { made, places } = programs[name];
-      gl.useProgram(made); gl.bindVertexArray(arrays[name]);
+      gl.useProgram(made); gl.bindVertexArray(arrays[shown]);
       for (const [key, value] of Object.entries({ ...common, ...more })) {
         const at = places[key];
         if (at === undefined) continue;
@@ -156,8 +136,16 @@ function start() {
     const cut = Number(by("cut").value);
     use("lines", { line: dark ? [.45, .5, .55] : [.6, .64, .7] }); gl.drawArrays(gl.LINES, 0, 24);
     if (by("forces").checked && data.contacts) {
-      use("forces", { box: data.box, origin: data.origin, longest: data.longest, width: data.width, cut, only: by("chains").checked ? 1 : 0 });
+      use("forces", { box: data.box, origin: data.origin, longest: data.longest, width: data.width, cut, only: by("chains").checked ? 1 : 0, tint: [0, 0, 0] });
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * SIDES + 2, data.contacts);
+    }
+    if (by("bonds").checked && data.bonds_shown) {
+      use("forces", { box: data.box, origin: data.origin, longest: data.longest_bond, width: data.widest_bond, cut, only: 0, tint: dark ? [.45, .62, .58] : [.36, .54, .50] }, "bonds");
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * SIDES + 2, data.bonds_shown);
+    }
+    if (by("cracks").checked && data.cracks_shown) {
+      use("cracks", { box: data.box, origin: data.origin, largest: data.largest_crack, cut });
+      gl.drawArraysInstanced(gl.TRIANGLE_FAN, 0, ROUND + 2, data.cracks_shown);
     }
     const opacity = Number(by("opacity").value);
     if (by("grains").checked && data.count && opacity > 0) {
@@ -192,17 +180,20 @@ function start() {
   canvas.addEventListener("wheel", e => { e.preventDefault(); move(0, 0, Math.exp(.001 * e.deltaY)); }, { passive: false });
   const keys = { ArrowLeft: [.1, 0, 1], ArrowRight: [-.1, 0, 1], ArrowUp: [0, .1, 1], ArrowDown: [0, -.1, 1], "+": [0, 0, .9], "-": [0, 0, 1.1] };
   canvas.addEventListener("keydown", e => { if (keys[e.key]) { e.preventDefault(); move(...keys[e.key]); } });
-  for (const input of document.querySelectorAll("#panel input")) input.addEventListener("input", soon);
+  for (const input of root.querySelectorAll("#panel input")) input.addEventListener("input", soon);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", soon);
   // At once, before a page of another size is shown: the picture would be stretched.
   new ResizeObserver(draw).observe(canvas);
   draw();
 }
-by("opacity").value = data.opacity; by("forces").checked = data.forces_shown; by("chains").checked = data.chains_alone;
-by("low").textContent = data.low; by("high").textContent = data.high; by("name").textContent = data.colour;
-by("scale").style.background = "linear-gradient(90deg, rgb(68,1,84), rgb(58,82,139), rgb(33,145,140), rgb(94,201,98), rgb(253,231,37))";
-say(data.note);
-if (!gl) say("This browser has no WebGL 2, which the view needs."); else try { start(); } catch (error) { say(String(error)); }
-</script>
-</body>
-</html>
+// Shows what `data` holds in the elements of a page: `view` is the canvas, and the inputs of the panel have the names below.
+export function show(root, data) {
+  const by = id => root.querySelector(`#${id}`), say = text => { by("note").textContent = text; };
+  by("opacity").value = data.opacity; by("forces").checked = data.forces_shown; by("chains").checked = data.chains_alone;
+  by("bonds").parentElement.hidden = !data.bonds_shown; by("cracks").parentElement.hidden = !data.cracks_shown; by("cracks").checked = data.cracks_first;
+  by("low").textContent = data.low; by("high").textContent = data.high; by("name").textContent = data.colour;
+  by("scale").style.background = "linear-gradient(90deg, rgb(68,1,84), rgb(58,82,139), rgb(33,145,140), rgb(94,201,98), rgb(253,231,37))";
+  say(data.note);
+  const canvas = by("view"), gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  if (!gl) say("This browser has no WebGL 2, which the view needs."); else try { start(root, by, data, canvas, gl); } catch (error) { say(String(error)); }
+}

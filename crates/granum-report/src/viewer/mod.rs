@@ -1,0 +1,88 @@
+//! A view of grains in three dimensions: one page with grains as what they are, with all of their spheres, contact forces, force chains (Peters
+//! et al. 2005), bonds and cracks. It needs neither a server nor the network: `viewer.js` beside this file draws it by WebGL 2.
+//!
+//! `granum view` writes it, and so does the Python package.
+
+mod colour;
+mod content;
+
+use granum_core::{Assembly, Parts};
+
+pub use colour::{Colour, GrainColour};
+
+const PAGE: &str = include_str!("page.html");
+const VIEWER: &str = include_str!("viewer.js");
+
+/// What is shown of an assembly, and how.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct View {
+    /// The title of the page; by default the number of grains.
+    pub title: Option<String>,
+    /// What the grains are coloured by.
+    pub colour: Colour,
+    /// Opacity of the grains, 0 to 1; by default 0.25, so that forces are seen between them.
+    pub opacity: f64,
+    /// Whether contact forces are shown at first; a switch of the page shows and hides them.
+    pub forces: bool,
+    /// Whether only the forces of force chains are shown at first.
+    pub chains: bool,
+    /// Whether cracks are shown at first, where bonds ruptured.
+    pub cracks: bool,
+    /// Of more contacts than these, those with the largest forces are shown, so that the page stays small.
+    pub strongest: usize,
+}
+
+impl Default for View {
+    fn default() -> View {
+        View {
+            title: None,
+            colour: Colour::Grain(GrainColour::Radius),
+            opacity: 0.25,
+            forces: true,
+            chains: false,
+            cracks: true,
+            strongest: 6000,
+        }
+    }
+}
+
+impl View {
+    /// The same with changes, e.g. `View::default().with(|view| view.chains = true)`.
+    pub fn with(mut self, change: impl FnOnce(&mut View)) -> View {
+        change(&mut self);
+        self
+    }
+}
+
+/// The page that shows an assembly, of which these parts are known.
+///
+/// ```
+/// use granum_core::{Assembly, Parts};
+/// use granum_report::viewer::{View, page};
+///
+/// let page = page(&Assembly::default(), Parts::all(), &View::default());
+/// assert!(page.contains("<title>0 grains</title>"));
+/// ```
+pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
+    let title = view.title.clone().unwrap_or_else(|| format!("{} grains", assembly.bodies.len()));
+    // In a script an end tag would end it.
+    let data = content::content(assembly, parts, view).to_string().replace('<', "\\u003c");
+    let title = maud::html! { (title) }.into_string();
+    let mut page = String::with_capacity(PAGE.len() + VIEWER.len() + data.len());
+    // In one pass, so that no title and no data stand for another place.
+    let mut rest = PAGE;
+    while let Some(at) = rest.find("__") {
+        let (before, after) = rest.split_at(at);
+        page.push_str(before);
+        let places = [("__TITLE__", title.as_str()), ("__DATA__", &data), ("__VIEWER__", VIEWER)];
+        let found = places.into_iter().find(|(place, _)| after.starts_with(place));
+        let (place, text) = found.unwrap_or(("__", "__"));
+        page.push_str(text);
+        rest = &after[place.len()..];
+    }
+    page + rest
+}
+
+#[cfg(test)]
+mod tests;
