@@ -9,11 +9,11 @@ fn a_run_and_results_of_other_programs_are_shown_and_mistakes_are_named() {
     std::fs::write(here.join("case.toml"), SMALL).unwrap();
     done(here, &["run", "case.toml", "--out", "run"]);
     let said = done(here, &["view", "run", "-o", "grains.html"]);
-    assert!(said.contains("60 grains") && said.contains("open grains.html in a browser"), "{said}");
+    assert!(said.contains("150 grains") && said.contains("open grains.html in a browser"), "{said}");
     let page = std::fs::read_to_string(here.join("grains.html")).unwrap();
     assert!(page.contains("<title>run</title>") && page.contains("export function show(root, data)"));
     assert!(
-        page.contains("\"count\":60") && !page.contains("https:"),
+        page.contains("\"count\":150") && !page.contains("https:"),
         "the page lacks grains or asks for something"
     );
     // A file is not lost, and what is shown is asked for by its name.
