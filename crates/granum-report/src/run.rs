@@ -12,6 +12,7 @@ use super::further;
 use super::material;
 use super::numbers::{quantity, significant};
 use super::page::{Document, Page, rich, tiles};
+use super::viewer::folded;
 use super::{path, preparation, sample, shapes, strength, trust};
 
 /// The conventions for signs and axes, which every report states once.
@@ -176,5 +177,11 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
         let (figure, caption) = forces::strong_network(end);
         page.own_figure("strong-network", &caption, &figure)
     });
-    html! { (distribution) (roses) @if let Some(slices) = slices { (slices) } @if let Some(network) = network { (network) } }
+    let viewer = run.end.as_ref().and_then(folded);
+    html! {
+        (distribution) (roses)
+        @if let Some(slices) = slices { (slices) }
+        @if let Some(network) = network { (network) }
+        @if let Some(viewer) = viewer { (viewer) }
+    }
 }

@@ -7,6 +7,7 @@ mod colour;
 mod content;
 
 use granum_core::{Assembly, Parts};
+use maud::{Markup, html};
 
 pub use colour::{Colour, GrainColour};
 
@@ -68,7 +69,7 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
     let title = view.title.clone().unwrap_or_else(|| format!("{} grains", assembly.bodies.len()));
     // In a script an end tag would end it.
     let data = content::content(assembly, parts, view).to_string().replace('<', "\\u003c");
-    let title = maud::html! { (title) }.into_string();
+    let title = html! { (title) }.into_string();
     let mut page = String::with_capacity(PAGE.len() + VIEWER.len() + data.len());
     // In one pass, so that no title and no data stand for another place.
     let mut rest = PAGE;
@@ -82,6 +83,24 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
         rest = &after[place.len()..];
     }
     page + rest
+}
+
+/// The most spheres that a report shows in its viewer, and the contacts beside them: a report stays below half a megabyte with it.
+const MOST_SPHERES: usize = 10_000;
+const CONTACTS: usize = 3000;
+
+/// The viewer in a report, folded away until a reader wants it. Nothing for larger samples, for which `granum view` makes a page of their own.
+pub(crate) fn folded(assembly: &Assembly) -> Option<Markup> {
+    if assembly.pieces.is_empty() || assembly.pieces.len() > MOST_SPHERES {
+        return None;
+    }
+    let text = page(assembly, Parts::all(), &View::default().with(|view| view.strongest = CONTACTS));
+    Some(html! {
+        details {
+            summary { "Grains and forces at the end in three dimensions" }
+            iframe title="Grains and forces at the end" srcdoc=(text) style="width: 100%; height: 34rem; border: 0" loading="lazy" {}
+        }
+    })
 }
 
 #[cfg(test)]
