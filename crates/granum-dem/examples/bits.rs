@@ -1,9 +1,10 @@
 //! Prints digests of short runs with several sets of laws, on every instruction set of the machine: what two builds of the engine must have
-//! in common (`scripts/windows.sh --quick` compares that for Windows with the native one).
+//! in common (`scripts/windows.sh --quick` and `scripts/aarch64.sh --quick` compare those for Windows and aarch64 with the native one).
 
 use granum_core::digest::Digest;
 use granum_dem::Isa;
 use granum_dem::body_insertion::insert_bodies;
+use granum_dem::bond::{BondKind, Bonding, StrengthScatter};
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::observer::NoObserver;
 use granum_dem::random_insertion::random_insertion;
@@ -38,7 +39,35 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let digest = run_shapes(Hardware { threads: 2, isa })?;
         println!("{}  hertz no-slip, grains of three shapes, {}", &digest[..16], isa.name());
     }
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let (digest, left, broken) = run_bonds(Hardware { threads: 2, isa })?;
+        println!("{}  hertz no-slip, {left} bonds left, {broken} broken, {}", &digest[..16], isa.name());
+    }
     Ok(())
+}
+
+/// The same of bonded grains, with dashpots, of whose bonds some rupture; how many hold at the end, and how many do not.
+fn run_bonds(hardware: Hardware) -> Result<(String, usize, usize), Box<dyn std::error::Error>> {
+    let grains = Grains::default().with(|grains| (grains.count, grains.spread) = (100, 0.3));
+    let (cell, spheres) = random_insertion(&grains, 0.35, 9)?;
+    let material = Material::default().with(|material| material.interface_energy = 0.0);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let mut simulation = Simulation::new(cell, &spheres, Properties::new(material, contact))?;
+    simulation.set_hardware(hardware);
+    simulation.set_control(CellControl::isotropic(20e3, 2e4));
+    simulation.advance(4000)?;
+    for (law, gap) in [(BondKind::PARALLEL, 0.0), (BondKind::BEAM, 0.05)] {
+        simulation.bond(&Bonding::default().with(|bonding| {
+            (bonding.law, bonding.largest_gap, bonding.damping) = (law, gap, 0.1);
+            bonding.scatter = StrengthScatter::Weibull { modulus: 3.0, reference_volume: None };
+            for key in ["tensile_strength", "cohesion"] {
+                bonding.parameters.insert(key.into(), 2e6);
+            }
+        }))?;
+    }
+    let digest = sheared_further(&mut simulation)?;
+    let assembly = simulation.assembly();
+    Ok((digest, assembly.bonds.len(), assembly.broken_bonds.len()))
 }
 
 /// The same of grains of several shapes.
@@ -73,6 +102,10 @@ fn sheared(mut simulation: Simulation, hardware: Hardware) -> Result<String, Box
     simulation.set_hardware(hardware);
     simulation.set_control(CellControl::isotropic(20e3, 2e4));
     simulation.advance(4000)?;
+    sheared_further(&mut simulation)
+}
+
+fn sheared_further(simulation: &mut Simulation) -> Result<String, Box<dyn std::error::Error>> {
     let mut shear = CellControl::fixed();
     shear.rate = [[2e3, 0.0, 0.0], [0.0, -1e3, 0.0], [0.0, 0.0, -1e3]];
     simulation.set_control(shear);
@@ -88,6 +121,14 @@ fn sheared(mut simulation: Simulation, hardware: Hardware) -> Result<String, Box
     for contact in &assembly.contacts {
         digest.numbers(&contact.tangential_force);
         digest.numbers(&[contact.normal_force, contact.normal_energy]);
+    }
+    for bond in &assembly.bonds {
+        digest.numbers(&bond.shear_force);
+        digest.numbers(&bond.bending_couple);
+        digest.numbers(&[bond.normal_force, bond.twisting_couple, bond.energy]);
+    }
+    for bond in &assembly.broken_bonds {
+        digest.numbers(&[bond.id as f64, bond.energy, bond.time]);
     }
     Ok(digest.finish())
 }
