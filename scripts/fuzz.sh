@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../fuzz"
 seconds=${1:-60}
 shift || true
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(parquet checkpoint packing model case csv mesh voxels)
+[ ${#targets[@]} -gt 0 ] || targets=(parquet checkpoint packing model case csv mesh voxels bonds)
 corpus=work/corpus
 
 cargo +nightly fuzz build --codegen-units 16 1>&2
@@ -14,7 +14,7 @@ programs=target/$(rustc -vV | sed -n 's/host: //p')/release
 "$programs/seeds" "$corpus"
 
 # Largest input of a target, bytes.
-declare -A largest=([case]=8192 [packing]=4096 [model]=8192 [checkpoint]=24576 [csv]=4096 [parquet]=8192 [mesh]=4096 [voxels]=4096)
+declare -A largest=([case]=8192 [packing]=4096 [model]=8192 [checkpoint]=24576 [csv]=4096 [parquet]=8192 [mesh]=4096 [voxels]=4096 [bonds]=24576)
 
 fuzz() {
     local target=$1 words=() log=work/$1.log start=$SECONDS finds

@@ -5,6 +5,7 @@
 
 use std::hint::black_box;
 
+use granum_core::assembly::{Assembly, Bond, Sphere};
 use granum_dem::config::{ContactModel, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table, safe_text};
@@ -17,7 +18,7 @@ use granum_run::laboratory;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const ALL: [Target; 8] = [
+pub const ALL: [Target; 9] = [
     ("case", case),
     ("packing", packing),
     ("model", model),
@@ -26,6 +27,7 @@ pub const ALL: [Target; 8] = [
     ("parquet", parquet),
     ("mesh", mesh),
     ("voxels", voxels),
+    ("bonds", bonds),
 ];
 
 /// A case file; after the byte `R` the record of a run, after `P` the plan of a training.
@@ -150,14 +152,79 @@ pub fn tested() -> Case {
     case
 }
 
-/// A checkpoint with this body.
+/// A checkpoint of spheres with this body.
 pub fn with_header(body: &[u8]) -> Vec<u8> {
+    header(granum_dem::checkpoint::OF_SPHERES, body)
+}
+
+/// A checkpoint of a version with this body.
+pub fn header(version: u32, body: &[u8]) -> Vec<u8> {
     let mut bytes = b"GRANUMCP".to_vec();
-    bytes.extend(granum_dem::checkpoint::OF_SPHERES.to_le_bytes());
+    bytes.extend(version.to_le_bytes());
     bytes.extend((body.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(body).to_le_bytes());
     bytes.extend(body);
     bytes
+}
+
+/// Bonds: after the byte `K` the body of a checkpoint of bonded grains, after `J` the bonds of a snapshot of two grains, after `D` a data file
+/// of LAMMPS.
+pub fn bonds(data: &[u8]) {
+    match data {
+        [b'K', body @ ..] => bonded_checkpoint(body),
+        [b'J', json @ ..] => bonds_of_snapshot(json),
+        [b'D', text @ ..] => data_file(text),
+        _ => {}
+    }
+}
+
+/// Bonded grains go on for a few steps, are observed, and can be written down again.
+fn bonded_checkpoint(body: &[u8]) {
+    let bytes = header(granum_dem::checkpoint::VERSION, body);
+    let Ok((mut simulation, attachment)) = Simulation::restore(&bytes) else { return };
+    black_box(simulation.assembly());
+    let _ = simulation.advance(3);
+    black_box(simulation.assembly());
+    black_box(simulation.checkpoint(&attachment).expect("to memory").len());
+}
+
+/// Whatever is read as bonds can be measured.
+fn bonds_of_snapshot(json: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    match snapshot_of_a_pair(json, folder.path()) {
+        Ok(assembly) => {
+            black_box(granum_sensors::Sensors::standard().measure(&assembly, granum_core::Parts::all()));
+        }
+        Err(error) => assert!(error.to_string().contains("start.bonds"), "{error}"),
+    }
+}
+
+/// What is read of a snapshot of two grains with these bonds.
+pub fn snapshot_of_a_pair(json: &[u8], folder: &std::path::Path) -> granum_io::Result<Assembly> {
+    granum_io::snapshot::write_snapshot(folder, "start", &pair()).expect("a snapshot");
+    std::fs::write(folder.join("start.bonds"), json).expect("a file");
+    granum_io::snapshot::read_snapshot(folder, "start")
+}
+
+/// Two grains that a bond joins.
+pub fn pair() -> Assembly {
+    let sphere = |id, x| Sphere { id, position: [x, 0.5, 0.5], radius: 0.1, mass: 1.0, ..Sphere::default() };
+    let cell = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut pair = Assembly { cell, ..Assembly::default() }.with_spheres([sphere(1, 0.3), sphere(2, 0.5)]);
+    let (branch, normal) = ([0.2, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    pair.bonds = vec![Bond { id: 3, i: 0, j: 1, branch, normal, radius: 0.05, ..Bond::default() }];
+    pair
+}
+
+/// What is read of a data file of LAMMPS has an image that can be looked at.
+fn data_file(text: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grains.data");
+    std::fs::write(&path, text).expect("a file");
+    match granum_io::formats::read_packing(&path) {
+        Ok(packing) => drop(black_box(packing.solid_fraction())),
+        Err(error) => assert!(error.to_string().contains("grains.data"), "{error}"),
+    }
 }
 
 /// A table as CSV.

@@ -4,6 +4,7 @@ use granum_io::RunKind;
 
 use std::sync::Arc;
 
+use granum_dem::bond::Bonding;
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
@@ -36,6 +37,7 @@ pub fn for_target(target: &str) -> Vec<Seed> {
         "parquet" => parquets(),
         "mesh" => meshes(),
         "voxels" => stacks(),
+        "bonds" => bonds(),
         _ => Vec::new(),
     }
 }
@@ -221,6 +223,41 @@ fn checkpoints() -> Vec<Seed> {
             seed(name, &bytes[24..])
         })
         .collect()
+}
+
+/// A checkpoint of bonded grains of which some bonds ruptured, the bonds of a snapshot, and a data file of LAMMPS with bonds.
+fn bonds() -> Vec<Seed> {
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let grains = Grains::default().with(|grains| (grains.count, grains.spread) = (12, 0.2));
+    let (cell, spheres) = random_insertion(&grains, 0.35, 11).expect("a loose initial state");
+    let material = Material::default().with(|material| material.interface_energy = 0.0);
+    let mut simulation =
+        Simulation::new(cell, &spheres, Properties::new(material, contact)).expect("a simulation");
+    simulation.set_control(CellControl::isotropic(20e3, 8000.0));
+    simulation.advance(6000).expect("steps");
+    let weak = Bonding::default().with(|bonding| {
+        (bonding.largest_gap, bonding.damping) = (0.3, 0.1);
+        bonding.parameters.insert("tensile_strength".into(), 1e5);
+    });
+    simulation.bond(&weak).expect("bonds");
+    let mut rate = CellControl::fixed();
+    rate.rate = [[2e3, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
+    simulation.set_control(rate);
+    simulation.advance(300).expect("steps");
+    let assembly = simulation.assembly();
+    assert!(!assembly.bonds.is_empty() && !assembly.broken_bonds.is_empty());
+    let mut checkpoint = b"K".to_vec();
+    checkpoint.extend(&simulation.checkpoint("").expect("to memory")[24..]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut pair = checks::pair();
+    pair.broken_bonds = assembly.broken_bonds[..1].to_vec();
+    pair.broken_bonds[0].bodies = [1, 2];
+    granum_io::snapshot::write_snapshot(folder.path(), "start", &pair).expect("a snapshot");
+    let mut json = b"J".to_vec();
+    json.extend(std::fs::read(folder.path().join("start.bonds")).expect("bonds"));
+    let data = "Dthree grains\n\n3 atoms\n1 atom types\n2 bonds\n2 bond types\n\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n\nAtoms # bpm/sphere\n\n\
+                1 0 1 0.2 2650 0.3 0.5 0.5\n2 0 1 0.2 2650 0.5 0.5 0.5\n3 0 1 0.2 2650 0.7 0.5 0.5\n\nBonds\n\n1 1 1 2\n2 2 2 3\n";
+    vec![seed("checkpoint", checkpoint), seed("snapshot", json), seed("data", data)]
 }
 
 /// What a laboratory writes beside a sample and beside a test.

@@ -151,6 +151,11 @@ fn meshes() {
 }
 
 #[test]
+fn bonds() {
+    replay("bonds");
+}
+
+#[test]
 fn stacks_of_images() {
     replay("voxels");
 }
@@ -182,6 +187,22 @@ fn seeds_are_good() {
         let path = folder.path().join(&name);
         std::fs::write(&path, &bytes).unwrap();
         assert_eq!(granum_shape::voxels::read(&path).unwrap().labels, [0, 1, 1, 2, 0, 1, 1, 2], "{name}");
+    }
+    for (name, bytes) in seeds::for_target("bonds") {
+        let read = match bytes[0] {
+            b'K' => granum_dem::simulation::Simulation::restore(&checks::header(
+                granum_dem::checkpoint::VERSION,
+                &bytes[1..],
+            ))
+            .is_ok(),
+            b'J' => checks::snapshot_of_a_pair(&bytes[1..], folder.path()).is_ok(),
+            _ => {
+                let path = folder.path().join("grains.data");
+                std::fs::write(&path, &bytes[1..]).unwrap();
+                granum_io::formats::read_packing(&path).is_ok()
+            }
+        };
+        assert!(read, "{name}");
     }
     for (name, bytes) in seeds::for_target("csv") {
         assert!(granum_io::formats::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
