@@ -114,13 +114,7 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let bonds = observations.last().map_or(0, |observation| observation.assembly.bonds.len());
-        if bonds > 0 {
-            context.warn(&format!(
-                "the {bonds} bonds between the grains are not written: no format of grains and contacts has them. They are in the snapshots of \
-                 the run (NAME.bonds)"
-            ));
-        }
+        self.say_of_bonds(context, &observations);
         let grains = observations.last().map_or(0, |observation| observation.assembly.bodies.len());
         let instants = observations.len();
         let of = if instants > 1 { format!(", the last of {instants} instants") } else { String::new() };
@@ -191,6 +185,21 @@ impl Export {
             None => export_data_set::write(context, &folder, self.table.as_deref(), &self.output),
         };
         what.map(Some)
+    }
+
+    /// Warns of bonds for which the file has no place.
+    fn say_of_bonds(&self, context: &Context, observations: &[ObservedAssembly]) {
+        let bonds = observations.last().map_or(0, |observation| observation.bonded_pairs().len());
+        let formats = context.formats();
+        let file = formats.assembly_file(&self.output, self.to.as_deref());
+        let written =
+            self.table.is_none() && matches!(file, Ok(AssemblyFile::Results(format)) if format.holds_bonds());
+        if bonds > 0 && !written {
+            context.warn(&format!(
+                "the {bonds} bonds between the grains are not written: this format has no place for them. A LAMMPS data file has (-o NAME.data), \
+                 and so have the snapshots of a run (NAME.bonds)"
+            ));
+        }
     }
 
     /// The requested snapshots of a run.
