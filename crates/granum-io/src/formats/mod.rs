@@ -60,6 +60,7 @@ pub mod vtk_legacy;
 pub mod vtk_xml;
 pub mod vtp;
 pub mod vtp_bodies;
+pub mod vtp_bonds;
 mod words;
 pub mod yade_text;
 
@@ -110,6 +111,7 @@ impl Formats {
                 Arc::new(gsd::Gsd),
                 Arc::new(vtp::Vtp),
                 Arc::new(vtp_bodies::VtpBodies),
+                Arc::new(vtp_bonds::VtpBonds),
                 Arc::new(snapshot_json::SnapshotJson),
                 Arc::new(grain_table::GrainTable),
             ],

@@ -22,7 +22,7 @@ use crate::output;
 ///
 /// Tables: .csv and .parquet. Grains and contacts at one instant: .vtp (ParaView), .data (LAMMPS), .csv (packing). Grains at any
 /// number of instants: .xyz (extended XYZ), .gsd (OVITO, freud) and .dump (LAMMPS, OVITO). Of grains of several pieces these have the pieces,
-/// with the body of each; --to vtp-bodies writes the grains with their orientations for glyphs of ParaView.
+/// with the body of each; --to vtp-bodies writes the grains with their orientations for glyphs of ParaView, --to vtp-bonds bonds and cracks.
 ///
 /// With --to lammps it writes a folder with a complete input deck for LAMMPS instead: the sample (packing.data) and a script
 /// (in.granum) that tests it along the same path and writes curve.csv. The sample is that of a run or of a prepared sample as its test
@@ -43,7 +43,7 @@ pub struct Export {
     /// File to write; with --to lammps the folder.
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Format of the file, where its extension does not say it: vtp, vtp-bodies, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
+    /// Format of the file, where its extension does not say it: vtp, vtp-bodies, vtp-bonds, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
     /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
@@ -197,7 +197,7 @@ impl Export {
         if bonds > 0 && !written {
             context.warn(&format!(
                 "the {bonds} bonds between the grains are not written: this format has no place for them. A LAMMPS data file has (-o NAME.data), \
-                 and so have the snapshots of a run (NAME.bonds)"
+                 a file of bonds for ParaView (--to vtp-bonds), and the snapshots of a run (NAME.bonds)"
             ));
         }
     }
