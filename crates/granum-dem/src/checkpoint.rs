@@ -12,7 +12,7 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
-use crate::bond::{Bonds, is_possible};
+use crate::bond::Bonds;
 use crate::clump::clumps::Clumps;
 use crate::contact::choice::registry::Laws;
 use crate::images::IMAGES;
@@ -211,7 +211,7 @@ impl Simulation {
         check_state(&body.state)?;
         check_clumps(&body.state)?;
         let pieces = body.state.ids.len();
-        let listed = body.state.listed_pairs.iter().all(|pair| is_possible(pair, pieces));
+        let listed = body.state.listed_pairs.iter().all(|pair| pair.is_possible(pieces));
         if !listed || !body.state.bonds.are_consistent(pieces) {
             return Err(inconsistent("bonds"));
         }

@@ -1,10 +1,10 @@
 //! Pairs of pieces that a file lists as bonded. They wait in the simulation until a set of bonds takes them.
 
 use granum_core::geometry::{apply, invert, length};
-use serde::{Deserialize, Serialize};
 
 use super::bonding::Bonding;
 use super::formation::Pair;
+use super::listed_pair::ListedPair;
 use crate::assembly::Vector;
 use crate::clump::clumps::NO_CLUMP;
 use crate::integrator::Integrator;
@@ -17,15 +17,6 @@ const WIDEST: f64 = 1.0;
 /// So many types are named in a message.
 const MOST_NAMED: usize = 8;
 
-/// Two pieces that are to be bonded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ListedPair {
-    /// Their indices among the pieces of an assembly: body by body in the order of the ids.
-    pub pieces: [usize; 2],
-    /// Type of the bond, by which a set of bonds can choose.
-    pub kind: u32,
-}
-
 impl Simulation {
     /// Takes a list of pairs, in place of the one before, from which sets of bonds of [`BondPlaces::Listed`](super::BondPlaces::Listed) are
     /// made. Nothing is bonded yet.
@@ -35,7 +26,7 @@ impl Simulation {
     pub fn list_pairs(&mut self, pairs: Vec<ListedPair>) -> Result<(), SimulationError> {
         let state = &mut self.integrator.state;
         let count = state.pieces();
-        if let Some(pair) = pairs.iter().find(|pair| !is_possible(pair, count)) {
+        if let Some(pair) = pairs.iter().find(|pair| !pair.is_possible(count)) {
             let what = format!(
                 "the list of pairs names the pieces {:?}; two different pieces of {count}, counted from 0, can be bonded",
                 pair.pieces
@@ -58,12 +49,6 @@ impl Simulation {
     pub fn check_listed(&self, bonding: &Bonding) -> Result<(), SimulationError> {
         chosen(self.listed_pairs(), bonding.kind).map(|_| ())
     }
-}
-
-/// True for two different pieces of so many.
-pub(crate) fn is_possible(pair: &ListedPair, pieces: usize) -> bool {
-    let [i, j] = pair.pieces;
-    i != j && i.max(j) < pieces
 }
 
 /// The pairs of a type, or all.

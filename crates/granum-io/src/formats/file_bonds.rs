@@ -5,24 +5,12 @@ use std::path::Path;
 
 use granum_core::assembly::Body;
 
+use super::file_bond::FileBond;
 use super::remark::Remark;
 use super::result::Frame;
 use crate::error::{Result, in_file};
 use crate::packing::PackedBond;
 use crate::shell::ShowPath;
-
-/// A bond as a file has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FileBond {
-    /// Id of the first sphere.
-    pub first: u64,
-    /// Id of the second sphere.
-    pub second: u64,
-    /// Type of the bond, from 1.
-    pub kind: u32,
-    /// Its line in the file, from 1; 0 in files without lines.
-    pub line: usize,
-}
 
 /// The bonds of a file between spheres, which are given in the order of their ids.
 ///

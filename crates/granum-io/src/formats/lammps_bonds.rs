@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::atoms::Atom;
-use super::file_bonds::FileBond;
+use super::file_bond::FileBond;
 use super::words::Words;
 use crate::error::{Error, Result};
 use crate::packing::PackedBond;

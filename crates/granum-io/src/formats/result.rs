@@ -10,7 +10,7 @@ use granum_core::geometry::dot;
 use granum_core::{MacroState, ObservedState, Part, Parts, Table};
 
 use super::atoms::atoms;
-use super::file_bonds::FileBond;
+use super::file_bond::FileBond;
 use super::remark::Remark;
 use crate::error::{Error, Result};
 use crate::packing::{PackedBody, PackedBond};
