@@ -72,6 +72,10 @@ fn bonds_go_through_a_lammps_data_file() {
     };
     assert_eq!(pairs("end.data").len(), bonds);
     assert_eq!(pairs("start.data"), pairs("end.data"));
+    // Bonds that no table makes are not passed over in silence.
+    std::fs::write(here.join("bare.toml"), SMALL).unwrap();
+    let bare = run(here, &["run", "bare.toml", "--packing", "end.data", "--out", "bare"]);
+    assert!(stderr(&bare).contains("bonds, of which none is made in this run"), "{}", stderr(&bare));
     // A format without bonds says so, whoever lists them.
     let bare = run(here, &["export", "end.data", "-o", "end.csv"]);
     assert!(stderr(&bare).contains("bonds between the grains are not written"), "{}", stderr(&bare));

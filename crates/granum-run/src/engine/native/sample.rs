@@ -56,7 +56,9 @@ impl TaskExecution {
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
                 let of_file =
                     packing.remarks.iter().map(|remark| format!("{}: {}", path.shown(), remark.text));
-                for remark in of_file.chain(from_packing::remarks(case, path, why_not.as_deref())) {
+                let of_bonds = from_packing::remark_on_bonds(case, path, &packing);
+                let of_keys = from_packing::remarks(case, path, why_not.as_deref());
+                for remark in of_file.chain(of_bonds).chain(of_keys) {
                     observer.warn(&remark);
                     note(record, remark);
                 }
