@@ -57,21 +57,26 @@ fn bonds_go_through_a_lammps_data_file() {
     let of_file = bonded().replace("largest_gap = 0.02\n", "places = \"file\"\n");
     std::fs::write(here.join("of-file.toml"), &of_file).unwrap();
     done(here, &["run", "of-file.toml", "--packing", "end.data", "--out", "again"]);
-    // Pairs are the same as those of the file: what the start has, less what ruptured.
-    done(here, &["export", "again", "--snapshot", "start", "-o", "start.data"]);
-    let pairs = |name: &str| {
-        let text = std::fs::read_to_string(here.join(name)).unwrap();
-        let rows = text.split("\nBonds\n\n").nth(1).unwrap_or_default().lines().map(str::to_string);
-        let pair = |row: String| {
-            let words: Vec<u64> = row.split(' ').map(|word| word.parse().unwrap()).collect();
-            [words[2].min(words[3]), words[2].max(words[3])]
-        };
-        let mut pairs: Vec<[u64; 2]> = rows.map(pair).collect();
-        pairs.sort_unstable();
-        pairs
+    // The pairs are those of the file: of the bonds that hold at the end, and of those that ruptured.
+    let section = text.split("\nBonds\n\n").nth(1).unwrap_or_default();
+    let ordered = |[i, j]: [u64; 2]| [i.min(j), i.max(j)];
+    let row = |row: &str| {
+        let words: Vec<u64> = row.split(' ').filter_map(|word| word.parse().ok()).collect();
+        ordered([words[2], words[3]])
     };
-    assert_eq!(pairs("end.data").len(), bonds);
-    assert_eq!(pairs("start.data"), pairs("end.data"));
+    let mut listed: Vec<[u64; 2]> = section.lines().map(row).collect();
+    listed.sort_unstable();
+    assert_eq!(listed.len(), bonds);
+    let end = std::fs::read_to_string(here.join("again/snapshots/end.bonds")).unwrap();
+    let end: serde_json::Value = serde_json::from_str(&end).unwrap();
+    let list = |name: &str| end[name].as_array().cloned().unwrap_or_default();
+    let number = |value: &serde_json::Value| value.as_u64().unwrap();
+    // Grains are spheres, so that the index of a piece is the id of its grain less one.
+    let holding = list("bonds").into_iter().map(|bond| [number(&bond["i"]) + 1, number(&bond["j"]) + 1]);
+    let broken = list("broken_bonds").into_iter().map(|bond| [0, 1].map(|k| number(&bond["bodies"][k])));
+    let mut made: Vec<[u64; 2]> = holding.chain(broken).map(ordered).collect();
+    made.sort_unstable();
+    assert_eq!(made, listed);
     // Bonds that no table makes are not passed over in silence.
     std::fs::write(here.join("bare.toml"), SMALL).unwrap();
     let bare = run(here, &["run", "bare.toml", "--packing", "end.data", "--out", "bare"]);
