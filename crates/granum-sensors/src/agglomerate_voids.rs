@@ -8,7 +8,7 @@
 //!
 //! A fragment keeps the pores within its own hull: a rupture that takes a piece off opens the pores between both. A grain without bonds is its own
 //! hull, also one of several rigid pieces. The hull is found within 0.5 % ([`granum_shape::descriptors::hull_volume`]); it counts the roughness of
-//! the surface as inside. Hulls of neighbours that interlock overlap: in rubble of long or bent fragments e_g is a lower bound. Where a fragment
+//! the surface as inside. Hulls of neighbours that interlock overlap, which makes e_g a lower bound: the rougher the grains and the more bent the fragments, the lower. Where a fragment
 //! spans the cell it has no hull, and both are 0.
 
 use granum_core::Part;
