@@ -48,10 +48,10 @@ class Bond(TypedDict, total=False):
     """Young's modulus E_b of the bond."""
     moment_factor: Quantity
     """Share beta of the couples in the stresses that rupture the bond."""
-    places: Literal["between", "inside"]
+    places: Literal["between", "inside", "file"]
     """Which pieces are joined. between: pieces of different grains that touch, or are nearer than largest_gap;
-    inside: the touching pieces of each grain, which becomes an agglomerate of spheres that can come apart
-    Default: between.
+    inside: the touching pieces of each grain, which becomes an agglomerate of spheres that can come apart; file:
+    the pairs that the packing of the run lists, as the section Bonds of a LAMMPS data file does Default: between.
     """
     poissons_ratio: Quantity
     """Poisson's ratio of the bond, from which its shear modulus E_b / 2 (1 + nu) follows."""
@@ -77,6 +77,8 @@ class Bond(TypedDict, total=False):
     """Largest tension sigma_c, bending included, that the bond carries; without a value it never ruptures in
     tension.
     """
+    type: int
+    """Only the pairs of this type of the packing; without it those of all types. Only with places = "file"."""
     weibull_modulus: Quantity
     """Modulus m of Weibull's distribution; only with scatter = "weibull". Default: 4.0."""
 

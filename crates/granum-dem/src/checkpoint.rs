@@ -4,7 +4,7 @@
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian. The body ends with the
 //! energies in the channels of all laws where there are others than that of the normal law's first channel. Where grains have several pieces
 //! the version is 9, and the body ends with these energies, which are always there, and the clumps. Where there are bonds, or were, the version
-//! is 10, and the body ends with the names of the laws of bonds and the bonds.
+//! is 10, and the body ends with the names of the laws of bonds and the bonds, and with the pairs that a file lists as bonded, if it lists any.
 
 use std::io::Write;
 
@@ -122,10 +122,13 @@ impl BodyOf<'_> {
     fn write(&self, out: impl Write) -> std::io::Result<(u64, u32)> {
         let mut stream = Stream { out, length: 0, sum: crc32fast::Hasher::new(), error: None };
         let mut written = postcard::serialize_with_flavor(self, &mut stream);
-        let (clumps, bonds) = (&self.state.clumps, &self.state.bonds);
-        if written.is_ok() && !bonds.is_empty() {
+        let (clumps, bonds, listed) = (&self.state.clumps, &self.state.bonds, &self.state.listed_pairs);
+        if written.is_ok() && is_bonded(self.state) {
             let end = (&self.state.ledger.channels, clumps, bonds.law_names(), bonds);
             written = postcard::serialize_with_flavor(&end, &mut stream);
+            if written.is_ok() && !listed.is_empty() {
+                written = postcard::serialize_with_flavor(listed, &mut stream);
+            }
         } else if written.is_ok() && !clumps.is_empty() {
             written = postcard::serialize_with_flavor(&(&self.state.ledger.channels, clumps), &mut stream);
         } else if let (Ok(()), Some(channels)) = (&written, self.state.ledger.further_channels()) {
@@ -154,7 +157,7 @@ impl Simulation {
         let (length, sum) = body.write(std::io::sink())?;
         out.write_all(MAGIC)?;
         let version = match self.state() {
-            state if !state.bonds.is_empty() => VERSION,
+            state if is_bonded(state) => VERSION,
             state if state.has_clumps() => OF_CLUMPS,
             _ => OF_SPHERES,
         };
@@ -186,7 +189,11 @@ impl Simulation {
         if version == VERSION {
             let ((channels, clumps, names, bonds), rest) =
                 postcard::take_from_bytes::<(_, _, Vec<String>, Bonds)>(rest).map_err(unreadable)?;
-            no_more(rest)?;
+            if !rest.is_empty() {
+                let (listed, rest) = postcard::take_from_bytes(rest).map_err(unreadable)?;
+                no_more(rest)?;
+                body.state.listed_pairs = listed;
+            }
             body.state.ledger.channels = channels;
             body.state.clumps = clumps;
             body.state.bonds = bonds.with_laws(&names, laws).map_err(CheckpointError::Inconsistent)?;
@@ -203,7 +210,9 @@ impl Simulation {
         check_numbers(&body)?;
         check_state(&body.state)?;
         check_clumps(&body.state)?;
-        if !body.state.bonds.are_consistent(body.state.ids.len()) {
+        let pieces = body.state.ids.len();
+        let listed = body.state.listed_pairs.iter().all(|pair| pair.is_possible(pieces));
+        if !listed || !body.state.bonds.are_consistent(pieces) {
             return Err(inconsistent("bonds"));
         }
         let properties = body.properties.among(laws).map_err(CheckpointError::Inconsistent)?;
@@ -223,6 +232,11 @@ impl Simulation {
         integrator.prepare_constants();
         Ok((simulation, body.attachment))
     }
+}
+
+/// True if there are or were bonds, or a list of pairs of which some are to be made.
+fn is_bonded(state: &State) -> bool {
+    !(state.bonds.is_empty() && state.listed_pairs.is_empty())
 }
 
 /// Refuses bytes after the end of a state.

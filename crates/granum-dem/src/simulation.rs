@@ -153,6 +153,7 @@ impl Simulation {
             judge_from: 0.0,
             clumps,
             bonds: Bonds::default(),
+            listed_pairs: Vec::new(),
         };
         let mut simulation = Simulation { integrator: Integrator::new(state, properties) };
         simulation.integrator.rebuild();

@@ -90,6 +90,8 @@ impl Sensor for Fragments {
 pub struct Fragment {
     /// Its bodies, as indices of [`Assembly::bodies`].
     pub bodies: Vec<usize>,
+    /// By how many edges of the cell each of its bodies is moved to lie beside the first one.
+    pub images: Vec<[i64; 3]>,
     /// Its mass, kg.
     pub mass: f64,
     /// Diameter of the sphere of the volume of its bodies, m.
@@ -168,13 +170,21 @@ pub fn fragments(assembly: &Assembly) -> Vec<Fragment> {
             place[root] = found.len();
             let spans = sets.spans[root];
             found.push((
-                Fragment { bodies: Vec::new(), mass: 0.0, size: 0.0, centre: None, spans },
+                Fragment {
+                    bodies: Vec::new(),
+                    images: Vec::new(),
+                    mass: 0.0,
+                    size: 0.0,
+                    centre: None,
+                    spans,
+                },
                 [0.0; 3],
                 0.0,
             ));
         }
         let (fragment, moment, volume) = &mut found[place[root]];
         fragment.bodies.push(k);
+        fragment.images.push(shift);
         fragment.mass += body.mass;
         *volume += body.equivalent_radius.powi(3);
         let image = apply(&assembly.cell, shift.map(|edges| edges as f64));
@@ -189,6 +199,12 @@ pub fn fragments(assembly: &Assembly) -> Vec<Fragment> {
         fragment
     };
     found.into_iter().map(finish).collect()
+}
+
+/// True if bonds made agglomerates of the grains: before any ruptured they held several grains together, and no more than half of the mass.
+pub fn are_agglomerates(assembly: &Assembly) -> bool {
+    let before = made_of(assembly);
+    before.len() < assembly.bodies.len() && Grading::from_sizes(before).largest_share() <= 0.5
 }
 
 /// Sizes and masses of what all bonds held together before any of them ruptured.
@@ -371,11 +387,13 @@ mod tests {
         assembly.broken_bonds.push(crack);
         let row = measured(&Fragments, &assembly);
         assert_eq!(row[..4], [2.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]);
+        assert!(are_agglomerates(&assembly));
         // A third of the mass lost a third of ln 2 in size.
         assert!((row[6] - libm::log(2.0) / 9.0 / 2.5).abs() < 1e-12 && row[5] > 0.0, "{row:?}");
         assembly.bonds.clear();
         assembly.broken_bonds.clear();
         let row = measured(&Fragments, &assembly);
         assert_eq!((row[0], row[1], row[6]), (0.0, 1.0, 0.0));
+        assert!(!are_agglomerates(&assembly));
     }
 }

@@ -19,6 +19,7 @@
 //! assert_eq!(q_over_p, Some(0.0));
 //! ```
 
+pub mod agglomerate_voids;
 pub mod anisotropies;
 pub mod attraction;
 pub mod bond_fabric;
@@ -68,6 +69,7 @@ mod registry;
 pub mod rolling;
 pub mod rose;
 pub mod rupture_energies;
+pub mod rupture_rate;
 pub mod second_order_work;
 mod sensor;
 pub mod servo;

@@ -32,6 +32,8 @@ pub enum BondPlaces {
     Between,
     /// The touching pieces of each grain of several pieces, which becomes an agglomerate of spheres that move by themselves.
     Inside,
+    /// The pairs that [`Simulation::list_pairs`](crate::simulation::Simulation::list_pairs) was given, as the file of a packing lists them.
+    Listed,
 }
 
 /// A set of bonds that is made at one moment. Bonds carry nothing when they are made, whatever forces there are: cement that sets under a load
@@ -47,6 +49,8 @@ pub struct Bonding {
     pub places: BondPlaces,
     /// How wide they are.
     pub radius: BondRadius,
+    /// Of the listed pairs only those of this type; all if there is none.
+    pub kind: Option<u32>,
     /// Largest distance of the surfaces of two pieces that are joined, over the mean diameter of the grains; 0: those that touch.
     pub largest_gap: f64,
     /// Damping ratio zeta of the four motions of a bond: dashpots `2 zeta sqrt(m* k)`.
@@ -65,6 +69,7 @@ impl Default for Bonding {
             law: BondKind::PARALLEL,
             parameters: BTreeMap::new(),
             places: BondPlaces::Between,
+            kind: None,
             radius: BondRadius::Share(0.5),
             largest_gap: 0.0,
             damping: 0.0,

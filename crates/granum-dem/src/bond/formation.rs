@@ -22,7 +22,7 @@ use crate::particle_row::ParticleRow;
 use crate::search;
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
-use granum_core::geometry::{apply, invert, length};
+use granum_core::geometry::{apply, length};
 
 /// Share of the sum of their radii by which the surfaces of two pieces of a grain may be apart and still touch.
 const TOUCH: f64 = 1e-6;
@@ -32,7 +32,7 @@ const LEAST_GAP: f64 = 1e-9;
 const OVERLAP: f64 = 0.01;
 
 /// Two pieces that are to be joined: their rows, and the edges of the cell to the image of the second.
-type Pair = ([u32; 2], [i32; 3]);
+pub(super) type Pair = ([u32; 2], [i32; 3]);
 
 impl Simulation {
     /// Makes bonds; returns how many. No force changes: bonds carry nothing when they are made.
@@ -48,6 +48,7 @@ impl Simulation {
         let mut pairs = match bonding.places {
             BondPlaces::Between => changed.pairs_between(bonding.largest_gap),
             BondPlaces::Inside => changed.pairs_inside()?,
+            BondPlaces::Listed => changed.pairs_listed(bonding)?,
         };
         changed.order(&mut pairs);
         if bonding.left_out > 0.0 {
@@ -79,23 +80,7 @@ impl Simulation {
         self.integrator.check_bonding(bonding)?;
         let mut changed = self.integrator.clone();
         changed.rebuild();
-        let state = &changed.state;
-        let order = state.pieces_in_order(&state.bodies_in_order());
-        let inverse = invert(&state.cell.edges);
-        let mut pairs = Vec::with_capacity(pieces.len());
-        for pair in pieces {
-            let [Some(i), Some(j)] = pair.map(|piece| order.get(piece).copied()) else {
-                let what = format!(
-                    "there is no pair of pieces {pair:?}; there are {} pieces, counted from 0",
-                    order.len()
-                );
-                return Err(SimulationError::Bonds { what });
-            };
-            let apart: Vector =
-                std::array::from_fn(|a| state.particles[j].position()[a] - state.particles[i].position()[a]);
-            let image = apply(&inverse, apart).map(|share| -(share.round() as i32));
-            pairs.push(([i as u32, j as u32], image));
-        }
+        let pairs = changed.pairs_of_pieces(pieces)?;
         let made = changed.join(bonding, &pairs)?;
         self.integrator = changed;
         Ok(made)
@@ -253,7 +238,7 @@ impl Integrator {
     }
 
     /// From the centre of the first piece of a pair to the image of the second, m.
-    fn branch_of(&self, (rows, image): &Pair) -> Vector {
+    pub(super) fn branch_of(&self, (rows, image): &Pair) -> Vector {
         let [from, to] = rows.map(|row| self.state.particles[row as usize].position());
         let shift = apply(&self.state.cell.edges, image.map(f64::from));
         std::array::from_fn(|a| to[a] - from[a] + shift[a])

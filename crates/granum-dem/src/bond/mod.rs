@@ -22,6 +22,8 @@ mod criterion_tests;
 mod ends;
 mod formation;
 pub mod law;
+mod listed;
+mod listed_pair;
 mod motion;
 mod observed;
 mod saved;
@@ -40,6 +42,7 @@ pub use channels::BOND_CHANNELS;
 pub use granum_core::assembly::{Bond, BrokenBond, Rupture};
 pub use law::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 pub use law::kind::BondKind;
+pub use listed_pair::ListedPair;
 pub use strength::StrengthScatter;
 
 pub(crate) use bonds::Bonds;

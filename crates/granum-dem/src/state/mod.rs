@@ -7,7 +7,7 @@ use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::{EnergyBalance, Matrix, Vector};
-use crate::bond::Bonds;
+use crate::bond::{Bonds, ListedPair};
 use crate::cell::Cell;
 use crate::clump::clumps::{Clump, Clumps, NO_CLUMP};
 use crate::contact_sums::ContactSums;
@@ -74,6 +74,9 @@ pub struct State {
     /// Bonds. A checkpoint has them at its end, if there ever were any.
     #[serde(skip)]
     pub(crate) bonds: Bonds,
+    /// Pairs of pieces that the file of a packing lists as bonded. A checkpoint has them at its end, if there are any.
+    #[serde(skip)]
+    pub(crate) listed_pairs: Vec<ListedPair>,
 }
 
 /// Length of the strain chords that are added up to the arc length: shorter movements to and fro, caused by the servo, do

@@ -12,7 +12,7 @@ use super::contact_table::{ContactOptions, ContactTable};
 use super::remark::Remark;
 use super::result::{FileContact, Frame, FrameCell, ObservedAssembly};
 use super::strain::add_strains;
-use super::{ids, places, rounding};
+use super::{file_bonds, ids, places, rounding};
 use crate::error::{Error, Result, in_file};
 use crate::packing::lattice::{self, Images};
 use crate::packing::plausible::{self, Found, Implausible, ImplausiblePlace};
@@ -236,9 +236,15 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         let (connected, known) = add_contacts(path, &table, pairs, &mut remarks)?;
         (assembly.contacts, parts) = (connected, known);
     }
+    let listed_bonds = file_bonds::identify(path, &assembly.bodies, &frame.bonds)?;
     let origin = cell.map_or([0.0; 3], |cell| cell.origin);
-    let found =
-        ObservedAssembly { lines, remarks, clump_of, ..ObservedAssembly::new(assembly, parts, origin) };
+    let found = ObservedAssembly {
+        lines,
+        remarks,
+        clump_of,
+        listed_bonds,
+        ..ObservedAssembly::new(assembly, parts, origin)
+    };
     let (column, masses_add_up) = (frame.clump_column.as_str(), frame.masses_add_up || options.masses_add_up);
     let bodies = BodiesOfFile { path, column, masses_add_up, rounding };
     if options.separate_spheres { Ok(bodies.taken_apart(found)) } else { bodies.put_together(found) }

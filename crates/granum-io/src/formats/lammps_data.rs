@@ -14,6 +14,9 @@
 //! read_data packing.data fix molecules NULL Molecules
 //! ```
 //!
+//! Where grains are bonded the atoms are written as `atom_style bpm/sphere` has them, of which the molecule is the body, and the section `Bonds`
+//! follows (`lammps_bonds.rs`). Atoms of one molecule that are bonded to each other move by themselves.
+//!
 //! The densities are such that the masses of the atoms of a molecule add up to the mass of the body, as `fix rigid` takes it; where pieces
 //! overlap they are less than that of the material. The image flags belong to the cell that is written, so that the unwrapped pieces of a body
 //! lie together. Read are this section, `atom_style bpm/sphere`, and `hybrid` where the comment of the section names its styles as `hybrid
@@ -28,6 +31,8 @@ use granum_core::assembly::{Matrix, Sphere, Vector};
 use granum_core::geometry::{apply, cross, determinant, invert, length, multiply};
 
 use super::atoms::{Atom, atoms};
+use super::file_bonds;
+use super::lammps_bonds::{self, BondHeader};
 use super::meanings::{self, Meanings};
 use super::result::{Frame, FrameCell, ObservedAssembly, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
@@ -67,6 +72,9 @@ impl ResultFormat for LammpsData {
     fn holds_bodies(&self) -> bool {
         true
     }
+    fn holds_bonds(&self) -> bool {
+        true
+    }
     fn write(&self, path: &Path, observations: &[ObservedAssembly]) -> Result<()> {
         let [observation] = observations else {
             let message = format!("a LAMMPS data file holds one instant, not {}", observations.len());
@@ -83,6 +91,7 @@ impl ResultFormat for LammpsData {
 #[derive(Default)]
 struct Header {
     atoms: usize,
+    bonds: BondHeader,
     low: Vector,
     high: Vector,
     tilt: Vector,
@@ -114,7 +123,7 @@ fn read(words: &mut Words) -> Result<Frame> {
     let masses_add_up = title.starts_with(TITLE) && title.contains(ADD_UP);
     let mut frame = Frame { masses_add_up, ..Frame::default() };
     let mut meanings = Vec::new();
-    let mut velocities = false;
+    let (mut velocities, mut bonds) = (false, false);
     while words.advance_to_text()? {
         let line = words.line().split('#').next().unwrap_or("").trim().to_string();
         let style = words.line().split('#').nth(1).map(|style| style.trim().to_string());
@@ -129,9 +138,17 @@ fn read(words: &mut Words) -> Result<Frame> {
                 read_velocities(words, &mut frame.grains)?;
                 velocities = true;
             }
-            "Masses" | "Pair Coeffs" | "Atom Type Labels" | "PairIJ Coeffs" => skip_section(words)?,
+            "Bonds" => {
+                frame.bonds = lammps_bonds::read(words, &header.bonds)?;
+                bonds = true;
+            }
+            "Masses" | "Pair Coeffs" | "Atom Type Labels" | "PairIJ Coeffs" | "Bond Coeffs"
+            | "Bond Type Labels" => {
+                skip_section(words)?;
+            }
             _ if line.starts_with(|c: char| c.is_ascii_alphabetic()) => {
-                return Err(words.error(format!("the section {line} cannot be read: only spheres can")));
+                let message = format!("the section {line} cannot be read: only spheres and their bonds can");
+                return Err(words.error(message));
             }
             _ => read_header(words, &mut header)?,
         }
@@ -142,7 +159,13 @@ fn read(words: &mut Words) -> Result<Frame> {
                        and the section Atoms";
         return Err(Error::content(Path::new(words.file()), message));
     }
+    if let Some(count) = header.bonds.bonds.filter(|count| *count > 0 && !bonds) {
+        let message =
+            format!("announces {count} bonds, but has no section Bonds: it may have been cut short");
+        return Err(Error::content(Path::new(words.file()), message));
+    }
     meanings::note(&mut frame, &meanings, ("of the molecule", 0.0), "type");
+    file_bonds::release_bonded_bodies(&mut frame);
     frame.knows(&[Part::Positions, Part::Radii, Part::Masses]);
     if velocities {
         frame.knows(&[Part::Velocities, Part::Spins]);
@@ -155,6 +178,10 @@ fn read_header(words: &Words, header: &mut Header) -> Result<()> {
     let ends = |end: &[&str]| text.len() > end.len() && text[text.len() - end.len()..] == *end;
     if ends(&["atoms"]) {
         header.atoms = words.count(0, "the number of atoms")?;
+    } else if ends(&["bonds"]) {
+        header.bonds.bonds = Some(words.count(0, "the number of bonds")?);
+    } else if ends(&["bond", "types"]) {
+        header.bonds.types = Some(words.count(0, "the number of bond types")?);
     } else if ends(&["xy", "xz", "yz"]) {
         header.tilt = words.vector(0, "a tilt")?;
     } else if let Some(k) = GENERAL.iter().position(|end| ends(&[end])) {
@@ -344,17 +371,23 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
     let (turn, edges) = restricted(&assembly.cell);
     let origin = apply(&turn, observation.origin);
     let (atoms, has_bodies) = (atoms(assembly), !assembly.all_spheres());
+    let bonds = observation.bonded_pairs();
+    lammps_bonds::check(path, &bonds)?;
     let inverse = invert(&edges);
     write_atomically(path, |file| {
         writeln!(file, "{TITLE}{}\n\n{} atoms", if has_bodies { ADD_UP } else { "" }, atoms.len())?;
-        writeln!(file, "{} atom types\n", assembly.materials.len().max(1))?;
+        writeln!(file, "{} atom types", assembly.materials.len().max(1))?;
+        if !bonds.is_empty() {
+            lammps_bonds::write_header(file, &bonds)?;
+        }
+        writeln!(file)?;
         for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
             writeln!(file, "{:?} {:?} {axis}lo {axis}hi", origin[a], origin[a] + edges[a][a])?;
         }
         if [edges[0][1], edges[0][2], edges[1][2]] != [0.0; 3] {
             writeln!(file, "{:?} {:?} {:?} xy xz yz", edges[0][1], edges[0][2], edges[1][2])?;
         }
-        writeln!(file, "\nAtoms # sphere\n")?;
+        writeln!(file, "\nAtoms # {}\n", if bonds.is_empty() { "sphere" } else { "bpm/sphere" })?;
         for atom in &atoms {
             let (place, flags) = match has_bodies {
                 true => wrapped(&edges, &inverse, &apply(&turn, atom.unwrapped())),
@@ -363,7 +396,11 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
             let [x, y, z]: Vector = std::array::from_fn(|a| origin[a] + place[a]);
             let Atom { id, material, radius, .. } = atom;
             let (kind, diameter, density) = (material + 1, 2.0 * radius, atom.density());
-            write!(file, "{id} {kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
+            write!(file, "{id} ")?;
+            if !bonds.is_empty() {
+                write!(file, "{} ", atom.body)?;
+            }
+            write!(file, "{kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
             match flags {
                 [ix, iy, iz] if has_bodies => writeln!(file, " {ix} {iy} {iz}")?,
                 _ => writeln!(file)?,
@@ -377,7 +414,9 @@ fn write(path: &Path, observation: &ObservedAssembly) -> Result<()> {
                 writeln!(file, "{} {vx:?} {vy:?} {vz:?} {wx:?} {wy:?} {wz:?}", atom.id)?;
             }
         }
-        if has_bodies {
+        if !bonds.is_empty() {
+            lammps_bonds::write(file, &bonds, &atoms)?;
+        } else if has_bodies {
             writeln!(file, "\nMolecules\n")?;
             for atom in &atoms {
                 writeln!(file, "{} {}", atom.id, atom.body)?;

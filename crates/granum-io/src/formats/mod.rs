@@ -29,11 +29,14 @@ mod csv_columns;
 mod csv_words;
 mod export;
 pub mod extended_xyz;
+mod file_bond;
+mod file_bonds;
 pub mod grain_table;
 pub mod gsd;
 pub mod hdf5;
 mod ids;
 pub mod join;
+mod lammps_bonds;
 pub mod lammps_data;
 pub mod lammps_dump;
 mod lammps_dump_text;
@@ -58,12 +61,14 @@ pub mod vtk_legacy;
 pub mod vtk_xml;
 pub mod vtp;
 pub mod vtp_bodies;
+pub mod vtp_bonds;
 mod words;
 pub mod yade_text;
 
 pub use arrays::PairOfGrains;
 pub use contact_table::ContactOptions;
 pub use export::AssemblyFile;
+pub use file_bond::FileBond;
 pub use join::JoinOptions;
 pub use packing_format::PackingFormat;
 pub use remark::Remark;
@@ -107,6 +112,7 @@ impl Formats {
                 Arc::new(gsd::Gsd),
                 Arc::new(vtp::Vtp),
                 Arc::new(vtp_bodies::VtpBodies),
+                Arc::new(vtp_bonds::VtpBonds),
                 Arc::new(snapshot_json::SnapshotJson),
                 Arc::new(grain_table::GrainTable),
             ],

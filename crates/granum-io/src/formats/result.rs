@@ -10,9 +10,10 @@ use granum_core::geometry::dot;
 use granum_core::{MacroState, ObservedState, Part, Parts, Table};
 
 use super::atoms::atoms;
+use super::file_bond::FileBond;
 use super::remark::Remark;
 use crate::error::{Error, Result};
-use crate::packing::PackedBody;
+use crate::packing::{PackedBody, PackedBond};
 use crate::shell::ShowPath;
 use crate::snapshot::{contacts_table, grains_table};
 
@@ -71,6 +72,10 @@ pub trait ResultFormat: Send + Sync {
     }
     /// True if [`ResultFormat::write`] writes this format.
     fn is_written(&self) -> bool {
+        false
+    }
+    /// True if [`ResultFormat::write`] writes the bonds between grains as well; where others are given such, they leave them out.
+    fn holds_bonds(&self) -> bool {
         false
     }
     /// True if [`ResultFormat::write`] writes grains of several pieces as what they are; other formats are never given such.
@@ -164,6 +169,8 @@ pub struct Frame {
     /// True if the masses of the spheres of a body add up to its mass, as in files that granum writes; otherwise each is density times volume of
     /// the sphere.
     pub masses_add_up: bool,
+    /// The bonds that the file lists, by the ids of their spheres.
+    pub bonds: Vec<FileBond>,
     /// What was set right in the file, or is doubtful.
     pub remarks: Vec<Remark>,
 }
@@ -260,6 +267,8 @@ pub struct ObservedAssembly {
     pub clump_of: HashMap<u64, u64>,
     /// True if the contacts were computed from the overlaps of the grains, since the data have none.
     pub contacts_are_computed: bool,
+    /// The pairs of pieces that the file lists as bonded, of whose bonds nothing else is known: [`Assembly::bonds`] has those of which it is.
+    pub listed_bonds: Vec<PackedBond>,
 }
 
 impl ObservedAssembly {
@@ -273,7 +282,29 @@ impl ObservedAssembly {
             remarks: Vec::new(),
             clump_of: HashMap::new(),
             contacts_are_computed: false,
+            listed_bonds: Vec::new(),
         }
+    }
+
+    /// The pairs of pieces that are bonded: those of the assembly's bonds, of type 1, or else those that the file lists.
+    pub fn bonded_pairs(&self) -> Vec<PackedBond> {
+        match &self.assembly.bonds[..] {
+            [] => self.listed_bonds.clone(),
+            bonds => bonds.iter().map(|bond| PackedBond { pieces: [bond.i, bond.j], kind: 1 }).collect(),
+        }
+    }
+
+    /// The bonded pairs of its packing, in which the pieces follow each other grain by grain.
+    fn packed_bonds(&self) -> Vec<PackedBond> {
+        let pieces = &self.assembly.pieces;
+        let mut order: Vec<usize> = (0..pieces.len()).collect();
+        order.sort_by_key(|piece| pieces[*piece].body);
+        let mut place = vec![0; pieces.len()];
+        order.into_iter().enumerate().for_each(|(at, piece)| place[piece] = at);
+        let mut bonds = self.bonded_pairs();
+        bonds.retain(|bond| bond.pieces.iter().all(|piece| *piece < place.len()));
+        bonds.iter_mut().for_each(|bond| bond.pieces = bond.pieces.map(|piece| place[piece]));
+        bonds
     }
 
     /// An assembly of granum, of which everything is known.
@@ -344,7 +375,7 @@ impl ObservedAssembly {
             grains,
             PackedBody::of_assembly(&self.assembly),
         )?;
-        let packing = crate::Packing { remarks: self.remarks.clone(), ..packing };
+        let packing = crate::Packing { bonds: self.packed_bonds(), remarks: self.remarks.clone(), ..packing };
         if self.assembly.materials.is_empty() {
             return Ok(packing);
         }

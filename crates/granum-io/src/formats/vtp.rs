@@ -10,7 +10,7 @@
 //! Of grains of several pieces each piece is a vertex with the number of the piece as its `id`, and there are further arrays: `body`, the id of its
 //! grain, also among the point data, by which ParaView can colour; and `body_mass`, to which the masses of the pieces of a grain add up.
 //! Contacts name pieces. Forces on grains are not written then. The grains themselves, with their orientations, are in a [file of
-//! bodies](super::vtp_bodies).
+//! bodies](super::vtp_bodies), bonds and cracks in a [file of bonds](super::vtp_bonds).
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -84,15 +84,23 @@ pub struct ContactLine {
 
 /// The lines of all contacts, cut at the faces of the cell.
 pub fn contact_lines(assembly: &Assembly) -> Vec<ContactLine> {
+    lines_in_cell(assembly, assembly.contacts.iter().map(|contact| (contact.i, contact.branch)))
+}
+
+/// Lines from pieces along branches, cut at the faces of the cell, each with its place among them.
+pub(super) fn lines_in_cell(
+    assembly: &Assembly,
+    lines: impl Iterator<Item = (usize, Vector)>,
+) -> Vec<ContactLine> {
     let inverse = invert(&assembly.cell);
     let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
     let mut found = Vec::new();
-    for (k, contact) in assembly.contacts.iter().enumerate() {
-        let Some(grain) = assembly.pieces.get(contact.i) else { continue };
+    for (k, (piece, branch)) in lines.enumerate() {
+        let Some(grain) = assembly.pieces.get(piece) else { continue };
         if is_cell {
-            cut(k, grain.position, contact, assembly, &inverse, &mut found);
+            cut(k, grain.position, branch, assembly, &inverse, &mut found);
         } else {
-            let to = std::array::from_fn(|a| grain.position[a] + contact.branch[a]);
+            let to = std::array::from_fn(|a| grain.position[a] + branch[a]);
             found.push(ContactLine { contact: k, from: grain.position, to });
         }
     }
@@ -103,13 +111,13 @@ pub fn contact_lines(assembly: &Assembly) -> Vec<ContactLine> {
 fn cut(
     k: usize,
     start: Vector,
-    contact: &Contact,
+    branch: Vector,
     assembly: &Assembly,
     inverse: &granum_core::assembly::Matrix,
     into: &mut Vec<ContactLine>,
 ) {
     let place = apply(inverse, start);
-    let step = apply(inverse, contact.branch);
+    let step = apply(inverse, branch);
     // Every crossing of a face, by the share of the line before it.
     let mut crossings: Vec<(f64, usize, f64)> = Vec::new();
     for a in 0..3 {

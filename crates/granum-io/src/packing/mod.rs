@@ -6,6 +6,7 @@ pub(crate) mod lattice;
 pub(crate) mod near;
 mod overlap;
 mod packed_body;
+mod packed_bond;
 mod packed_grain;
 pub(crate) mod plausible;
 mod repeat;
@@ -22,6 +23,7 @@ use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
 pub use packed_body::{PackedBody, PackedPiece};
+pub use packed_bond::PackedBond;
 pub use packed_grain::PackedGrain;
 pub use plausible::{Implausible, ImplausiblePlace};
 
@@ -78,6 +80,8 @@ pub struct Packing {
     pub grains: Vec<PackedGrain>,
     /// The grains that have several pieces, in the same order; empty if every grain is a sphere.
     pub bodies: Vec<PackedBody>,
+    /// The pairs of spheres that the file lists as bonded; empty if it lists none.
+    pub bonds: Vec<PackedBond>,
     /// Their materials, if the file contains them.
     pub materials: PackedMaterials,
     /// What of the file a packing has no place for, or what was set right in it.
@@ -89,7 +93,7 @@ impl Packing {
     /// [`Packing::checked`].
     pub fn new(origin: Vector, cell: Matrix, grains: Vec<PackedGrain>) -> Packing {
         let (bodies, materials, remarks) = (Vec::new(), PackedMaterials::default(), Vec::new());
-        Packing { origin, cell, grains, bodies, materials, remarks }
+        Packing { origin, cell, grains, bodies, bonds: Vec::new(), materials, remarks }
     }
 
     /// The grains and cell of an assembly, whose cell has a corner at the origin.

@@ -9,8 +9,15 @@ impl Packing {
     /// numbered on from copy to copy.
     ///
     /// # Errors
-    /// [`Error::Content`] if a count is zero or there would be more than 4e9 grains.
+    /// [`Error::Content`] if a count is zero or there would be more than 4e9 grains, or if the packing lists bonds, whose images are not known.
     pub fn repeated(&self, counts: [usize; 3]) -> Result<Packing> {
+        if !self.bonds.is_empty() {
+            let what = format!(
+                "copies of a packing with {} bonds are not made: take its spheres without them",
+                self.bonds.len()
+            );
+            return Err(Error::content(Path::new("packing"), what));
+        }
         let copies = counts.iter().try_fold(1usize, |n, &c| n.checked_mul(c));
         let total = copies.and_then(|n| n.checked_mul(self.grains.len()));
         if !total.is_some_and(|n| n > 0 && n < 4_000_000_000) {
@@ -61,6 +68,7 @@ mod tests {
             cell,
             grains: vec![grain(1, [0.2, 0.1, 0.0]), grain(2, [1.2, 0.1, 0.0])],
             bodies: Vec::new(),
+            bonds: Vec::new(),
             materials: PackedMaterials { names: vec!["a".into(), "b".into()], of: vec![0, 1] },
             remarks: Vec::new(),
         };

@@ -3,7 +3,7 @@
 use granum_core::{Assembly, ObservedState, Part, Parts};
 use granum_dem::config::Recording;
 
-use super::Sensors;
+use super::{Kinds, Sensors};
 use crate::histogram::{Bins, Histogram};
 use crate::{Memory, Observation, SensorColumn, SensorDescription, Values};
 
@@ -23,9 +23,8 @@ impl Sensors {
     pub fn measure_with(&self, assembly: &Assembly, parts: Parts, recording: &Recording) -> Measurement {
         let observation = Observation::new(assembly).with_recording(recording);
         let mut found = Measurement::default();
-        for known in
-            self.known.iter().filter(|known| known.applies(assembly.all_spheres(), assembly.is_bonded()))
-        {
+        let kinds = Kinds::new([assembly].into_iter());
+        for known in self.known.iter().filter(|known| known.applies(kinds)) {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let lacks = known.lacks(recording).or_else(|| known.costs_too_much(assembly).map(String::from));
@@ -91,9 +90,8 @@ impl Sensors {
             .map(|(assembly, _)| Observation::new(assembly).with_recording(recording))
             .collect();
         let (mut found, mut left_out) = (MeasuredSeries::default(), Measurement::default());
-        let all_spheres = observations.iter().all(|one| one.assembly.all_spheres());
-        let bonded = observations.iter().any(|one| one.assembly.is_bonded());
-        for known in self.known.iter().filter(|known| known.applies(all_spheres, bonded)) {
+        let kinds = Kinds::new(observations.iter().map(|one| one.assembly));
+        for known in self.known.iter().filter(|known| known.applies(kinds)) {
             let SensorDescription { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;

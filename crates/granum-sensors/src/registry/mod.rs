@@ -19,13 +19,13 @@ use crate::histogram::Bins;
 use crate::neighbours::{Neighbours, TOO_MUCH_WORK, most_work};
 use crate::{Memory, Observation, Sensor, SensorColumn, SensorDescription, Values};
 use crate::{
-    anisotropies, attraction, bond_fabric, bonds, chain_buckling, contact_motion, contacts_per_pair,
-    coordination, coordination_by_size, d2min, dilatancy, directions, energy, fabric, force_chains,
-    force_distribution, fragments, friction_angle, granular_temperature, inertial_number, invariants, liquid,
-    local_solid_fraction, networks, nonaffine_displacement, orientation, overlap, overlap_distribution,
-    pair_fabric, pair_forces, pair_sliding, radial_distribution, rolling, rose, rupture_energies,
-    second_order_work, servo, sliding, solid_fraction, spin, state_parameter, strain, stress,
-    stress_asymmetry, unbalanced_force, void_ratio,
+    agglomerate_voids, anisotropies, attraction, bond_fabric, bonds, chain_buckling, contact_motion,
+    contacts_per_pair, coordination, coordination_by_size, d2min, dilatancy, directions, energy, fabric,
+    force_chains, force_distribution, fragments, friction_angle, granular_temperature, inertial_number,
+    invariants, liquid, local_solid_fraction, networks, nonaffine_displacement, orientation, overlap,
+    overlap_distribution, pair_fabric, pair_forces, pair_sliding, radial_distribution, rolling, rose,
+    rupture_energies, rupture_rate, second_order_work, servo, sliding, solid_fraction, spin, state_parameter,
+    strain, stress, stress_asymmetry, unbalanced_force, void_ratio,
 };
 
 pub use self::measuring::{LeftOut, MeasuredSeries, Measurement};
@@ -41,8 +41,32 @@ enum Recorded {
     OfClumps,
     /// In every test with bonds ([`Sensors::for_bonds`]), and where a case names it.
     OfBonds,
+    /// In every test of agglomerates ([`Sensors::for_agglomerates`]), and where a case names it.
+    OfAgglomerates,
+    /// The same; it is measured of all grains.
+    NamedOrOfAgglomerates,
     /// Where a case names it in `recording.sensors`.
     WhereNamed,
+}
+
+/// Of which kinds measured grains are.
+#[derive(Clone, Copy)]
+pub(crate) struct Kinds {
+    /// True if every grain is a sphere.
+    pub(crate) all_spheres: bool,
+    /// True if there are or were bonds.
+    pub(crate) bonded: bool,
+    /// True if bonds made agglomerates of the grains.
+    pub(crate) agglomerates: bool,
+}
+
+impl Kinds {
+    /// The kinds of all these assemblies.
+    pub(crate) fn new<'a>(assemblies: impl Iterator<Item = &'a Assembly> + Clone) -> Kinds {
+        let bonded = assemblies.clone().any(Assembly::is_bonded);
+        let agglomerates = bonded && assemblies.clone().any(fragments::are_agglomerates);
+        Kinds { all_spheres: { assemblies }.all(Assembly::all_spheres), bonded, agglomerates }
+    }
 }
 
 /// Reasons why a sensor cannot be used.
@@ -81,12 +105,13 @@ impl Known {
         needed.or_else(|| self.sensor.lacks(recording))
     }
 
-    /// True if it measures such grains without being asked: some sensors say nothing of grains that all have one piece, or of grains without
-    /// bonds.
-    pub(crate) fn applies(&self, all_spheres: bool, bonded: bool) -> bool {
+    /// True if it measures such grains without being asked: some sensors say nothing of grains that all have one piece, of grains without
+    /// bonds, or of bonded grains that are no agglomerates.
+    pub(crate) fn applies(&self, to: Kinds) -> bool {
         match self.recorded {
-            Recorded::OfClumps => !all_spheres,
-            Recorded::OfBonds => bonded,
+            Recorded::OfClumps => !to.all_spheres,
+            Recorded::OfBonds => to.bonded,
+            Recorded::OfAgglomerates => to.agglomerates,
             _ => true,
         }
     }
@@ -124,12 +149,16 @@ pub struct Sensors {
     clumps: bool,
     /// True if a test with them has bonds.
     bonds: bool,
+    /// True if a test with them has agglomerates.
+    agglomerates: bool,
 }
 
 /// [`Sensors::standard`], made once.
 static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
-    use Recorded::{Always, OfBonds, OfClumps, SinceStages, WhereNamed};
-    let mut sensors = Sensors { known: Vec::new(), clumps: false, bonds: false };
+    use Recorded::{
+        Always, NamedOrOfAgglomerates, OfAgglomerates, OfBonds, OfClumps, SinceStages, WhereNamed,
+    };
+    let mut sensors = Sensors { known: Vec::new(), clumps: false, bonds: false, agglomerates: false };
     sensors.add(Always, strain::Strain);
     sensors.add(Always, stress::StressSensor);
     sensors.add(Always, servo::Servo);
@@ -151,7 +180,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);
     sensors.add(WhereNamed, nonaffine_displacement::NonaffineDisplacement);
     sensors.add(WhereNamed, second_order_work::SecondOrderWork);
-    sensors.add(WhereNamed, void_ratio::VoidRatio);
+    sensors.add(NamedOrOfAgglomerates, void_ratio::VoidRatio);
     sensors.add(WhereNamed, friction_angle::FrictionAngle);
     sensors.add(WhereNamed, dilatancy::Dilatancy);
     sensors.add(WhereNamed, state_parameter::StateParameter);
@@ -177,6 +206,8 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(OfBonds, bond_fabric::BondFabric);
     sensors.add(OfBonds, fragments::Fragments);
     sensors.add(OfBonds, rupture_energies::RuptureEnergies);
+    sensors.add(OfBonds, rupture_rate::RuptureRate);
+    sensors.add(OfAgglomerates, agglomerate_voids::AgglomerateVoids);
     BOND_CHANNELS.into_iter().for_each(|channel| sensors.add(OfBonds, ChannelEnergy(channel)));
     sensors
 });
@@ -208,6 +239,12 @@ impl Sensors {
     /// them. Without a call they are those of grains without bonds.
     pub fn for_bonds(&self, bonds: bool) -> Sensors {
         Sensors { bonds, ..self.clone() }
+    }
+
+    /// The same sensors for a test of agglomerates, or not: only of agglomerates are the voids between and inside of them recorded, unless a
+    /// case names them. Without a call they are not.
+    pub fn for_agglomerates(&self, agglomerates: bool) -> Sensors {
+        Sensors { agglomerates, ..self.clone() }
     }
 
     /// The same sensors and one more for each of these energy channels of a contact law, which every test records.
@@ -327,6 +364,9 @@ impl Sensors {
                 "in every test of grains of several pieces, and elsewhere where recording.sensors names it"
             }
             Recorded::OfBonds => "in every test with bonds, and elsewhere where recording.sensors names it",
+            Recorded::OfAgglomerates | Recorded::NamedOrOfAgglomerates => {
+                "in every test of agglomerates ([[bond]] with places = \"inside\"), and elsewhere where recording.sensors names it"
+            }
             Recorded::WhereNamed => "where recording.sensors names it",
         })
     }
@@ -363,6 +403,7 @@ impl Sensors {
             Recorded::SinceStages => columns == RecordedColumns::All,
             Recorded::OfClumps => self.clumps,
             Recorded::OfBonds => self.bonds,
+            Recorded::OfAgglomerates | Recorded::NamedOrOfAgglomerates => self.agglomerates,
             Recorded::WhereNamed => false,
         };
         let mut names: Vec<&'static str> =

@@ -12,7 +12,7 @@ fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
         lattice::random_contacts(60, 5),
         clumps::few(),
     ];
-    let mut so_far = Sensors { known: Vec::new(), clumps: false, bonds: false };
+    let mut so_far = Sensors { known: Vec::new(), clumps: false, bonds: false, agglomerates: false };
     for known in &STANDARD.known {
         let Known { sensor, description, .. } = &**known;
         assert_eq!(so_far.check(sensor.as_ref()), Ok(()));
@@ -264,4 +264,27 @@ fn sensors_of_clumps_are_recorded_and_measured_where_there_are_clumps() {
     assert_eq!(names(before).last(), Some(&"spin"));
     assert_eq!(names(after).iter().filter(|name| **name == "spin").count(), 1);
     assert!(STANDARD.recorded("spin").unwrap().starts_with("in every test of grains of several pieces"));
+}
+
+/// Both void ratios are recorded of agglomerates, and neither of grains without bonds or with a bond from each to the next.
+#[test]
+fn voids_inside_of_agglomerates_are_recorded_where_there_are_agglomerates() {
+    let names = |sensors: &Sensors| sensors.of_test(&Recording::default(), RecordedColumns::All).unwrap();
+    let both = ["void_ratio", "agglomerate_voids"];
+    let bonded = STANDARD.for_bonds(true);
+    assert!(both.iter().all(|name| names(&bonded.for_agglomerates(true)).contains(name)));
+    assert!(both.iter().all(|name| !names(&bonded).contains(name) && !names(&STANDARD).contains(name)));
+    assert!(names(&bonded).contains(&"rupture_rate"));
+    // What is measured follows from the grains themselves.
+    let mut grains = lattice::simple_cubic(2, 1e-4, 1e-4, 1e-4);
+    let inside = |grains: &Assembly| {
+        STANDARD.measure(grains, Parts::all()).value("intergranular_void_ratio").is_some()
+    };
+    assert!(!inside(&grains));
+    let bond = granum_core::assembly::Bond { j: 1, branch: [2e-4, 0.0, 0.0], ..Default::default() };
+    grains.bonds = vec![bond];
+    assert!(inside(&grains));
+    let bond = |i: usize| granum_core::assembly::Bond { i, j: i + 1, ..bond };
+    grains.bonds = (0..7).map(bond).collect();
+    assert!(!inside(&grains));
 }

@@ -7,6 +7,7 @@ mod seams;
 
 use granum_core::assembly::Vector;
 
+pub use hull::hull_volume;
 pub use seams::widest_seam;
 
 use crate::directions::directions;

@@ -22,7 +22,7 @@ use crate::output;
 ///
 /// Tables: .csv and .parquet. Grains and contacts at one instant: .vtp (ParaView), .data (LAMMPS), .csv (packing). Grains at any
 /// number of instants: .xyz (extended XYZ), .gsd (OVITO, freud) and .dump (LAMMPS, OVITO). Of grains of several pieces these have the pieces,
-/// with the body of each; --to vtp-bodies writes the grains with their orientations for glyphs of ParaView.
+/// with the body of each; --to vtp-bodies writes the grains with their orientations for glyphs of ParaView, --to vtp-bonds bonds and cracks.
 ///
 /// With --to lammps it writes a folder with a complete input deck for LAMMPS instead: the sample (packing.data) and a script
 /// (in.granum) that tests it along the same path and writes curve.csv. The sample is that of a run or of a prepared sample as its test
@@ -43,7 +43,7 @@ pub struct Export {
     /// File to write; with --to lammps the folder.
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Format of the file, where its extension does not say it: vtp, vtp-bodies, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
+    /// Format of the file, where its extension does not say it: vtp, vtp-bodies, vtp-bonds, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
     /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
@@ -114,13 +114,7 @@ impl Export {
             Some(run) => self.snapshots(run)?,
             None => self.instants(self.sources.read(context, &self.data)?)?,
         };
-        let bonds = observations.last().map_or(0, |observation| observation.assembly.bonds.len());
-        if bonds > 0 {
-            context.warn(&format!(
-                "the {bonds} bonds between the grains are not written: no format of grains and contacts has them. They are in the snapshots of \
-                 the run (NAME.bonds)"
-            ));
-        }
+        self.say_of_bonds(context, &observations);
         let grains = observations.last().map_or(0, |observation| observation.assembly.bodies.len());
         let instants = observations.len();
         let of = if instants > 1 { format!(", the last of {instants} instants") } else { String::new() };
@@ -191,6 +185,21 @@ impl Export {
             None => export_data_set::write(context, &folder, self.table.as_deref(), &self.output),
         };
         what.map(Some)
+    }
+
+    /// Warns of bonds for which the file has no place.
+    fn say_of_bonds(&self, context: &Context, observations: &[ObservedAssembly]) {
+        let bonds = observations.last().map_or(0, |observation| observation.bonded_pairs().len());
+        let formats = context.formats();
+        let file = formats.assembly_file(&self.output, self.to.as_deref());
+        let written =
+            self.table.is_none() && matches!(file, Ok(AssemblyFile::Results(format)) if format.holds_bonds());
+        if bonds > 0 && !written {
+            context.warn(&format!(
+                "the {bonds} bonds between the grains are not written: this format has no place for them. A LAMMPS data file has (-o NAME.data), \
+                 a file of bonds for ParaView (--to vtp-bonds), and the snapshots of a run (NAME.bonds)"
+            ));
+        }
     }
 
     /// The requested snapshots of a run.

@@ -111,6 +111,7 @@ impl CaseBond {
             "strength_deviation" => self.word("scatter") == "normal",
             "weibull_modulus" | "reference_volume" => self.word("scatter") == "weibull",
             "largest_gap" => self.word("places") == "between",
+            "type" => self.word("places") == "file",
             "seed" => {
                 self.word("scatter") != "none" || self.number("left_out").is_some_and(|share| share > 0.0)
             }
@@ -127,7 +128,8 @@ impl CaseBond {
                 "cement_density" => "without cement_content".to_string(),
                 "strength_deviation" => "unless scatter = \"normal\"".to_string(),
                 "weibull_modulus" | "reference_volume" => "unless scatter = \"weibull\"".to_string(),
-                "largest_gap" => "with places = \"inside\"".to_string(),
+                "largest_gap" => format!("with places = {:?}", self.word("places")),
+                "type" => "unless places = \"file\"".to_string(),
                 "seed" => "where nothing is drawn at random".to_string(),
                 _ => format!("with law = {:?}", law.name()),
             };
@@ -174,8 +176,12 @@ impl CaseBond {
         Bonding::default().with(|bonding| {
             bonding.law = law;
             bonding.parameters = parameters.collect();
-            bonding.places =
-                if self.word("places") == "inside" { BondPlaces::Inside } else { BondPlaces::Between };
+            bonding.places = match self.word("places") {
+                "inside" => BondPlaces::Inside,
+                "file" => BondPlaces::Listed,
+                _ => BondPlaces::Between,
+            };
+            bonding.kind = self.number("type").map(|kind| kind.min(f64::from(u32::MAX)) as u32);
             bonding.radius = match self.number("cement_content") {
                 Some(content) => BondRadius::Cement { content, density: given("cement_density") },
                 None => BondRadius::Share(given("radius")),

@@ -45,9 +45,19 @@ pub(super) const KEYS: &[BondKey] = &[
                 "inside",
                 "the touching pieces of each grain, which becomes an agglomerate of spheres that can come apart",
             ],
+            [
+                "file",
+                "the pairs that the packing of the run lists, as the section Bonds of a LAMMPS data file does",
+            ],
         ]),
         Some("between"),
         "Which pieces are joined.",
+    ),
+    key(
+        "type",
+        KeyKind::Count(1),
+        None,
+        "Only the pairs of this type of the packing; without it those of all types. Only with places = \"file\".",
     ),
     key(
         "before_stage",

@@ -1,6 +1,6 @@
 //! Tables `[[bond]]`: reading, writing, digests, and what is refused.
 
-use granum_dem::bond::{BondRadius, StrengthScatter};
+use granum_dem::bond::{BondPlaces, BondRadius, StrengthScatter};
 
 use crate::case::Case;
 
@@ -67,6 +67,17 @@ fn keys_are_set_compared_and_listed() {
 }
 
 #[test]
+fn pairs_of_a_file_are_asked_for_by_type() {
+    let case = parse(
+        "[grains.material]\ninterface_energy = 0\n[[bond]]\nplaces = \"file\"\ntype = 2\n[[bond]]\nplaces = \"file\"\n",
+    );
+    let laws = case.vocabulary.laws();
+    let of = |k: usize| case.bonds[k].bonding(laws);
+    assert_eq!((of(0).places, of(0).kind, of(1).kind), (BondPlaces::Listed, Some(2), None));
+    assert_eq!(parse(&case.resolved_toml()).digest(), case.digest());
+}
+
+#[test]
 fn mistakes_are_named_with_their_line_and_what_would_be_right() {
     let said = |lines: &str, text: &str| {
         let case = format!("[grains.material]\ninterface_energy = 0\n[[bond]]\n{lines}");
@@ -85,6 +96,9 @@ fn mistakes_are_named_with_their_line_and_what_would_be_right() {
     said("seed = 3\n", "has no effect where nothing is drawn at random");
     said("before_stage = 2\n", "bond.1.before_stage = 2, but the test has 1 stages");
     said("before_stage = 0\n", "must be a whole number of at least 1");
+    said("type = 2\n", "bond.1.type has no effect unless places = \"file\"");
+    said("places = \"file\"\ntype = 0\n", "must be a whole number of at least 1");
+    said("places = \"file\"\nlargest_gap = 0.1\n", "bond.1.largest_gap has no effect with places = \"file\"");
     said("law = \"beam\"\nstiffness_ratio = 2\n", "unknown key bond.1.stiffness_ratio");
     said("places = \"inside\"\n", "all grains are spheres");
     said("modulus = [1, 2]\n", "must be a single value");

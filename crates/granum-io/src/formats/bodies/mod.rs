@@ -165,7 +165,9 @@ impl BodiesOfFile<'_> {
             )));
         }
         let assembly = Assembly { bodies, pieces, rigid, contacts, ..assembly };
-        ObservedAssembly { assembly, remarks, lines, clump_of: Default::default(), ..observed }
+        let mut listed_bonds = observed.listed_bonds;
+        listed_bonds.iter_mut().for_each(|bond| bond.pieces = bond.pieces.map(|sphere| place[sphere]));
+        ObservedAssembly { assembly, remarks, lines, listed_bonds, clump_of: Default::default(), ..observed }
     }
 }
 

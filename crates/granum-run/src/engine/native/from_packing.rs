@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use granum_dem::bond::BondPlaces;
 use granum_dem::preparation::{NextTrial, Preparing, SampleSpecification, is_loose};
 use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
@@ -109,6 +110,19 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
         }
     }
     remarks
+}
+
+/// A sentence about the bonds that a packing lists, if no table of the case makes bonds of them.
+pub(super) fn remark_on_bonds(case: &Case, path: &Path, packing: &Packing) -> Option<String> {
+    let laws = case.vocabulary.laws();
+    let made = case.bonds.iter().any(|bond| bond.bonding(laws).places == BondPlaces::Listed);
+    (!packing.bonds.is_empty() && !made).then(|| {
+        format!(
+            "{} lists {} bonds, of which none is made in this run: a table [[bond]] with places = \"file\" makes them",
+            file_name(path),
+            packing.bonds.len()
+        )
+    })
 }
 
 impl TaskExecution {

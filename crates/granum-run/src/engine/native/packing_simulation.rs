@@ -3,9 +3,10 @@
 use granum_core::cell::Cell;
 use granum_core::geometry::Matrix;
 use granum_core::rotation::{IDENTITY, matrix, to_body};
+use granum_dem::bond::ListedPair;
 use granum_dem::simulation::{InitialBody, InitialSphere, Properties, RigidShape, ShapePiece, Simulation};
 use granum_io::Packing;
-use granum_io::packing::{PackedBody, PackedGrain};
+use granum_io::packing::{PackedBody, PackedBond, PackedGrain};
 
 use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::laboratory::memory;
@@ -16,7 +17,7 @@ const WIDEST_RADII: f64 = 100.0;
 /// Largest ratio of an edge of the cell to the largest radius, sufficient for 10^9 grains.
 const WIDEST_CELL: f64 = 1e5;
 
-/// The grains of a packing at rest, with the forces of their geometry.
+/// The grains of a packing at rest, with the forces of their geometry and the list of the pairs that are to be bonded.
 ///
 /// # Errors
 /// If the memory does not suffice, if the radii differ too much or the cell is too large for them, or as
@@ -38,6 +39,15 @@ pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulatio
              {WIDEST_CELL:e} times the radius is possible"
         )));
     }
+    let mut simulation = grains_at_rest(packing, properties)?;
+    if !packing.bonds.is_empty() {
+        let pair = |bond: &PackedBond| ListedPair { pieces: bond.pieces, kind: bond.kind };
+        simulation.list_pairs(packing.bonds.iter().map(pair).collect())?;
+    }
+    Ok(simulation)
+}
+
+fn grains_at_rest(packing: &Packing, properties: Properties) -> Result<Simulation, LaboratoryError> {
     let materials = materials(packing, &properties)?;
     if !packing.bodies.is_empty() {
         let (shapes, bodies) = bodies(packing);

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::path::Path;
 
+use granum_dem::bond::BondPlaces;
 use granum_dem::config::Preparation;
 use granum_dem::observer::{EachProgress, Flow, SimulationObserver, SimulationObservers, SimulationProgress};
 use granum_dem::preparation::{
@@ -39,7 +40,11 @@ impl TaskExecution {
     ) -> Result<RunState, LaboratoryError> {
         let specification = self.specification(case, &case.preparation, case.grains.count);
         let preparing = match source {
-            Source::Folder(path) => return take_sample(case, path, &self.vocabulary, record),
+            Source::Folder(path) => {
+                let found = take_sample(case, path, &self.vocabulary, record)?;
+                check_listed_bonds(case, &found.simulation)?;
+                return Ok(found);
+            }
             Source::Case => {
                 for remark in [remark_on_sizes(case), remark_on_shapes(case)].into_iter().flatten() {
                     note(record, remark);
@@ -51,13 +56,16 @@ impl TaskExecution {
                 let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
                 let of_file =
                     packing.remarks.iter().map(|remark| format!("{}: {}", path.shown(), remark.text));
-                for remark in of_file.chain(from_packing::remarks(case, path, why_not.as_deref())) {
+                let of_bonds = from_packing::remark_on_bonds(case, path, &packing);
+                let of_keys = from_packing::remarks(case, path, why_not.as_deref());
+                for remark in of_file.chain(of_bonds).chain(of_keys) {
                     observer.warn(&remark);
                     note(record, remark);
                 }
                 preparing
             }
         };
+        check_listed_bonds(case, &preparing.simulation)?;
         Ok(RunState::new(preparing.simulation, RunPart::Preparation(preparing.progress)))
     }
 
@@ -175,6 +183,15 @@ pub(in crate::engine) fn note(record: &mut RunRecord, text: String) {
     if !record.notes.contains(&text) {
         record.notes.push(text);
     }
+}
+
+/// Refuses bonds of pairs that no file lists before the sample is prepared.
+fn check_listed_bonds(case: &Case, simulation: &Simulation) -> Result<(), LaboratoryError> {
+    let definitions = case.bonds.iter().map(|bond| bond.bonding(case.vocabulary.laws()));
+    for bonding in definitions.filter(|bonding| bonding.places == BondPlaces::Listed) {
+        simulation.check_listed(&bonding)?;
+    }
+    Ok(())
 }
 
 /// Reads the sample of another folder.

@@ -1,5 +1,6 @@
 //! The state of a test: a sequence of stages, each with its own recorder.
 
+use granum_dem::bond::BondPlaces;
 use granum_dem::config::RecordedColumns;
 use granum_dem::loading::{Stage, StageEnd, StageProgress, Start, begin};
 use granum_dem::simulation::Simulation;
@@ -183,7 +184,12 @@ impl Test {
     ) -> Result<Option<Recorder>, SensorError> {
         let Some(stage) = self.stages.get(at) else { return Ok(None) };
         let origin = self.stage_progress.origin(stage.record.measure);
-        let sensors = sensors.for_clumps(!case.grains.are_spheres()).for_bonds(!case.bonds.is_empty());
+        let laws = case.vocabulary.laws();
+        let agglomerates = case.bonds.iter().any(|bond| bond.bonding(laws).places == BondPlaces::Inside);
+        let sensors = sensors
+            .for_clumps(!case.grains.are_spheres())
+            .for_bonds(!case.bonds.is_empty())
+            .for_agglomerates(agglomerates);
         Recorder::of_stage(&sensors, &case.recording, self.columns, &stage.record, origin).map(Some)
     }
 
