@@ -190,8 +190,7 @@ fn bonded_checkpoint(body: &[u8]) {
 
 /// Whatever is read as bonds can be measured.
 fn bonds_of_snapshot(json: &[u8]) {
-    let folder = tempfile::tempdir().expect("a folder");
-    match snapshot_of_a_pair(json, folder.path()) {
+    match snapshot_of_a_pair(json) {
         Ok(assembly) => {
             black_box(granum_sensors::Sensors::standard().measure(&assembly, granum_core::Parts::all()));
         }
@@ -199,11 +198,19 @@ fn bonds_of_snapshot(json: &[u8]) {
     }
 }
 
-/// What is read of a snapshot of two grains with these bonds.
-pub fn snapshot_of_a_pair(json: &[u8], folder: &std::path::Path) -> granum_io::Result<Assembly> {
-    granum_io::snapshot::write_snapshot(folder, "start", &pair()).expect("a snapshot");
-    std::fs::write(folder.join("start.bonds"), json).expect("a file");
-    granum_io::snapshot::read_snapshot(folder, "start")
+/// What is read of a snapshot of two grains with these bonds. The rest of the snapshot is written once.
+pub fn snapshot_of_a_pair(json: &[u8]) -> granum_io::Result<Assembly> {
+    thread_local! {
+        static FOLDER: tempfile::TempDir = {
+            let folder = tempfile::tempdir().expect("a folder");
+            granum_io::snapshot::write_snapshot(folder.path(), "start", &pair()).expect("a snapshot");
+            folder
+        };
+    }
+    FOLDER.with(|folder| {
+        std::fs::write(folder.path().join("start.bonds"), json).expect("a file");
+        granum_io::snapshot::read_snapshot(folder.path(), "start")
+    })
 }
 
 /// Two grains that a bond joins.
