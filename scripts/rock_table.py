@@ -31,6 +31,7 @@ SETS = [
     ("stiffness ratio 1", {"stiffness_ratio": 1}),
     ("stiffness ratio 1.5", {"stiffness_ratio": 1.5}),
     ("stiffness ratio 4", {"stiffness_ratio": 4}),
+    ("stiffness ratio 10", {"stiffness_ratio": 10}),
     ("both strengths 10 MPa", {"tensile_strength": 10e6, "cohesion": 10e6}),
     ("both strengths 40 MPa", {"tensile_strength": 40e6, "cohesion": 40e6}),
     ("cohesion 10 MPa", {"cohesion": 10e6}),
