@@ -36,7 +36,8 @@ FIGURE = {
     "paper": "stress", "drained-dense": "stress", "drained-loose": "stress", "undrained-loose": "stress-path",
     "undrained-dense": "stress-path", "cyclic-undrained": "loops", "cyclic-drained": "loops", "simple-shear": "shear",
     "true-triaxial": "deviatoric-plane", "powder-oedometer": "compression", "powder-flow": "stress-path", "wet-grains": "stress",
-    "rolling-resistance": "stress", "long-grains": "stress", "bedded-grains": "stress", "cemented-sand": "stress", "rock-like": "bonds",
+    "rolling-resistance": "stress", "long-grains": "stress", "bedded-grains": "stress", "cemented-sand": "stress",
+    "cemented-sand-undrained": "stress-path", "rock-like": "bonds",
     "crushable-grains": "fragments", "strain-history": "stress-path",
 }
 # What the picture of a family shows: the command of its chapter.

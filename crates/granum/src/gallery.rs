@@ -48,6 +48,7 @@ cases! {
     "long-grains",
     "bedded-grains",
     "cemented-sand",
+    "cemented-sand-undrained",
     "rock-like",
     "crushable-grains",
     "karlsruhe-dense",

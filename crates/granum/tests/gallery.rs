@@ -382,6 +382,22 @@ fn cement_makes_a_brittle_peak_and_leaves_sand() {
     assert!(broken[0] < 0.01 && broken[broken.len() - 1] > 0.9, "{broken:?}");
 }
 
+/// At constant volume cement carries a loose sand far above its own strength, and the sand that is left liquefies.
+#[test]
+fn loose_sand_liquefies_when_its_cement_breaks() {
+    let changes = [("stage.1.inertial_number", "3e-3"), ("stage.1.states", "60")];
+    let cemented = test(&small("cemented-sand-undrained", &changes));
+    let mut without = small("cemented-sand-undrained", &changes);
+    without.bonds.clear();
+    let without = test(&without);
+    let strength = |test: &RunResult| peak(test, "deviator_stress");
+    assert!(strength(&cemented) > 2.0 * strength(&without), "{} {}", strength(&cemented), strength(&without));
+    let p = column(&cemented, "mean_stress");
+    assert!(p[p.len() - 1] < 30e3, "{p:?}");
+    let broken = column(&cemented, "broken_bond_fraction");
+    assert!(broken[0] < 0.01 && broken[broken.len() - 1] > 0.5, "{broken:?}");
+}
+
 #[test]
 fn a_rock_like_packing_is_elastic_and_brittle() {
     let changes =
