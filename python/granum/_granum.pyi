@@ -894,6 +894,8 @@ def read(
     missing_pairs: Literal["no-contacts", "without-force"] | None = None,
     contact_forces: Literal["as-given", "reversed"] | None = None,
     repeated_pairs: Literal["first", "sum"] | None = None,
+    separate_spheres: bool = False,
+    masses_add_up: bool = False,
 ) -> list[Assembly]:
     """Reads results of other programs, as `granum measure` does: an assembly for each instant.
 
@@ -911,6 +913,9 @@ def read(
     or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
     that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
     (`repeated_pairs`: `"first"` or `"sum"`).
+
+    Spheres that a file puts into one molecule, clump or body are one grain, with `separate_spheres` each a grain of its own. The mass of such a grain
+    is that of the union of its spheres, with `masses_add_up` the sum of theirs.
     """
 
 def write(

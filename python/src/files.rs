@@ -39,10 +39,13 @@ use crate::table::{SERIES, Table};
 /// or `"no-contacts"`), what pairs are that overlap and are missing (`missing_pairs`: `"no-contacts"` or `"without-force"`), what forces are
 /// that pull everywhere (`contact_forces`: `"as-given"` or `"reversed"`), and what rows of one pair with different forces are
 /// (`repeated_pairs`: `"first"` or `"sum"`).
+///
+/// Spheres that a file puts into one molecule, clump or body are one grain, with `separate_spheres` each a grain of its own. The mass of such a grain
+/// is that of the union of its spheres, with `masses_add_up` the sum of theirs.
 #[pyfunction]
 #[pyo3(signature = (
     *paths, cell=None, density=None, time_step=None, columns=None, case=None, allow_outside=false, pairs_apart=None, missing_pairs=None,
-    contact_forces=None, repeated_pairs=None
+    contact_forces=None, repeated_pairs=None, separate_spheres=false, masses_add_up=false
 ))]
 pub fn read(
     py: Python<'_>,
@@ -57,6 +60,8 @@ pub fn read(
     missing_pairs: Option<&str>,
     contact_forces: Option<&str>,
     repeated_pairs: Option<&str>,
+    separate_spheres: bool,
+    masses_add_up: bool,
 ) -> PyResult<Vec<Assembly>> {
     let [first, others @ ..] = &paths[..] else {
         return Err(PyTypeError::new_err("granum.read needs the name of a file"));
@@ -67,13 +72,17 @@ pub fn read(
     }
     let answers = [pairs_apart, missing_pairs, contact_forces, repeated_pairs];
     let given = [cell.is_some(), density.is_some(), time_step.is_some(), columns.is_some()].contains(&true)
-        || answers.iter().any(Option::is_some);
+        || answers.iter().any(Option::is_some)
+        || separate_spheres
+        || masses_add_up;
     let options = JoinOptions::new(
         cell.map(cell_edges).transpose()?.map(|edges| FrameCell { origin: [0.0; 3], edges }),
         positive("density", density, Dimension::DENSITY)?,
         positive("time_step", time_step, Dimension::TIME)?,
     )
-    .with_contacts(contact_options(py, answers)?);
+    .with_contacts(contact_options(py, answers)?)
+    .with_separate_spheres(separate_spheres)
+    .with_masses_that_add_up(masses_add_up);
     let named = columns.map(|columns| names_of_columns(columns, &paths)).transpose()?.unwrap_or_default();
     let case = case.map(|case| case_of(py, case)).transpose()?;
     if case.is_some() && !others.is_empty() {

@@ -66,6 +66,24 @@ def test_what_a_file_does_not_have_is_not_invented() -> None:
     assert granum.view(instant).html.count(f"{len(instant.contacts)} contacts without forces") == 1
 
 
+def test_spheres_of_a_molecule_are_one_grain_or_several(tmp_path: pathlib.Path) -> None:
+    # A dump of two molecules of two overlapping spheres each.
+    rows = ["1 1 1 0.3 0.3 0.3 0.1 1.0", "2 1 1 0.4 0.3 0.3 0.1 1.0", "3 2 1 0.7 0.7 0.7 0.1 1.0", "4 2 1 0.8 0.7 0.7 0.1 1.0"]
+    bounds = "ITEM: BOX BOUNDS pp pp pp\n" + "0 1\n" * 3
+    head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n4\n{bounds}ITEM: ATOMS id mol type x y z radius mass\n"
+    (tmp_path / "grains.dump").write_text(head + "\n".join(rows) + "\n")
+
+    def read(**words: bool) -> granum.Assembly:
+        (instant,) = granum.read(tmp_path / "grains.dump", **words)  # type: ignore[arg-type]
+        return instant
+
+    assert len(read().radii) == 2 and np.bincount(read().piece_grains).tolist() == [2, 2]
+    assert len(read(separate_spheres=True).radii) == 4
+    union, total = read().masses, read(masses_add_up=True).masses
+    # The spheres overlap, so that their union is lighter.
+    assert np.allclose(total, 2.0) and (union < 1.9).all() and (union > 1.5).all()
+
+
 @pytest.mark.parametrize(
     "files",
     [
