@@ -11,7 +11,7 @@ use granum_sensors::Observation;
 use granum_sensors::force_chains::Chains;
 use serde_json::{Value, json};
 
-use super::View;
+use super::view::View;
 
 /// The most bonds and the most cracks that are shown.
 const MOST_BONDS: usize = 20_000;
