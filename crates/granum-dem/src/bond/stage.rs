@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use granum_simd::vectors::{cross, dot, scale};
+use granum_simd::vectors::{cross, dot};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
@@ -12,7 +12,7 @@ use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
 use super::law::parallel::stresses_over_strengths;
 use super::motion::{Ends, Vectors, in_axes, in_space, strained};
-use super::views::{BATCHES, BondSums, PIECES};
+use super::views::{BATCHES, BondSums, LOADS, PIECES};
 use crate::kernel::Views;
 
 /// Number of ends between prefetching one and adding it, and of those that are prefetched for each piece.
@@ -211,8 +211,8 @@ fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut
         (&v.bonds.rows.read()[batch], v.bonds.columns.write(batch * COLUMNS..(batch + 1) * COLUMNS))
     };
     let alive = L::load(&columns[ALIVE].0).gt(L::zero());
-    // SAFETY: two rows for each bond of the batch, which only this thread writes.
-    let loads = unsafe { v.bonds.loads.write(2 * LANES * batch..2 * LANES * (batch + 1)) };
+    // SAFETY: the loads of a batch are written by the thread of its block alone.
+    let loads = unsafe { v.bonds.loads.write(LOADS * batch..LOADS * (batch + 1)) };
     if !alive.any() {
         loads.fill(Row8::default());
         return;
@@ -363,7 +363,7 @@ fn add_to_totals<L: Lanes>(
     totals.power = totals.power + dot(*force, affine(v, *branch));
 }
 
-/// Stores force and torque over radius on both ends.
+/// Stores the force, and the torques over radius on both ends.
 #[inline(always)]
 fn put<L: Lanes>(
     loads: &mut [Row8],
@@ -373,20 +373,10 @@ fn put<L: Lanes>(
     curvatures: &[L; 2],
 ) {
     let (first, second) = (cross(levers[0], *force), cross(levers[1], *force));
-    let (mut on_first, mut on_second) = ([L::zero(); 3], [L::zero(); 3]);
     for k in 0..3 {
-        on_first[k] = (couple[k] + first[k]) * curvatures[0];
-        on_second[k] = -((couple[k] + second[k]) * curvatures[1]);
-    }
-    let (zero, opposite) = (L::zero(), scale(L::splat(-1.0), *force));
-    let [a, b, c] = *force;
-    let [x, y, z] = on_first;
-    let one = L::transpose([a, b, c, zero, x, y, z, zero]);
-    let ([a, b, c], [x, y, z]) = (opposite, on_second);
-    let two = L::transpose([a, b, c, zero, x, y, z, zero]);
-    for lane in 0..LANES {
-        one[lane].store(&mut loads[2 * lane].0);
-        two[lane].store(&mut loads[2 * lane + 1].0);
+        force[k].store(&mut loads[k].0);
+        ((couple[k] + first[k]) * curvatures[0]).store(&mut loads[3 + k].0);
+        (-((couple[k] + second[k]) * curvatures[1])).store(&mut loads[6 + k].0);
     }
 }
 
@@ -411,16 +401,31 @@ impl Kernel for BondedStage<'_> {
                 let row = bonded[place] as usize;
                 let fetched = if v.bonds.far { ENDS_A_PIECE } else { 0 };
                 for later in ends.iter().skip(offsets[place] as usize + AHEAD).take(fetched) {
-                    v.bonds.loads.prefetch(*later as usize);
+                    let batch = *later as usize / (2 * LANES);
+                    for column in 0..LOADS {
+                        v.bonds.loads.prefetch(LOADS * batch + column);
+                    }
                 }
                 // SAFETY: a piece is in the list once, and its block belongs to one thread.
                 let force = unsafe { &mut v.forces.write(row..row + 1)[0] };
-                let mut sum = L::load(&force.0);
+                let mut sum = force.0;
                 for end in &ends[offsets[place] as usize..offsets[place + 1] as usize] {
-                    sum = sum + L::load(&loads[*end as usize].0);
+                    add(&mut sum, loads, *end as usize);
                 }
-                sum.store(&mut force.0);
+                force.0 = sum;
             }
         }
+    }
+}
+
+/// Adds the load of an end, with the number of [`super::ends::EndLists`]: the force on the second is opposite.
+#[inline(always)]
+fn add(sum: &mut [f64; 8], loads: &[Row8], end: usize) {
+    let (batch, lane, side) = (end / (2 * LANES), end / 2 % LANES, end % 2);
+    let Some(loads) = loads.get(LOADS * batch..LOADS * (batch + 1)) else { return };
+    let sign = 1.0 - 2.0 * side as f64;
+    for k in 0..3 {
+        sum[k] += sign * loads[k].0[lane];
+        sum[4 + k] += loads[3 + 3 * side + k].0[lane];
     }
 }

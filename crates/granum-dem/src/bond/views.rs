@@ -8,6 +8,8 @@ use crate::team::RawSlice;
 
 /// Batches of bonds in a block, the unit of work of a thread.
 pub(crate) const BATCHES: usize = 8;
+/// Columns of the loads of a batch: the force on the first ends, and the torques over radius on the first and on the second.
+pub(crate) const LOADS: usize = 9;
 /// Pieces in a block of the second stage.
 pub(crate) const PIECES: usize = 64;
 
@@ -49,7 +51,7 @@ pub(crate) struct BondViews {
     pub(crate) rows: RawSlice<[[u32; LANES]; 2]>,
     pub(crate) columns: RawSlice<Row8>,
     pub(crate) orientations: RawSlice<Row4>,
-    /// Force and torque over radius on the ends, two rows a bond.
+    /// Force and torques over radius, [`LOADS`] columns a batch.
     pub(crate) loads: RawSlice<Row8>,
     pub(crate) sums: RawSlice<BondSums>,
     pub(crate) ruptures: RawSlice<Ruptures>,

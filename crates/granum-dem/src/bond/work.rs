@@ -1,11 +1,11 @@
 //! The working memory of bonds, which follows from the state.
 
-use granum_simd::{LANES, Row8};
+use granum_simd::Row8;
 
 use super::bonds::Bonds;
 use super::ends::EndLists;
 use super::law::bond_law::Criterion;
-use super::views::{BATCHES, BondSums, BondViews, Ruptures};
+use super::views::{BATCHES, BondSums, BondViews, LOADS, Ruptures};
 use crate::team::RawSlice;
 
 /// From this size of the bonds on, in bytes, what they need is prefetched.
@@ -27,7 +27,7 @@ impl BondWork {
         let batches = bonds.batches();
         BondWork {
             lists: EndLists::new(bonds),
-            loads: vec![Row8::default(); 2 * LANES * batches],
+            loads: vec![Row8::default(); LOADS * batches],
             sums: vec![BondSums::default(); batches.div_ceil(BATCHES)],
             ruptures: vec![Ruptures::default(); batches],
             criteria: bonds.laws.iter().map(|kind| kind.law().criterion()).collect(),
