@@ -4,7 +4,7 @@
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian. The body ends with the
 //! energies in the channels of all laws where there are others than that of the normal law's first channel. Where grains have several pieces
 //! the version is 9, and the body ends with these energies, which are always there, and the clumps. Where there are bonds, or were, the version
-//! is 10, and the body ends with the names of the laws of bonds and the bonds, and with the pairs that a file lists as bonded, if it lists any.
+//! is 11, and the body ends with the names of the laws of bonds and the bonds, and with the pairs that a file lists as bonded, if it lists any.
 
 use std::io::Write;
 
@@ -27,7 +27,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Newest version that this granum reads and writes: of states with bonds.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 /// Version of states without bonds in which grains have several pieces.
 pub const OF_CLUMPS: u32 = 9;
 /// Version of states in which every grain is a sphere.

@@ -12,24 +12,22 @@ use crate::rows;
 pub(super) mod column {
     use super::LIMITS;
 
-    /// Edges of the cell between piece i and the image of piece j.
-    pub(in crate::bond) const IMAGE: usize = 0;
     /// Distances of the point of attachment from the centres, m.
-    pub(in crate::bond) const ARMS: usize = 3;
+    pub(in crate::bond) const ARMS: usize = 0;
     /// The frame in the axes of piece i, and in those of piece j.
-    pub(in crate::bond) const FRAMES: [usize; 2] = [5, 9];
+    pub(in crate::bond) const FRAMES: [usize; 2] = [2, 6];
     /// Stiffnesses: normal, shear, bending, twisting.
-    pub(in crate::bond) const STIFFNESS: usize = 13;
+    pub(in crate::bond) const STIFFNESS: usize = 10;
     /// Constants of the law of rupture.
-    pub(in crate::bond) const LIMIT: usize = 17;
+    pub(in crate::bond) const LIMIT: usize = 14;
     /// One where there is a bond, zero where there is none any more.
     pub(in crate::bond) const ALIVE: usize = LIMIT + LIMITS;
-    /// Dashpots, in the order of the stiffnesses.
-    pub(in crate::bond) const DAMPING: usize = ALIVE + 1;
     /// Number of columns.
-    pub(in crate::bond) const COLUMNS: usize = DAMPING + 4;
+    pub(in crate::bond) const COLUMNS: usize = ALIVE + 1;
+    /// Number of columns of dashpots, in the order of the stiffnesses.
+    pub(in crate::bond) const DASHPOTS: usize = 4;
 }
-use column::{ALIVE, COLUMNS, DAMPING, IMAGE, STIFFNESS};
+use column::{ALIVE, COLUMNS, DASHPOTS, STIFFNESS};
 
 /// Energies of bonds since the start of a phase, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,7 +45,10 @@ pub(super) struct BondRecord {
     pub(super) law: u8,
     pub(super) rows: [u32; 2],
     pub(super) shape: [f64; 2],
+    /// Edges of the cell between the first piece and the image of the second.
+    pub(super) image: [i32; 3],
     pub(super) columns: [f64; COLUMNS],
+    pub(super) dashpots: [f64; DASHPOTS],
 }
 
 /// The bonds of a simulation.
@@ -67,6 +68,11 @@ pub(crate) struct Bonds {
     /// [`column`]s, by batch.
     #[serde(with = "rows::eight")]
     pub(super) columns: Vec<Row8>,
+    /// Edges of the cell between the first piece of each and the image of the second, by batch.
+    pub(super) images: Vec<[[i32; LANES]; 3]>,
+    /// Dashpots, by batch.
+    #[serde(with = "rows::eight")]
+    pub(super) dashpots: Vec<Row8>,
     /// Radius and length of each, m, by batch.
     #[serde(with = "rows::eight")]
     pub(super) shapes: Vec<Row8>,
@@ -102,6 +108,11 @@ impl Bonds {
         &self.columns[batch * COLUMNS..(batch + 1) * COLUMNS]
     }
 
+    /// The dashpots of a bond.
+    fn dashpots_of(&self, batch: usize, lane: usize) -> [f64; DASHPOTS] {
+        std::array::from_fn(|k| self.dashpots[batch * DASHPOTS + k].0[lane])
+    }
+
     pub(super) fn is_alive(&self, batch: usize, lane: usize) -> bool {
         self.columns_of(batch)[ALIVE].0[lane] > 0.0
     }
@@ -119,7 +130,9 @@ impl Bonds {
             law: self.law[batch],
             rows: self.rows[batch].map(|rows| rows[lane]),
             shape: [0, 1].map(|k| self.shapes[2 * batch + k].0[lane]),
+            image: self.images[batch].map(|edges| edges[lane]),
             columns: std::array::from_fn(|c| self.columns_of(batch)[c].0[lane]),
+            dashpots: self.dashpots_of(batch, lane),
         }
     }
 
@@ -140,6 +153,8 @@ impl Bonds {
         self.ids.clear();
         self.rows.clear();
         self.columns.clear();
+        self.images.clear();
+        self.dashpots.clear();
         self.shapes.clear();
         for of_law in records.chunk_by(|a, b| a.law == b.law) {
             for eight in of_law.chunks(LANES) {
@@ -154,13 +169,19 @@ impl Bonds {
         columns[column::FRAMES[0]] = Row8([1.0; LANES]);
         columns[column::FRAMES[1]] = Row8([1.0; LANES]);
         let (mut rows, mut ids, mut shapes) = ([[0; LANES]; 2], [0; LANES], [Row8::default(); 2]);
+        let (mut images, mut dashpots) = ([[0; LANES]; 3], [Row8::default(); DASHPOTS]);
         for (lane, bond) in bonds.iter().enumerate() {
             ids[lane] = bond.id;
             for k in 0..2 {
                 rows[k][lane] = bond.rows[k];
                 shapes[k].0[lane] = bond.shape[k];
             }
-            for (column, value) in columns.iter_mut().zip(bond.columns) {
+            for (image, edges) in images.iter_mut().zip(bond.image) {
+                image[lane] = edges;
+            }
+            let all =
+                columns.iter_mut().chain(&mut dashpots).zip(bond.columns.into_iter().chain(bond.dashpots));
+            for (column, value) in all {
                 column.0[lane] = value;
             }
         }
@@ -168,6 +189,8 @@ impl Bonds {
         self.ids.push(ids);
         self.rows.push(rows);
         self.columns.extend_from_slice(&columns);
+        self.images.push(images);
+        self.dashpots.extend_from_slice(&dashpots);
         self.shapes.extend_from_slice(&shapes);
     }
 
@@ -178,8 +201,7 @@ impl Bonds {
             for lane in 0..LANES {
                 let [i, j] = rows.map(|rows| moved[rows[lane] as usize]);
                 for a in 0..3 {
-                    let more = f64::from(j[a]) - f64::from(i[a]);
-                    self.columns[batch * COLUMNS + IMAGE + a].0[lane] += more;
+                    self.images[batch][a][lane] += j[a] - i[a];
                 }
             }
         }
@@ -215,18 +237,13 @@ impl Bonds {
 
     /// True if any bond has dashpots.
     pub(super) fn is_damped(&self) -> bool {
-        let of = |batch: usize| self.columns_of(batch)[DAMPING].0.iter().any(|x| *x > 0.0);
-        (0..self.batches()).any(of)
+        self.dashpots.iter().any(|row| row.0.iter().any(|x| *x > 0.0))
     }
 
     /// Scales the dashpots with the root of the masses of the grains.
     pub(crate) fn scale(&mut self, masses: f64) {
         let root = masses.sqrt();
-        for batch in 0..self.batches() {
-            for c in DAMPING..DAMPING + 4 {
-                self.columns[batch * COLUMNS + c].0.iter_mut().for_each(|x| *x *= root);
-            }
-        }
+        self.dashpots.iter_mut().flat_map(|row| &mut row.0).for_each(|x| *x *= root);
         self.fastest /= masses;
     }
 
@@ -246,7 +263,7 @@ impl Bonds {
                 let stiffness = shear.max(normal / 3.0).max(turning);
                 // The damping ratio, from the dashpot in tension.
                 let effective = i.mass() * j.mass() / (i.mass() + j.mass());
-                let ratio = 0.5 * columns[DAMPING].0[lane] / (effective * normal).sqrt();
+                let ratio = 0.5 * self.dashpots_of(batch, lane)[0] / (effective * normal).sqrt();
                 fastest = fastest.max(stiffness / mass * stiffening(ratio));
             }
         }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::bonding::{BondPlaces, BondRadius, Bonding};
-use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
+use super::bonds::column::{ALIVE, ARMS, COLUMNS, DASHPOTS, FRAMES, LIMIT, STIFFNESS};
 use super::bonds::{BondRecord, Bonds};
 use super::cement::share_of_radius;
 use super::law::bond_law::{BondLaw, BondShape};
@@ -291,18 +291,16 @@ impl Integrator {
             let Row4(q) = self.state.bonds.orientations[rows[k] as usize];
             columns[FRAMES[k]..FRAMES[k] + 4].copy_from_slice(&product(&conjugate(&q), &frame));
         }
-        for k in 0..3 {
-            columns[IMAGE + k] = f64::from(pair.1[k]);
-        }
         columns[STIFFNESS..STIFFNESS + 4].copy_from_slice(&constants.stiffness);
         columns[LIMIT..ALIVE].copy_from_slice(&constants.limits);
         let inertia = |row: &granum_simd::Row8| 0.4 * row.mass() * row.radius() * row.radius();
         let of_pair = |x: f64, y: f64| x * y / (x + y);
         let (mass, moment) = (of_pair(a.mass(), b.mass()), of_pair(inertia(&a), inertia(&b)));
-        for (k, effective) in [mass, mass, moment, moment].into_iter().enumerate() {
-            columns[DAMPING + k] = 2.0 * bonding.damping * (effective * constants.stiffness[k]).sqrt();
-        }
-        Ok(BondRecord { id, law, rows, shape: [shape.radius, shape.length], columns })
+        let effective = [mass, mass, moment, moment];
+        let dashpots: [f64; DASHPOTS] =
+            std::array::from_fn(|k| 2.0 * bonding.damping * (effective[k] * constants.stiffness[k]).sqrt());
+        let shape = [shape.radius, shape.length];
+        Ok(BondRecord { id, law, rows, shape, image: pair.1, columns, dashpots })
     }
 }
 
@@ -333,9 +331,8 @@ impl Constants {
 
 /// The pair that a bond joins, named from either end.
 fn both_ways(bond: &BondRecord) -> [Pair; 2] {
-    let image: [i32; 3] = std::array::from_fn(|k| bond.columns[IMAGE + k] as i32);
     let [i, j] = bond.rows;
-    [([i, j], image), ([j, i], image.map(|s| -s))]
+    [([i, j], bond.image), ([j, i], bond.image.map(|s| -s))]
 }
 
 impl Bonds {

@@ -4,7 +4,7 @@ use granum_core::assembly::{Assembly, Bond};
 use granum_simd::vectors::scale;
 use granum_simd::{LANES, Row4};
 
-use super::bonds::column::{ARMS, FRAMES, IMAGE, LIMIT, STIFFNESS};
+use super::bonds::column::{ARMS, FRAMES, LIMIT, STIFFNESS};
 use super::channels::BOND_CHANNELS;
 use super::law::bond_law::{BondLoads, LIMITS};
 use super::motion::{Ends, Strained, in_space, strained};
@@ -42,7 +42,7 @@ impl State {
         let [a, b] = rows.map(|row| self.particles[row].position());
         let image = granum_core::geometry::apply(
             &self.cell.edges,
-            std::array::from_fn(|k| columns[IMAGE + k].0[lane]),
+            bonds.images[batch].map(|edges| f64::from(edges[lane])),
         );
         Ends {
             orientations: rows.map(|row| {

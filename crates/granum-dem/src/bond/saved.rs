@@ -1,13 +1,13 @@
 //! Bonds as a checkpoint has them: laws by name, and numbers that must be possible before the kernels see them.
 
 use super::bonds::Bonds;
-use super::bonds::column::{COLUMNS, IMAGE, LIMIT};
+use super::bonds::column::{COLUMNS, DASHPOTS, LIMIT};
 use super::law::bond_law::LIMITS;
 use super::law::kind::BondKind;
 use crate::contact::choice::registry::{Laws, unknown};
 
 /// More edges of the cell than any two pieces that a bond joins are apart.
-const FARTHEST: f64 = 1e9;
+const FARTHEST: i32 = 1 << 30;
 /// More bonds than any run makes.
 const MOST: u64 = 1 << 60;
 
@@ -33,6 +33,8 @@ impl Bonds {
         let lengths = self.ids.len() == batches
             && self.rows.len() == batches
             && self.columns.len() == batches * COLUMNS
+            && self.images.len() == batches
+            && self.dashpots.len() == batches * DASHPOTS
             && self.shapes.len() == 2 * batches
             && self.orientations.len() == oriented;
         lengths
@@ -43,6 +45,8 @@ impl Bonds {
             && self.orientations.iter().flat_map(|row| row.0).all(f64::is_finite)
             && self.shapes.iter().flat_map(|row| row.0).all(f64::is_finite)
             && self.columns.chunks(COLUMNS).all(are_possible)
+            && self.images.iter().flatten().flatten().all(|edges| (-FARTHEST..FARTHEST).contains(edges))
+            && self.dashpots.iter().flat_map(|row| row.0).all(f64::is_finite)
     }
 }
 
@@ -50,7 +54,6 @@ impl Bonds {
 fn are_possible(columns: &[granum_simd::Row8]) -> bool {
     columns.iter().enumerate().all(|(k, row)| {
         row.0.iter().all(|x| match k {
-            IMAGE..3 => x.abs() < FARTHEST,
             _ if (LIMIT..LIMIT + LIMITS).contains(&k) => !x.is_nan(),
             _ => x.is_finite(),
         })

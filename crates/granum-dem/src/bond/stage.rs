@@ -6,7 +6,7 @@ use std::ops::Range;
 use granum_simd::vectors::{cross, dot};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
-use super::bonds::column::{ALIVE, ARMS, COLUMNS, DAMPING, FRAMES, IMAGE, LIMIT, STIFFNESS};
+use super::bonds::column::{ALIVE, ARMS, COLUMNS, DASHPOTS, FRAMES, LIMIT, STIFFNESS};
 use super::law::additive::sum_of_ratios;
 use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
@@ -50,9 +50,10 @@ impl<const DAMPED: bool> Kernel for BondStage<'_, DAMPED> {
 fn fetch<const DAMPED: bool>(v: &Views, batch: usize) {
     // SAFETY: rows are only read in this stage.
     let Some(rows) = (unsafe { v.bonds.rows.read() }).get(batch) else { return };
-    for column in 0..if DAMPED { COLUMNS } else { DAMPING } {
+    for column in 0..COLUMNS {
         v.bonds.columns.prefetch(batch * COLUMNS + column);
     }
+    v.bonds.images.prefetch(batch);
     for row in rows.iter().flatten() {
         v.particles.prefetch(*row as usize);
         v.bonds.orientations.prefetch(*row as usize);
@@ -161,13 +162,28 @@ fn magnitude<L: Lanes>(a: L, b: L) -> L {
     a.mul_add(a, b * b).sqrt()
 }
 
+/// Whole numbers of edges of the cell.
+#[inline(always)]
+fn edges<L: Lanes>(whole: &[i32; LANES]) -> L {
+    let mut numbers = [0.0; LANES];
+    for lane in 0..LANES {
+        numbers[lane] = f64::from(whole[lane]);
+    }
+    L::load(&numbers)
+}
+
 /// Loads the pieces of a batch; their velocities and spins only where bonds have dashpots.
 #[inline(always)]
-fn pieces<L: Lanes, const DAMPED: bool>(v: &Views, rows: &[[u32; LANES]; 2], columns: &[Row8]) -> Pieces<L> {
+fn pieces<L: Lanes, const DAMPED: bool>(
+    v: &Views,
+    rows: &[[u32; LANES]; 2],
+    images: &[[i32; LANES]; 3],
+    columns: &[Row8],
+) -> Pieces<L> {
     // SAFETY: rows and orientations are only read in this stage.
     let (particles, orientations) = unsafe { (v.particles.read(), v.bonds.orientations.read()) };
     let (a, b) = (L::gather8(particles, &rows[0]), L::gather8(particles, &rows[1]));
-    let shift = [L::load(&columns[IMAGE].0), L::load(&columns[IMAGE + 1].0), L::load(&columns[IMAGE + 2].0)];
+    let shift = [edges::<L>(&images[0]), edges::<L>(&images[1]), edges::<L>(&images[2])];
     let (mut branch, mut velocity) = ([L::zero(); 3], [L::zero(); 3]);
     for r in 0..3 {
         let edge = [L::splat(v.edges[r][0]), L::splat(v.edges[r][1]), L::splat(v.edges[r][2])];
@@ -217,7 +233,9 @@ fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut
         loads.fill(Row8::default());
         return;
     }
-    let p = pieces::<L, DAMPED>(v, rows, columns);
+    // SAFETY: images are only read in this stage.
+    let images = unsafe { &v.bonds.images.read()[batch] };
+    let p = pieces::<L, DAMPED>(v, rows, images, columns);
     let s = strained(&p.ends);
     let [normal, shear, bending, twisting] = four::<L>(columns, STIFFNESS);
     let (u, phi) = (s.displacement, s.rotation);
@@ -233,7 +251,9 @@ fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut
     let (mut force, mut couple) = (keep(force, holds), keep(couple, holds));
     let elastic = in_space(&s.axes, &force);
     if DAMPED {
-        let lost = add_dashpots(columns, &p, &s, holds, &mut force, &mut couple);
+        // SAFETY: dashpots are only read in this stage.
+        let dashpots = unsafe { &v.bonds.dashpots.read()[batch * DASHPOTS..(batch + 1) * DASHPOTS] };
+        let lost = add_dashpots(dashpots, &p, &s, holds, &mut force, &mut couple);
         totals.damping = L::splat(v.dt).mul_add(lost, totals.damping);
     }
     add_to_totals(v, totals, &elastic, &in_space(&s.axes, &force), &p.branch_of_bodies);
@@ -319,14 +339,14 @@ fn note<L: Lanes>(
 /// Adds the dashpots to force and couple, in the axes of the bonds; returns the power that they take.
 #[inline(always)]
 fn add_dashpots<L: Lanes>(
-    columns: &[Row8],
+    dashpots: &[Row8],
     p: &Pieces<L>,
     s: &super::motion::Strained<L>,
     holds: L::Mask,
     force: &mut Vectors<L>,
     couple: &mut Vectors<L>,
 ) -> L {
-    let [normal, shear, bending, twisting] = four::<L>(columns, DAMPING);
+    let [normal, shear, bending, twisting] = four::<L>(dashpots, 0);
     let (normal, shear) = (normal.keep(holds), shear.keep(holds));
     let (bending, twisting) = (bending.keep(holds), twisting.keep(holds));
     let (of_first, of_second) = (cross(p.spins[0], s.levers[0]), cross(p.spins[1], s.levers[1]));

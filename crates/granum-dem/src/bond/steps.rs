@@ -4,7 +4,6 @@ use granum_core::assembly::{BrokenBond, Rupture};
 use granum_core::geometry::{apply, invert};
 use granum_simd::{LANES, dispatch};
 
-use super::bonds::column::IMAGE;
 use super::stage::{BondedStage, bond_stage};
 use super::work::BondWork;
 use crate::integrator::Integrator;
@@ -81,7 +80,7 @@ impl Integrator {
         let rows = bonds.rows[batch].map(|rows| rows[lane] as usize);
         let inverse = invert(&state.cell.edges);
         let [from, to] = rows.map(|row| apply(&inverse, state.particles[row].position()));
-        let shift: [f64; 3] = std::array::from_fn(|a| bonds.columns_of(batch)[IMAGE + a].0[lane]);
+        let shift = bonds.images[batch].map(|edges| f64::from(edges[lane]));
         let across: [f64; 3] = std::array::from_fn(|a| to[a] + shift[a] - from[a]);
         let branch = apply(&state.cell.edges, across);
         let length = granum_core::geometry::length(&branch);

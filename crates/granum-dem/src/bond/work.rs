@@ -44,6 +44,8 @@ impl BondWork {
             criteria: RawSlice::new(&mut self.criteria),
             rows: RawSlice::new(&mut bonds.rows),
             columns: RawSlice::new(&mut bonds.columns),
+            images: RawSlice::new(&mut bonds.images),
+            dashpots: RawSlice::new(&mut bonds.dashpots),
             orientations: RawSlice::new(&mut bonds.orientations),
             loads: RawSlice::new(&mut self.loads),
             sums: RawSlice::new(&mut self.sums),
