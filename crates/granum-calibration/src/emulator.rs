@@ -130,7 +130,7 @@ impl<'a> Emulator<'a> {
             let all: Vec<Vec<f64>> = known
                 .iter()
                 .map(|one| {
-                    let scale = scale(compared.quantity, one.mean_stress);
+                    let scale = self.file.calibration.scale(compared.quantity, one.mean_stress);
                     at_strains(&one.curves, compared.quantity, &compared.strains)
                         .iter()
                         .map(|y| y / scale)
@@ -175,7 +175,7 @@ impl<'a> Emulator<'a> {
             .map(|(place, strain)| {
                 let rows = from..from + strain.len();
                 from = rows.end;
-                (*place, rows, scale(quantities[*place].quantity, target.mean_stress))
+                (*place, rows, self.file.calibration.scale(quantities[*place].quantity, target.mean_stress))
             })
             .collect();
         let block = |(_, rows, scale): &(usize, Range<usize>, f64),
@@ -255,11 +255,6 @@ fn processes(fitted: &dyn Surrogate) -> Result<&FittedCurves> {
         .ok_or_else(|| CalibrationError::Input("this is no surrogate of the curves of a calibration".into()))
 }
 
-/// What a quantity is divided by while it is learned.
-pub(crate) fn scale(quantity: Quantity, mean_stress: f64) -> f64 {
-    if quantity.is_stress() { mean_stress } else { 1.0 }
-}
-
 /// A quantity of a simulation at strains; constant beyond its last state.
 pub fn at_strains(curves: &LaboratoryTest, quantity: Quantity, strains: &[f64]) -> Vec<f64> {
     let values = quantity.readings(curves);
@@ -311,7 +306,7 @@ fn learned(
     let run = |one: &KnownRun| {
         let mut columns = vec![Column::new(STRAIN, "", one.curves.axial_strain.clone())];
         for compared in &file.calibration.quantities {
-            let scale = scale(compared.quantity, one.mean_stress);
+            let scale = file.calibration.scale(compared.quantity, one.mean_stress);
             let values = compared.quantity.readings(&one.curves).iter().map(|y| y / scale).collect();
             columns.push(Column::new(output(compared.quantity), "", values));
         }

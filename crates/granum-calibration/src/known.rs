@@ -80,7 +80,8 @@ impl EarlierRuns {
             };
             let values = numbers.columns().map(number).collect::<Result<Vec<f64>>>()?;
             let curves = as_laboratory(&run.name, &run.measured, &run.case.test_stages());
-            let Some(mean_stress) = curves.mean_stress.first().copied().filter(|p| *p > 0.0) else {
+            let usable = |p: &f64| *p > 0.0 || file.calibration.stress_scale.is_some();
+            let Some(mean_stress) = curves.mean_stress.first().copied().filter(usable) else {
                 return Err(CalibrationError::Input(format!(
                     "the earlier run {} has no mean stress at its start",
                     run.name

@@ -11,7 +11,7 @@
 use granum_core::parallel;
 use serde::{Deserialize, Serialize};
 
-use crate::emulator::{Emulator, scale};
+use crate::emulator::Emulator;
 use crate::error::{CalibrationError, Result};
 use crate::file::CalibrationFile;
 use crate::outcome::Outcome;
@@ -132,7 +132,7 @@ fn asked_of(
     for (place, curve) in &target.curves {
         let compared = &file.calibration.quantities[*place];
         let predicted = emulator.curves()?.correlated_curve(&inputs, *place, &curve.strain)?;
-        let scale = scale(compared.quantity, target.mean_stress);
+        let scale = file.calibration.scale(compared.quantity, target.mean_stress);
         let count = curve.strain.len();
         let error = |k: usize| {
             let measurement = compared.error.deviation(scale * predicted.mean[k]) / scale;

@@ -145,10 +145,13 @@ fn lacks(test: &LaboratoryTest, what: &str, why: &str) -> CalibrationError {
     CalibrationError::Input(format!("the test {:?} has no {what}, {why}", test.name))
 }
 
-fn mean_stress_at_start(test: &LaboratoryTest) -> Result<f64> {
-    let mean_stress = test.mean_stress.first().copied().filter(|p| *p > 0.0);
-    mean_stress.ok_or_else(|| {
-        lacks(test, "mean stress at its start", "by which stresses of different tests are made comparable")
+/// The mean stress at the start of a test, Pa. Without a scale of stresses in the file it must be positive.
+fn mean_stress_at_start(file: &CalibrationFile, test: &LaboratoryTest) -> Result<f64> {
+    let first = test.mean_stress.first().copied();
+    let usable = |p: &f64| *p > 0.0 || (file.calibration.stress_scale.is_some() && p.is_finite());
+    first.filter(usable).ok_or_else(|| {
+        let why = "by which stresses of different tests are made comparable: give calibration.stress_scale in its place";
+        lacks(test, "mean stress at its start", why)
     })
 }
 
@@ -157,7 +160,7 @@ fn mean_stress_at_start(test: &LaboratoryTest) -> Result<f64> {
 /// # Errors
 /// If it has not what is needed of it.
 pub(crate) fn conditions(file: &CalibrationFile, test: &LaboratoryTest) -> Result<Vec<f64>> {
-    let mean_stress = mean_stress_at_start(test)?;
+    let mean_stress = mean_stress_at_start(file, test)?;
     let condition = |(name, condition): &(String, TestCondition)| {
         let needed = format!("which the variable {name} takes from it");
         let first =
@@ -189,7 +192,7 @@ pub(crate) fn conditions(file: &CalibrationFile, test: &LaboratoryTest) -> Resul
 /// # Errors
 /// If it has not what is compared or needed of it.
 pub(crate) fn target(file: &CalibrationFile, test: &LaboratoryTest) -> Result<TargetTest> {
-    let mean_stress = mean_stress_at_start(test)?;
+    let mean_stress = mean_stress_at_start(file, test)?;
     let conditions = conditions(file, test)?;
     let curve =
         |(place, compared): (usize, &ComparedQuantity)| measured(test, compared).map(|curve| (place, curve));
@@ -274,6 +277,7 @@ pub fn understood(file: &CalibrationFile, targets: &[TargetTest]) -> Vec<String>
 mod tests {
     use super::*;
     use crate::file::{STRESS_AND_FRICTION, file_for_tests};
+    use crate::quantity::Quantity;
 
     /// So many tests, each with a name of its own.
     fn laboratory(count: usize) -> Vec<LaboratoryTest> {
@@ -285,6 +289,26 @@ mod tests {
             ..LaboratoryTest::default()
         };
         (0..count).map(test).collect()
+    }
+
+    /// An unconfined test begins without a stress, and is comparable by the scale that the file gives.
+    #[test]
+    fn a_test_without_a_stress_at_its_start_needs_a_scale_of_stresses() {
+        let mut file = file_for_tests(STRESS_AND_FRICTION);
+        let mut tests = laboratory(2);
+        tests[0].mean_stress[0] = 0.0;
+        let message = targets(&file, &tests).unwrap_err().to_string();
+        assert!(
+            message.contains("no mean stress at its start") && message.contains("stress_scale"),
+            "{message}"
+        );
+        file.calibration.stress_scale = Some(1e6);
+        let found = targets(&file, &tests).unwrap();
+        assert_eq!([found[0].mean_stress, found[1].mean_stress], [0.0, 1e5]);
+        for target in &found {
+            let scale = file.calibration.scale(Quantity::DEVIATOR_STRESS, target.mean_stress);
+            assert_eq!(scale, 1e6);
+        }
     }
 
     #[test]

@@ -116,10 +116,21 @@ pub struct CalibrationTable {
     pub void_ratio_limits: Option<[f64; 2]>,
     /// The critical state line of the laboratory.
     pub critical_state: Option<CriticalStateOfTests>,
+    /// What stresses are divided by while they are learned, Pa; without it by the mean stress at the start of their test. It is for material
+    /// whose strength is its own and not the confinement's, as that of cement, and for tests that begin without a stress.
+    pub stress_scale: Option<f64>,
     /// Inadequacy of the model; `None` if the model is taken to be right.
     pub inadequacy: Option<Discrepancy>,
     /// What is compared.
     pub quantities: Vec<ComparedQuantity>,
+}
+
+impl CalibrationTable {
+    /// What a quantity of a test is divided by while it is learned: stresses by the scale of the file, or by the mean stress, Pa, at the start
+    /// of the test.
+    pub fn scale(&self, quantity: Quantity, mean_stress: f64) -> f64 {
+        if quantity.is_stress() { self.stress_scale.unwrap_or(mean_stress) } else { 1.0 }
+    }
 }
 
 /// Tests of the laboratory's files that are predicted from a calibration on other ones.

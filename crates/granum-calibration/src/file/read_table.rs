@@ -11,7 +11,7 @@ use crate::likelihood::Discrepancy;
 use crate::quantity::Quantity;
 
 /// The keys of the table.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "tests",
     "predict",
     "method",
@@ -25,6 +25,7 @@ const KEYS: [&str; 15] = [
     "seed",
     "density",
     "critical_state",
+    "stress_scale",
     "inadequacy",
     "quantity",
 ];
@@ -82,6 +83,7 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
     let seed = count("seed", 0, u64::from(u32::MAX), 1) as u32;
     let void_ratio_limits = table.get("density").and_then(|node| limits(reader, node));
     let critical_state = table.get("critical_state").and_then(|node| critical_state(reader, node));
+    let stress_scale = table.get("stress_scale").and_then(|node| stress_scale(reader, node));
     let inadequacy = match table.get("inadequacy") {
         None => Some(Discrepancy::default()),
         Some(node) => inadequacy(reader, node),
@@ -103,9 +105,20 @@ pub(super) fn table(reader: &mut Reader, node: Option<&Node>) -> Option<Calibrat
         seed,
         void_ratio_limits,
         critical_state,
+        stress_scale,
         inadequacy,
         quantities,
     })
+}
+
+fn stress_scale(reader: &mut Reader, node: &Node) -> Option<f64> {
+    let scale = reader.number(node, "stress_scale", "Pa")?;
+    if !(scale > 0.0 && scale.is_finite()) {
+        let help = "give a stress of the size of the strength, as stress_scale = \"1 MPa\"";
+        reader.error(node.span(), format!("stress_scale = {scale} must be positive"), help);
+        return None;
+    }
+    Some(scale)
 }
 
 fn names(reader: &mut Reader, node: &Node, key: &str) -> Option<Vec<String>> {

@@ -120,6 +120,11 @@ fn mistakes_are_told_with_their_lines() {
         ),
         ("from = 0.2\nto = 0.8", "from = 0.9\nto = 0.8", &["material.toml:16:", "prior of friction", "0.9"]),
         ("deviation = 0.1\n", "", &["the prior of shift needs deviation"]),
+        (
+            "runs = 24",
+            "runs = 24\nstress_scale = \"0 Pa\"",
+            &["material.toml:6:", "stress_scale = 0 must be positive"],
+        ),
         ("youngs_modulus", "young", &["material.toml:25:", "youngs_modulus"]),
         ("\"100 MPa\"", "\"100 mm\"", &["material.toml:27:", "100 mm", "length"]),
         ("test = \"lateral_stress\"", "test = \"pressure\"", &["material.toml:33:", "pressure"]),

@@ -421,9 +421,10 @@ impl Kernel for BondedStage<'_> {
                 let row = bonded[place] as usize;
                 let fetched = if v.bonds.far { ENDS_A_PIECE } else { 0 };
                 for later in ends.iter().skip(offsets[place] as usize + AHEAD).take(fetched) {
-                    let batch = *later as usize / (2 * LANES);
-                    for column in 0..LOADS {
-                        v.bonds.loads.prefetch(LOADS * batch + column);
+                    let (batch, side) = (*later as usize / (2 * LANES), *later as usize % 2);
+                    for k in 0..3 {
+                        v.bonds.loads.prefetch(LOADS * batch + k);
+                        v.bonds.loads.prefetch(LOADS * batch + 3 + 3 * side + k);
                     }
                 }
                 // SAFETY: a piece is in the list once, and its block belongs to one thread.
