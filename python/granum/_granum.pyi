@@ -785,7 +785,7 @@ def view_page(
     cracks: bool,
     strongest: int,
 ) -> str:
-    """The page that shows an assembly: `granum.view` makes it."""
+    """The page that shows an assembly; grains are coloured by a quantity, or by values of which there is one for each."""
 
 def schema() -> dict[str, Any]:
     """The JSON schema of a case file."""

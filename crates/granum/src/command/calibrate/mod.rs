@@ -281,7 +281,11 @@ impl Calibration<'_> {
             .left_out_errors(known)
             .iter()
             .map(|error| {
-                let over = if error.quantity.is_stress() { " of the mean stress at the start" } else { "" };
+                let over = match (error.quantity.is_stress(), self.file.calibration.stress_scale) {
+                    (false, _) => "",
+                    (true, None) => " of the mean stress at the start",
+                    (true, Some(_)) => " of the stress_scale",
+                };
                 format!(
                     "{} {:.3}{over} (scatter of all runs {:.3})",
                     error.quantity.word().replace('_', " "),
