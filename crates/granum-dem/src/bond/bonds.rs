@@ -201,7 +201,9 @@ impl Bonds {
             for lane in 0..LANES {
                 let [i, j] = rows.map(|rows| moved[rows[lane] as usize]);
                 for a in 0..3 {
-                    self.images[batch][a][lane] += j[a] - i[a];
+                    // Numbers of a forged checkpoint may be too large to be added.
+                    let image = &mut self.images[batch][a][lane];
+                    *image = image.saturating_add(j[a].saturating_sub(i[a]));
                 }
             }
         }

@@ -332,7 +332,7 @@ impl Constants {
 /// The pair that a bond joins, named from either end.
 fn both_ways(bond: &BondRecord) -> [Pair; 2] {
     let [i, j] = bond.rows;
-    [([i, j], bond.image), ([j, i], bond.image.map(|s| -s))]
+    [([i, j], bond.image), ([j, i], bond.image.map(i32::saturating_neg))]
 }
 
 impl Bonds {

@@ -97,7 +97,7 @@ impl Integrator {
             };
             let apart: Vector =
                 std::array::from_fn(|a| state.particles[j].position()[a] - state.particles[i].position()[a]);
-            let image = apply(&inverse, apart).map(|share| -(share.round() as i32));
+            let image = apply(&inverse, apart).map(|share| (-share.round()) as i32);
             pairs.push(([i as u32, j as u32], image));
         }
         Ok(pairs)
