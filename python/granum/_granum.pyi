@@ -51,6 +51,8 @@ __all__ = [
     "run",
     "schema",
     "template",
+    "view_colours",
+    "view_page",
     "write",
 ]
 
