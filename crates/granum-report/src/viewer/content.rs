@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::view::View;
 
-/// The most bonds and the most cracks that are shown.
+/// The most bonds and the most cracks that are shown, 21 bytes each in the page.
 const MOST_BONDS: usize = 20_000;
 /// Share of its radius with which a bond is drawn, so that grains are seen between wide bonds.
 const DRAWN: f64 = 0.35;
