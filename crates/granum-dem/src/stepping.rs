@@ -87,7 +87,7 @@ impl Team<'_> {
                     StepStage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
                     StepStage::Contacts(_) => (self.contacts)(views, blocks),
                     StepStage::Turning(_) => dispatch(self.isa, TurningStage { views, blocks }),
-                    StepStage::Bonds(_) => bond_stage(self.isa, views, blocks),
+                    StepStage::Bonds(_) => bond_stage(self.isa, views, blocks, self.threads == 1),
                     StepStage::Bonded(_) => dispatch(self.isa, BondedStage { views, blocks }),
                 }
                 if self.work.report(count, all) {
@@ -133,8 +133,10 @@ impl Team<'_> {
                     self.open(StepStage::Turning(moved));
                 }
                 StepStage::Turning(moved) => self.open(StepStage::Bonds(moved)),
-                StepStage::Bonds(moved) => self.open(StepStage::Bonded(moved)),
+                // One thread alone has added up the loads with the bonds.
+                StepStage::Bonds(moved) if self.threads > 1 => self.open(StepStage::Bonded(moved)),
                 StepStage::Contacts(Moved { fastest, renewed })
+                | StepStage::Bonds(Moved { fastest, renewed })
                 | StepStage::Bonded(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;

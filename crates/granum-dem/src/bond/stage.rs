@@ -1,5 +1,5 @@
-//! Two of the stages of bonds in a step: eight bonds at a time are strained, judged and loaded; then every piece adds up the forces of its
-//! bonds. Before both the pieces were turned ([`super::turning`]).
+//! The second stage of bonds in a step: eight bonds at a time are strained, judged and loaded. Before it the pieces were turned
+//! ([`super::turning`]); the loads are added up as [`super::summing`] says.
 
 use std::ops::Range;
 
@@ -7,25 +7,27 @@ use granum_simd::vectors::{cross, dot};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DASHPOTS, FRAMES, LIMIT, STIFFNESS};
+use super::guard::RUPTURED;
 use super::law::additive::sum_of_ratios;
 use super::law::bond_law::{BondLoads, Criterion, LIMITS};
 use super::law::kind::BondKind;
 use super::law::parallel::stresses_over_strengths;
 use super::motion::{Ends, Vectors, in_axes, in_space, strained};
-use super::views::{BATCHES, BondSums, LOADS, PIECES};
+use super::summing::Loads;
+use super::views::{BATCHES, BondSums, LOADS};
 use crate::kernel::Views;
 
-/// Number of ends between prefetching one and adding it, and of those that are prefetched for each piece.
-const AHEAD: usize = 32;
-const ENDS_A_PIECE: usize = 6;
+/// Number of batches between prefetching one and straining its bonds.
+const AHEAD: usize = 2;
 
-/// The stage of bonds for a range of blocks of batches. With `DAMPED`, bonds have dashpots, which need the velocities of the pieces.
-struct BondStage<'a, const DAMPED: bool> {
+/// The stage of bonds for a range of blocks of batches. With `DAMPED`, bonds have dashpots, which need the velocities of the pieces. With `ALONE`
+/// no other thread works on the stage.
+struct BondStage<'a, const DAMPED: bool, const ALONE: bool> {
     views: &'a Views,
     blocks: Range<usize>,
 }
 
-impl<const DAMPED: bool> Kernel for BondStage<'_, DAMPED> {
+impl<const DAMPED: bool, const ALONE: bool> Kernel for BondStage<'_, DAMPED, ALONE> {
     type Output = ();
 
     #[inline(always)]
@@ -35,9 +37,19 @@ impl<const DAMPED: bool> Kernel for BondStage<'_, DAMPED> {
             let mut totals = Totals::<L>::none();
             for batch in k * BATCHES..usize::min((k + 1) * BATCHES, v.law.len()) {
                 if v.far {
-                    fetch::<DAMPED>(self.views, batch + 1);
+                    fetch::<DAMPED, ALONE>(self.views, batch + AHEAD);
                 }
-                one_batch::<L, DAMPED>(self.views, batch, &mut totals);
+                // SAFETY: rows are only read in this stage.
+                let rows = unsafe { &v.rows.read()[batch] };
+                let loads = one_batch::<L, DAMPED>(self.views, batch, rows, &mut totals);
+                // SAFETY: the loads of a batch are written by the thread of its block alone, and forces by one that is alone.
+                unsafe {
+                    if ALONE {
+                        loads.add(self.views, rows);
+                    } else {
+                        loads.put(v.loads.write(LOADS * batch..LOADS * (batch + 1)));
+                    }
+                }
             }
             // SAFETY: a block belongs to the thread that works on it.
             unsafe { v.sums.write(k..k + 1)[0] = totals.reduced() };
@@ -47,12 +59,13 @@ impl<const DAMPED: bool> Kernel for BondStage<'_, DAMPED> {
 
 /// Prefetches the numbers of a later batch and its pieces: their rows are near each other in space, but not in memory.
 #[inline(always)]
-fn fetch<const DAMPED: bool>(v: &Views, batch: usize) {
+fn fetch<const DAMPED: bool, const ALONE: bool>(v: &Views, batch: usize) {
     // SAFETY: rows are only read in this stage.
     let Some(rows) = (unsafe { v.bonds.rows.read() }).get(batch) else { return };
-    for column in 0..COLUMNS {
+    for column in 0..LIMIT {
         v.bonds.columns.prefetch(batch * COLUMNS + column);
     }
+    v.bonds.guards.prefetch(batch);
     v.bonds.images.prefetch(batch);
     for row in rows.iter().flatten() {
         v.particles.prefetch(*row as usize);
@@ -60,15 +73,20 @@ fn fetch<const DAMPED: bool>(v: &Views, batch: usize) {
         if DAMPED {
             v.spin.prefetch(*row as usize);
         }
+        if ALONE {
+            v.forces.prefetch(*row as usize);
+        }
     }
 }
 
-/// Strains, judges and loads the bonds of a range of blocks.
-pub(crate) fn bond_stage(isa: Isa, views: &Views, blocks: Range<usize>) {
-    if views.bonds.damped {
-        dispatch(isa, BondStage::<true> { views, blocks });
-    } else {
-        dispatch(isa, BondStage::<false> { views, blocks });
+/// Strains, judges and loads the bonds of a range of blocks. Where the thread is `alone`, that is all; where it is not, the loads wait for
+/// [`super::BondedStage`].
+pub(crate) fn bond_stage(isa: Isa, views: &Views, blocks: Range<usize>, alone: bool) {
+    match (views.bonds.damped, alone) {
+        (true, true) => dispatch(isa, BondStage::<true, true> { views, blocks }),
+        (true, false) => dispatch(isa, BondStage::<true, false> { views, blocks }),
+        (false, true) => dispatch(isa, BondStage::<false, true> { views, blocks }),
+        (false, false) => dispatch(isa, BondStage::<false, false> { views, blocks }),
     }
 }
 
@@ -219,19 +237,22 @@ fn pieces<L: Lanes, const DAMPED: bool>(
     Pieces { ends, velocity, spins, curvatures: [one / a[3], one / b[3]], branch_of_bodies }
 }
 
-/// Strains, judges and loads the bonds of a batch.
+/// Strains and judges the bonds of a batch; returns their loads.
 #[inline(always)]
-fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut Totals<L>) {
-    // SAFETY: the columns of a batch are written by the thread of its block alone; rows are only read.
-    let (rows, columns) = unsafe {
-        (&v.bonds.rows.read()[batch], v.bonds.columns.write(batch * COLUMNS..(batch + 1) * COLUMNS))
-    };
-    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
-    // SAFETY: the loads of a batch are written by the thread of its block alone.
-    let loads = unsafe { v.bonds.loads.write(LOADS * batch..LOADS * (batch + 1)) };
+fn one_batch<L: Lanes, const DAMPED: bool>(
+    v: &Views,
+    batch: usize,
+    rows: &[[u32; LANES]; 2],
+    totals: &mut Totals<L>,
+) -> Loads<L> {
+    // SAFETY: the columns of a batch are written by the thread of its block alone.
+    let columns = unsafe { v.bonds.columns.write(batch * COLUMNS..(batch + 1) * COLUMNS) };
+    // SAFETY: as for the columns.
+    let guard = unsafe { &mut v.bonds.guards.write(batch..batch + 1)[0] };
+    let least_energy = L::load(&guard.0);
+    let alive = least_energy.ge(L::zero());
     if !alive.any() {
-        loads.fill(Row8::default());
-        return;
+        return Loads::none();
     }
     // SAFETY: images are only read in this stage.
     let images = unsafe { &v.bonds.images.read()[batch] };
@@ -241,13 +262,15 @@ fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut
     let (u, phi) = (s.displacement, s.rotation);
     let force = [normal * u[0], shear * u[1], shear * u[2]];
     let couple = [twisting * phi[0], bending * phi[1], bending * phi[2]];
-    let energy = L::splat(0.5) * (dot(force, u) + dot(couple, phi));
-    let ruptured = judge(v, batch, columns, &force, &couple);
-    let holds = if (ruptured[0] | ruptured[1]).any() {
-        note(v, batch, columns, alive, ruptured, energy, totals)
-    } else {
-        alive
-    };
+    let mut holds = alive;
+    if (alive & stored(&force, &couple, &u, &phi).ge(least_energy)).any() {
+        let ruptured = judge(v, batch, columns, alive, &force, &couple);
+        if (ruptured[0] | ruptured[1]).any() {
+            let energy = L::splat(0.5) * (dot(force, u) + dot(couple, phi));
+            holds = note(v, batch, columns, alive, ruptured, energy, totals);
+            L::select(holds, least_energy, L::splat(RUPTURED)).store(&mut guard.0);
+        }
+    }
     let (mut force, mut couple) = (keep(force, holds), keep(couple, holds));
     let elastic = in_space(&s.axes, &force);
     if DAMPED {
@@ -260,7 +283,15 @@ fn one_batch<L: Lanes, const DAMPED: bool>(v: &Views, batch: usize, totals: &mut
     totals.normal_force = totals.normal_force + (normal * u[0]).abs().keep(holds);
     let square = dot(p.ends.branch, p.ends.branch);
     totals.stiffness = totals.stiffness + (normal * square).keep(holds);
-    put(loads, &s.levers, &in_space(&s.axes, &force), &in_space(&s.axes, &couple), &p.curvatures);
+    loads_of(&s.levers, in_space(&s.axes, &force), &in_space(&s.axes, &couple), &p.curvatures)
+}
+
+/// The energy that is stored, without that of compression.
+#[inline(always)]
+fn stored<L: Lanes>(force: &Vectors<L>, couple: &Vectors<L>, u: &Vectors<L>, phi: &Vectors<L>) -> L {
+    let stretched = force[0] * u[0].max(L::zero());
+    let sheared = force[1].mul_add(u[1], force[2] * u[2]);
+    L::splat(0.5) * (stretched + sheared + dot(*couple, *phi))
 }
 
 /// Which bonds reach their limits: by tension, and by shear.
@@ -269,6 +300,7 @@ fn judge<L: Lanes>(
     v: &Views,
     batch: usize,
     columns: &[Row8],
+    alive: L::Mask,
     force: &Vectors<L>,
     couple: &Vectors<L>,
 ) -> [L::Mask; 2] {
@@ -282,7 +314,6 @@ fn judge<L: Lanes>(
         Criterion::OfLaw => asked(unsafe { v.bonds.laws.read()[law] }, loads, columns),
     };
     let one = L::splat(1.0);
-    let alive = L::load(&columns[ALIVE].0).gt(L::zero());
     let by_tension = alive & tension.ge(one) & tension.ge(shear);
     [by_tension, alive & shear.ge(one) & !by_tension]
 }
@@ -383,70 +414,19 @@ fn add_to_totals<L: Lanes>(
     totals.power = totals.power + dot(*force, affine(v, *branch));
 }
 
-/// Stores the force, and the torques over radius on both ends.
+/// The loads of bonds that carry a force and a couple.
 #[inline(always)]
-fn put<L: Lanes>(
-    loads: &mut [Row8],
+fn loads_of<L: Lanes>(
     levers: &[Vectors<L>; 2],
-    force: &Vectors<L>,
+    force: Vectors<L>,
     couple: &Vectors<L>,
     curvatures: &[L; 2],
-) {
-    let (first, second) = (cross(levers[0], *force), cross(levers[1], *force));
+) -> Loads<L> {
+    let (first, second) = (cross(levers[0], force), cross(levers[1], force));
+    let mut torques = [[L::zero(); 3]; 2];
     for k in 0..3 {
-        force[k].store(&mut loads[k].0);
-        ((couple[k] + first[k]) * curvatures[0]).store(&mut loads[3 + k].0);
-        (-((couple[k] + second[k]) * curvatures[1])).store(&mut loads[6 + k].0);
+        torques[0][k] = (couple[k] + first[k]) * curvatures[0];
+        torques[1][k] = -((couple[k] + second[k]) * curvatures[1]);
     }
-}
-
-/// The stage of pieces that have bonds, for a range of blocks: adds up the loads of their bonds.
-pub(crate) struct BondedStage<'a> {
-    pub(crate) views: &'a Views,
-    pub(crate) blocks: Range<usize>,
-}
-
-impl Kernel for BondedStage<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let v = self.views;
-        // SAFETY: lists and loads are only read in this stage.
-        let (bonded, offsets, ends, loads) = unsafe {
-            (v.bonds.bonded.read(), v.bonds.offsets.read(), v.bonds.ends.read(), v.bonds.loads.read())
-        };
-        for k in self.blocks {
-            for place in k * PIECES..usize::min((k + 1) * PIECES, bonded.len()) {
-                let row = bonded[place] as usize;
-                let fetched = if v.bonds.far { ENDS_A_PIECE } else { 0 };
-                for later in ends.iter().skip(offsets[place] as usize + AHEAD).take(fetched) {
-                    let (batch, side) = (*later as usize / (2 * LANES), *later as usize % 2);
-                    for k in 0..3 {
-                        v.bonds.loads.prefetch(LOADS * batch + k);
-                        v.bonds.loads.prefetch(LOADS * batch + 3 + 3 * side + k);
-                    }
-                }
-                // SAFETY: a piece is in the list once, and its block belongs to one thread.
-                let force = unsafe { &mut v.forces.write(row..row + 1)[0] };
-                let mut sum = force.0;
-                for end in &ends[offsets[place] as usize..offsets[place + 1] as usize] {
-                    add(&mut sum, loads, *end as usize);
-                }
-                force.0 = sum;
-            }
-        }
-    }
-}
-
-/// Adds the load of an end, with the number of [`super::ends::EndLists`]: the force on the second is opposite.
-#[inline(always)]
-fn add(sum: &mut [f64; 8], loads: &[Row8], end: usize) {
-    let (batch, lane, side) = (end / (2 * LANES), end / 2 % LANES, end % 2);
-    let Some(loads) = loads.get(LOADS * batch..LOADS * (batch + 1)) else { return };
-    let sign = 1.0 - 2.0 * side as f64;
-    for k in 0..3 {
-        sum[k] += sign * loads[k].0[lane];
-        sum[4 + k] += loads[3 + 3 * side + k].0[lane];
-    }
+    Loads { force, torques }
 }

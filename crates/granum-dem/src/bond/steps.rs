@@ -2,9 +2,9 @@
 
 use granum_core::assembly::{BrokenBond, Rupture};
 use granum_core::geometry::{apply, invert};
-use granum_simd::{LANES, dispatch};
+use granum_simd::LANES;
 
-use super::stage::{BondedStage, bond_stage};
+use super::stage::bond_stage;
 use super::work::BondWork;
 use crate::integrator::Integrator;
 use crate::kernel::Views;
@@ -24,10 +24,7 @@ impl Integrator {
 
     /// Computes the forces of the bonds in the present geometry, without a team, and adds them to those of the contacts.
     pub(crate) fn bond_forces(&mut self, views: &Views) {
-        let [batches, pieces] = views.bonds.blocks();
-        let isa = self.hardware.isa;
-        bond_stage(isa, views, 0..batches);
-        dispatch(isa, BondedStage { views, blocks: 0..pieces });
+        bond_stage(self.hardware.isa, views, 0..views.bonds.blocks()[0], true);
     }
 
     /// Adds what the bonds did in this step to the sums over the contacts and to the energies.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use granum_simd::{Kernel, LANES, Lanes, Row4};
+use granum_simd::{Kernel, LANES, Lanes, Row4, Row8};
 
 use super::motion::turned;
 use super::views::PIECES;
@@ -25,30 +25,35 @@ impl Kernel for TurningStage<'_> {
         // SAFETY: the list is never written in a step.
         let bonded = unsafe { v.bonds.bonded.read() };
         let range = self.blocks.start * PIECES..usize::min(self.blocks.end * PIECES, bonded.len());
-        for eight in bonded.get(range).unwrap_or_default().chunks(LANES) {
-            turn::<L>(v, eight);
+        let eights = bonded.get(range).unwrap_or_default().chunks_exact(LANES);
+        let rest = eights.remainder();
+        for eight in eights {
+            let mut rows = [0; LANES];
+            rows.copy_from_slice(eight);
+            turn::<L>(v, &rows, LANES);
+        }
+        if !rest.is_empty() {
+            let mut rows = [rest[0]; LANES];
+            rows[..rest.len()].copy_from_slice(rest);
+            turn::<L>(v, &rows, rest.len());
         }
     }
 }
 
-/// Turns up to eight pieces.
+/// Turns the first of eight pieces.
 #[inline(always)]
-fn turn<L: Lanes>(v: &Views, pieces: &[u32]) {
-    let mut rows = [pieces[0]; LANES];
-    rows[..pieces.len()].copy_from_slice(pieces);
+fn turn<L: Lanes>(v: &Views, rows: &[u32; LANES], count: usize) {
     // SAFETY: a piece is in the list once, and its block belongs to one thread; spins and bodies are only read.
     let (spin, orientations) = unsafe { (v.spin.read(), v.bonds.orientations.read()) };
-    let (w, q) = (L::gather4(spin, &rows), L::gather4(orientations, &rows));
+    let (w, q) = (L::gather4(spin, rows), L::gather4(orientations, rows));
     let [a, b, c, d] = turned(&q, &[w[0], w[1], w[2]], L::splat(v.dt));
-    let mut after = [[0.0; LANES]; 4];
-    for (column, lanes) in after.iter_mut().zip([a, b, c, d]) {
-        lanes.store(column);
-    }
-    for (lane, row) in pieces.iter().enumerate() {
-        let row = *row as usize;
+    let (zero, mut after) = (L::zero(), [Row8::default(); LANES]);
+    L::scatter8([a, b, c, d, zero, zero, zero, zero], &mut after);
+    for lane in 0..count {
+        let (row, Row8([w, x, y, z, ..])) = (rows[lane] as usize, after[lane]);
         // SAFETY: as above.
         let orientation = unsafe { &mut v.bonds.orientations.write(row..row + 1)[0] };
-        *orientation = of_body(v, row).unwrap_or(Row4(after.map(|column| column[lane])));
+        *orientation = of_body(v, row).unwrap_or(Row4([w, x, y, z]));
     }
 }
 

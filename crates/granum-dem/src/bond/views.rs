@@ -50,6 +50,8 @@ pub(crate) struct BondViews {
     pub(crate) criteria: RawSlice<Criterion>,
     pub(crate) rows: RawSlice<[[u32; LANES]; 2]>,
     pub(crate) columns: RawSlice<Row8>,
+    /// [`super::guard`] of each batch.
+    pub(crate) guards: RawSlice<Row8>,
     /// Edges of the cell between the first piece of each and the image of the second.
     pub(crate) images: RawSlice<[[i32; LANES]; 3]>,
     pub(crate) dashpots: RawSlice<Row8>,

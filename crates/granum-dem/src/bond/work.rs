@@ -4,6 +4,7 @@ use granum_simd::Row8;
 
 use super::bonds::Bonds;
 use super::ends::EndLists;
+use super::guard::guards_of;
 use super::law::bond_law::Criterion;
 use super::views::{BATCHES, BondSums, BondViews, LOADS, Ruptures};
 use crate::team::RawSlice;
@@ -19,6 +20,7 @@ pub(crate) struct BondWork {
     pub(super) sums: Vec<BondSums>,
     pub(super) ruptures: Vec<Ruptures>,
     criteria: Vec<Criterion>,
+    guards: Vec<Row8>,
 }
 
 impl BondWork {
@@ -30,6 +32,7 @@ impl BondWork {
             loads: vec![Row8::default(); LOADS * batches],
             sums: vec![BondSums::default(); batches.div_ceil(BATCHES)],
             ruptures: vec![Ruptures::default(); batches],
+            guards: (0..batches).map(|batch| guards_of(bonds, batch)).collect(),
             criteria: bonds.laws.iter().map(|kind| kind.law().criterion()).collect(),
         }
     }
@@ -42,6 +45,7 @@ impl BondWork {
             law: RawSlice::new(&mut bonds.law),
             laws: RawSlice::new(&mut bonds.laws),
             criteria: RawSlice::new(&mut self.criteria),
+            guards: RawSlice::new(&mut self.guards),
             rows: RawSlice::new(&mut bonds.rows),
             columns: RawSlice::new(&mut bonds.columns),
             images: RawSlice::new(&mut bonds.images),

@@ -8,7 +8,7 @@
 //! near rupture.
 
 use super::bond_law::{
-    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
+    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight, least_energy,
 };
 use super::parallel::ParallelBond;
 use super::strengths::{COHESION, MODULUS, POISSONS_RATIO, TENSILE_STRENGTH, single_modes};
@@ -41,6 +41,12 @@ impl BondLaw for AdditiveBond {
         let [tension, shear, bending, twisting] =
             single_modes(shape, parameters[2] * strength, parameters[3] * strength);
         [tension, shear, bending, twisting, 0.0, 0.0]
+    }
+
+    fn least_energy_at_rupture(&self, k: &BondStiffness, limits: &[f64; LIMITS]) -> f64 {
+        let [tension, shear, bending, twisting] = [0, 1, 2, 3].map(|mode| 1.0 / limits[mode]);
+        let springs = [[k.normal, tension], [k.shear, shear], [k.bending, bending], [k.twisting, twisting]];
+        least_energy(1.0, &springs)
     }
 
     fn criterion(&self) -> Criterion {

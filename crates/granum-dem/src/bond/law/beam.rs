@@ -11,7 +11,7 @@
 use super::bond_law::{
     BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
 };
-use super::parallel::{mohr_coulomb, stresses_over_strengths};
+use super::parallel::{least_energy_of_cylinder, mohr_coulomb, stresses_over_strengths};
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
 };
@@ -59,6 +59,10 @@ impl BondLaw for BeamBond {
 
     fn limits(&self, shape: &BondShape, parameters: &[f64], strength: f64) -> [f64; LIMITS] {
         mohr_coulomb(shape, [parameters[3], parameters[4]], parameters[5], parameters[6], strength)
+    }
+
+    fn least_energy_at_rupture(&self, stiffness: &BondStiffness, limits: &[f64; LIMITS]) -> f64 {
+        least_energy_of_cylinder(stiffness, limits)
     }
 
     fn criterion(&self) -> Criterion {

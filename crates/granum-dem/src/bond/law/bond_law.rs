@@ -91,6 +91,15 @@ pub(super) fn each_of_eight(
     ratios
 }
 
+/// The least energy, J, of springs whose loads, each times a weight, add up to a limit: with pairs of stiffness k and weight w
+/// `limit^2 / (2 sum of w^2 k)`, by the inequality of Cauchy and Schwarz.
+pub(super) fn least_energy(limit: f64, springs: &[[f64; 2]]) -> f64 {
+    let compliance: f64 = springs.iter().map(|[stiffness, weight]| weight * weight * stiffness).sum();
+    let energy = 0.5 * limit * limit / compliance;
+    // Without any limit, or with numbers beyond those that a computer has, nothing can be said.
+    if limit > 0.0 && !energy.is_nan() { energy } else { 0.0 }
+}
+
 /// A law of bonds, in a file of its own. The engine turns the frames of bonds, multiplies by the stiffnesses, keeps the energies and takes
 /// ruptured bonds away; a law says how stiff and how strong a bond is.
 ///
@@ -134,6 +143,12 @@ pub trait BondLaw: Debug + Send + Sync {
     /// How near eight bonds are to rupture by tension and by shear: a bond ruptures where one of the two reaches one, and the larger names
     /// how. Only sums, products, quotients, square roots and comparisons may be used, so that results have the same bits everywhere.
     fn utilisation(&self, loads: &BondLoads, limits: &[Eight; LIMITS]) -> [Eight; 2];
+    /// An energy, J, that a bond which ruptures has at least stored, not counting what is stored in compression: `F_n^2 / 2 k_n` in tension,
+    /// `F_s^2 / 2 k_s`, `M_b^2 / 2 k_b` and `M_t^2 / 2 k_t`. Bonds that have stored less are not judged. With zero every bond is judged in every
+    /// step.
+    fn least_energy_at_rupture(&self, _stiffness: &BondStiffness, _limits: &[f64; LIMITS]) -> f64 {
+        0.0
+    }
     /// The criterion, if it is one that the engine evaluates itself.
     fn criterion(&self) -> Criterion {
         Criterion::OfLaw

@@ -9,7 +9,7 @@
 //! Cundall 2004, equations 16 and 17; the moment factor beta and the Mohr-Coulomb limit as in PFC).
 
 use super::bond_law::{
-    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight,
+    BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS, each_of_eight, least_energy,
 };
 use super::strengths::{
     COHESION, FRICTION_ANGLE, MODULUS, MOMENT_FACTOR, POISSONS_RATIO, TENSILE_STRENGTH, shear_modulus,
@@ -60,6 +60,10 @@ impl BondLaw for ParallelBond {
         mohr_coulomb(shape, [parameters[3], parameters[4]], parameters[5], parameters[6], strength)
     }
 
+    fn least_energy_at_rupture(&self, stiffness: &BondStiffness, limits: &[f64; LIMITS]) -> f64 {
+        least_energy_of_cylinder(stiffness, limits)
+    }
+
     fn criterion(&self) -> Criterion {
         Criterion::MohrCoulomb
     }
@@ -101,6 +105,18 @@ pub(in crate::bond) fn stresses_over_strengths<R: Real>(
     // Where tension has used up the cohesion, nothing holds in shear.
     let ratio = R::select(strength.gt(R::zero()), sheared / strength, R::splat(f64::INFINITY));
     [stress / tensile_strength, ratio]
+}
+
+/// The energy of [`BondLaw::least_energy_at_rupture`] where [`stresses_over_strengths`] reaches one: in tension `F_n/A + beta M_b r_b/I` is at
+/// least `sigma_c`, in shear `F_s/A + beta M_t r_b/J + F_n tan(phi_b)/A` at least c; compression only lowers both sums.
+pub(super) fn least_energy_of_cylinder(
+    k: &BondStiffness,
+    [by_area, by_bending, tensile_strength, by_twist, cohesion, friction]: &[f64; LIMITS],
+) -> f64 {
+    let torn = least_energy(*tensile_strength, &[[k.normal, *by_area], [k.bending, *by_bending]]);
+    let sheared =
+        least_energy(*cohesion, &[[k.shear, *by_area], [k.twisting, *by_twist], [k.normal, *friction]]);
+    torn.min(sheared)
 }
 
 #[cfg(test)]
