@@ -2,10 +2,14 @@
 """What the parameters of bonds do to a rock-like packing: strength in compression and tension, Young's modulus and Poisson's ratio.
 
     python3 scripts/rock_table.py --granum target/release/granum --work rock --table table.md
+    python3 scripts/rock_table.py --like 200,69,0.26
 
 The packing is that of the ready case `rock-like` in small, made at a small stress, so that no stress of the preparation is locked in. Each parameter is
 varied alone. Every set is compressed and stretched along one axis with next to no lateral stress (`LATERAL`), for each seed of the sample. Young's modulus
 and Poisson's ratio are secants from the start of the test to half of the strength. Runs that lie in the folder of `--work` are not made again.
+
+With `--like STRENGTH,MODULUS,POISSON` (MPa, GPa) it looks for the bonds of a packing with the unconfined strength, Young's modulus and Poisson's ratio of a
+rock instead, and says what that packing does where it was not fitted: in tension, and under the confinement `CONFINED`.
 Needs nothing but Python.
 """
 import argparse
@@ -19,6 +23,9 @@ import sys
 LATERAL = "10 kPa"
 MADE_AT = "100 kPa"
 SPEED = "2e-3"  # inertial number at the lateral stress
+CONFINED = "10 MPa"
+CONFINED_SPEED = "6e-5"  # so that the strain rate is the same
+ROUNDS = 4  # of a search for the bonds of a rock
 STRAINS = {"compression": 0.006, "tension": -0.0014}  # largest, of the bonds of the ready case
 BOND = "bond.1."
 GIVEN = {"modulus": 20e9, "tensile_strength": 20e6}  # of the ready case
@@ -75,9 +82,10 @@ def measured(granum, given, case, name, keys, test, seed):
     if not (folder / "run.json").exists():
         scale = keys.get("tensile_strength", GIVEN["tensile_strength"]) / GIVEN["tensile_strength"]
         scale *= GIVEN["modulus"] / keys.get("modulus", GIVEN["modulus"])
+        lateral = CONFINED if test == "confined" else LATERAL
         settings = {
-            "stage.1.lateral_stress": LATERAL, "stage.1.axial_strain": STRAINS[test] * scale, "stage.1.states": 240 if test == "compression" else 100,
-            "stage.1.inertial_number": SPEED, "recording.observations_per_state": 1,
+            "stage.1.lateral_stress": lateral, "stage.1.axial_strain": STRAINS.get(test, 0.01) * scale, "stage.1.states": 240 if test == "compression" else 100,
+            "stage.1.inertial_number": CONFINED_SPEED if test == "confined" else SPEED, "recording.observations_per_state": 1,
         }
         settings |= {key if "." in key else BOND + key: value for key, value in keys.items()}
         words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
@@ -129,6 +137,37 @@ def row(name, runs):
     return "| " + " | ".join(cells) + " |"
 
 
+def keys_of(modulus, ratio, strength):
+    """Bonds that are so much stronger in shear that rock-like packings rupture by tension, as rock does."""
+    return {"modulus": modulus, "stiffness_ratio": ratio, "tensile_strength": strength, "cohesion": 4 * strength}
+
+
+def like(given, files, wanted):
+    """Looks for the bonds of a rock, by the proportions of the table: moduli with moduli, strengths with strengths."""
+    strength, modulus, poisson = wanted
+    seeds = given.seeds.split(",")
+    bonds = [20e9, 4.0, 20e6]
+
+    def mean(test, keys, what, name):
+        one = lambda seed: measured(given.granum, given, files.get(test, files["compression"]), name, keys, test, seed)  # noqa: E731
+        with concurrent.futures.ThreadPoolExecutor(given.jobs) as workers:
+            return mean_and_deviation([run[what] for run in workers.map(one, seeds)])
+
+    for turn in range(ROUNDS):
+        keys = keys_of(*bonds)
+        name = "like-" + "-".join(f"{number:g}" for number in bonds)
+        found = {what: mean("compression", keys, what, name) for what in ("strength", "modulus", "poisson")}
+        print(f"modulus {bonds[0] / 1e9:.1f} GPa, stiffness ratio {bonds[1]:.2f}, strength {bonds[2] / 1e6:.1f} MPa: "
+              + ", ".join(f"{what} {value:.3g} ± {deviation:.2g}" for what, (value, deviation) in found.items()), flush=True)
+        if turn + 1 < ROUNDS:
+            uniform = lambda nu: (1 + nu) / (1 - 4 * nu) if nu < 0.24 else 25.0  # noqa: E731
+            bonds[0] *= modulus / found["modulus"][0]
+            bonds[1] = min(25.0, max(1.0, bonds[1] * uniform(poisson) / uniform(found["poisson"][0])))
+            bonds[2] *= strength / found["strength"][0]
+    for test in ("tension", "confined"):
+        print(f"{test}: strength {mean(test, keys, 'strength', name)[0]:.4g} MPa", flush=True)
+
+
 def main():
     flags = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     flags.add_argument("--granum", default="target/release/granum")
@@ -137,9 +176,12 @@ def main():
     flags.add_argument("--seeds", default="1,2,3")
     flags.add_argument("--jobs", type=int, default=1)
     flags.add_argument("--table", type=pathlib.Path)
+    flags.add_argument("--like", help="STRENGTH,MODULUS,POISSON of a rock, MPa and GPa")
     given = flags.parse_args()
     given.work.mkdir(parents=True, exist_ok=True)
     files = cases(given.granum, given.work)
+    if given.like:
+        return like(given, files, [float(number) for number in given.like.split(",")])
     seeds = given.seeds.split(",")
     lines = [
         "| differs | compression (MPa) | tension (MPa) | tension over compression | Young's modulus (GPa) | Poisson's ratio | strain at the peak (%) "

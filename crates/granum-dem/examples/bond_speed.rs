@@ -43,7 +43,7 @@ fn step(s: &mut Simulation) -> f64 {
 
 fn main() {
     println!("grains  contacts  bonds  us a step without, with bonds  ns a contact  ns a bond");
-    for count in [1000, 5000, 30_000] {
+    for count in [1000, 5000, 30_000, 100_000] {
         let mut s = sample(count, 1);
         let without = step(&mut s);
         let contacts = s.state().contacts();

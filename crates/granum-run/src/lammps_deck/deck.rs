@@ -79,14 +79,16 @@ pub struct LammpsDeck {
     bodies: Option<Bodies>,
 }
 
-/// Refuses bonds: those of LAMMPS rupture by another rule and do not carry what their contact carries.
+/// Refuses bonds: those of LAMMPS rupture by another rule, and begin to be strained with the script.
 fn without_bonds(case: &Case) -> Result<(), DeckError> {
     match case.bonds.len() {
         0 => Ok(()),
         count => Err(DeckError::Setting {
             key: "bond",
             value: format!("{count} tables"),
-            why: "bonds of LAMMPS (bpm/rotational) have another rule of rupture and damping, and no contact beside them; leave [[bond]] out"
+            why: "bonds of LAMMPS (bpm/rotational) have another rule of rupture and other dashpots, and count their lengths and turns from the \
+                  first step of a script on, so that a test would be another one; leave [[bond]] out, or write grains and bonds \
+                  alone into a LAMMPS data file (.data)"
                 .into(),
         }),
     }
