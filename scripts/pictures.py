@@ -6,12 +6,12 @@
 
 `make report` needs the finished folder `FOLDER/reproduction` of `granum reproduce` and the finished folder `FOLDER/quick` of
 `granum reproduce --quick` (it makes those that are missing, which takes minutes), and headless Chromium for the photograph of
-the report. `make gallery` runs the ready cases, `make families` asks the families of the program and draws the map of their states. What the pictures state is written to docs/pictures/stated.json.
+the report. `make gallery` runs the ready cases, `make families` asks the families of the program and draws the map of their states and the gallery of shapes. What the pictures state is written to docs/pictures/stated.json.
 
 `--check` verifies without a browser that no picture was changed without its statements, and that README.md and the gallery
 say what the pictures say. With `--quick`, the folder of a quick reproduction by the present version, it verifies that this
 version states what the version that made the pictures stated; with `--granum` it runs one ready case and compares its
-digest, and draws the picture of each family again. Exit code 1 if a picture has to be made again.
+digest, and draws the pictures of families and shapes again. Exit code 1 if a picture has to be made again.
 """
 import argparse
 import hashlib
@@ -29,6 +29,7 @@ PICTURES = ROOT / "docs" / "pictures"
 FIGURES = ROOT / "docs" / "src" / "figures"
 STATED = PICTURES / "stated.json"
 MAP = FIGURES / "state-map.svg"
+SHAPES = FIGURES / "shapes.svg"
 # The ready case that `--check --granum` runs: it takes seconds.
 CHECKED_CASE = "strain-history"
 # The figure of a ready case's report that the gallery shows.
@@ -137,6 +138,11 @@ def make_map(granum, picture):
     run(granum, "--force", "examine", "map", ROOT / "data" / "families" / "sand" / "drained", "-o", picture, quiet=True)
 
 
+def make_shapes(granum, picture):
+    """One grain of each kind."""
+    run(granum, "--force", "shape", ROOT / "examples" / "shapes.toml", "-o", picture, quiet=True)
+
+
 def make(arguments):
     work = arguments.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -154,8 +160,9 @@ def make(arguments):
         for name in FAMILIES:
             make_family(granum, name, FIGURES / f"family-{name}.svg")
         make_map(granum, MAP)
+        make_shapes(granum, SHAPES)
     files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg"),
-             *FIGURES.glob("family-*.svg"), MAP]
+             *FIGURES.glob("family-*.svg"), MAP, SHAPES]
     stated["pictures"] = {str(path.relative_to(ROOT / "docs")): sha256(path) for path in sorted(files)}
     STATED.write_text(json.dumps(stated, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
 
@@ -206,9 +213,10 @@ def check(arguments):
                 make_family(granum, name, work / f"{name}.svg")
                 if (work / f"{name}.svg").read_bytes() != (FIGURES / f"family-{name}.svg").read_bytes():
                     problems.append(f"the family {name} answers otherwise than docs/src/figures/family-{name}.svg shows")
-            make_map(granum, work / MAP.name)
-            if (work / MAP.name).read_bytes() != MAP.read_bytes():
-                problems.append("the map of states differs from docs/src/figures/state-map.svg")
+            for name, remake, picture in (("the map of states", make_map, MAP), ("the gallery of shapes", make_shapes, SHAPES)):
+                remake(granum, work / picture.name)
+                if (work / picture.name).read_bytes() != picture.read_bytes():
+                    problems.append(f"{name} differs from docs/src/figures/{picture.name}")
         problems += [f"{CHECKED_CASE}: {found}" for found in differences(stated["gallery"][CHECKED_CASE], found)]
     for problem in problems:
         print("FAILED:", problem)
