@@ -31,6 +31,9 @@ const LEAST_GAP: f64 = 1e-9;
 /// Share of the smaller radius by which they may overlap: the pieces of an agglomerate move by themselves.
 const OVERLAP: f64 = 0.01;
 
+/// Number of formations of bonds that are told from each other; beyond it there is room for other laws.
+const TYPES: usize = 200;
+
 /// Two pieces that are to be joined: their rows, and the edges of the cell to the image of the second.
 pub(super) type Pair = ([u32; 2], [i32; 3]);
 
@@ -336,10 +339,12 @@ fn both_ways(bond: &BondRecord) -> [Pair; 2] {
 }
 
 impl Bonds {
-    /// The place of a law in the list of laws.
+    /// The place of a law in the list of laws. Each formation of bonds has one of its own, so that bonds know by which they were made; those beyond
+    /// [`TYPES`] share that of an earlier one with the same law, if there is one.
     fn law_index(&mut self, bonding: &Bonding) -> u8 {
-        let known = self.laws.iter().position(|law| *law == bonding.law);
-        known.unwrap_or_else(|| {
+        let shared = || self.laws.iter().rposition(|law| *law == bonding.law);
+        let place = if self.laws.len() < TYPES { None } else { shared() };
+        place.unwrap_or_else(|| {
             self.laws.push(bonding.law);
             self.laws.len() - 1
         }) as u8

@@ -89,6 +89,7 @@ impl State {
             bending_couple: scale(sign, in_space(&axes, &[0.0, couple[1], couple[2]])),
             energy,
             utilisation: tension.max(by_shear),
+            kind: u32::from(bonds.law[batch]) + 1,
         }
     }
 }

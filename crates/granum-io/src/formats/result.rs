@@ -5,7 +5,7 @@ use std::any::Any;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use granum_core::assembly::{Assembly, Body, Matrix, Sphere, Vector};
+use granum_core::assembly::{Assembly, Body, Bond, Matrix, Sphere, Vector};
 use granum_core::geometry::dot;
 use granum_core::{MacroState, ObservedState, Part, Parts, Table};
 
@@ -286,11 +286,14 @@ impl ObservedAssembly {
         }
     }
 
-    /// The pairs of pieces that are bonded: those of the assembly's bonds, of type 1, or else those that the file lists.
+    /// The pairs of pieces that are bonded: those of the assembly's bonds, or else those that the file lists.
     pub fn bonded_pairs(&self) -> Vec<PackedBond> {
         match &self.assembly.bonds[..] {
             [] => self.listed_bonds.clone(),
-            bonds => bonds.iter().map(|bond| PackedBond { pieces: [bond.i, bond.j], kind: 1 }).collect(),
+            bonds => {
+                let listed = |bond: &Bond| PackedBond { pieces: [bond.i, bond.j], kind: bond.kind.max(1) };
+                bonds.iter().map(listed).collect()
+            }
         }
     }
 

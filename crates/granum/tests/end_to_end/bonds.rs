@@ -77,6 +77,33 @@ fn bonds_go_through_a_lammps_data_file() {
     let mut made: Vec<[u64; 2]> = holding.chain(broken).map(ordered).collect();
     made.sort_unstable();
     assert_eq!(made, listed);
+    // Types are those of the tables that made the bonds, also on the way back.
+    let types = |text: &str| {
+        let rows = text.split("\nBonds\n\n").nth(1).unwrap_or_default().trim_end().lines();
+        let pair = |row: &str| {
+            let words: Vec<u64> = row.split(' ').filter_map(|word| word.parse().ok()).collect();
+            (ordered([words[2], words[3]]), words[1])
+        };
+        rows.map(pair).collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let split: String = text
+        .replace("1 bond types", "2 bond types")
+        .split_inclusive('\n')
+        .enumerate()
+        .map(|(k, line)| match line.split_once(" 1 ") {
+            Some((id, rest)) if rest.split(' ').count() == 2 && k % 2 == 0 => format!("{id} 2 {rest}"),
+            _ => line.to_string(),
+        })
+        .collect();
+    std::fs::write(here.join("split.data"), &split).unwrap();
+    let table = |kind: u32| format!("[[bond]]\nplaces = \"file\"\ntype = {kind}\nmodulus = \"1 GPa\"\n");
+    let head = bonded().split("[[bond]]").next().unwrap_or_default().to_string();
+    std::fs::write(here.join("two-types.toml"), head + &table(1) + &table(2)).unwrap();
+    done(here, &["run", "two-types.toml", "--packing", "split.data", "--out", "two-types"]);
+    done(here, &["export", "two-types", "--snapshot", "end", "-o", "two-types.data"]);
+    let after = types(&std::fs::read_to_string(here.join("two-types.data")).unwrap());
+    assert_eq!(after, types(&split));
+    assert!(after.values().any(|kind| *kind == 2) && after.values().any(|kind| *kind == 1));
     // Bonds that no table makes are not passed over in silence.
     std::fs::write(here.join("bare.toml"), SMALL).unwrap();
     let bare = run(here, &["run", "bare.toml", "--packing", "end.data", "--out", "bare"]);
