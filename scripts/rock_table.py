@@ -90,12 +90,12 @@ def measured(granum, given, case, name, keys, test, seed):
         settings |= {key if "." in key else BOND + key: value for key, value in keys.items()}
         words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
         called(granum, "run", case, "--out", folder, "--threads", 1, "--force", *common, *words)
-    table = folder.with_suffix(".csv")
+    table = folder.parent / f"{folder.name}.csv"
     called(granum, "export", folder, "-o", table, "--force")
     with table.open() as lines:
         rows = [{key: float(value) for key, value in row.items() if value} for row in csv.DictReader(lines)]
     rows = [row for row in rows if row["stage"] == rows[-1]["stage"]]
-    return of_curve(rows, 1 if test == "compression" else -1)
+    return of_curve(rows, -1 if test == "tension" else 1)
 
 
 def of_curve(rows, sign):

@@ -71,7 +71,8 @@ class Case:
 
     The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
     `materials`, `pairs` and `bonds` are the lists of tables `[[stage]]`, `[[material]]`, `[[pair]]` and `[[bond]]`. Keys that are left out have their defaults,
-    and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
+    and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint. Files that
+    keywords name may lie anywhere; those of `from_dict`, `from_toml` and `read` in the folder of the case or below it.
 
     Raises `granum.CaseError` with all mistakes at once.
     """
@@ -275,6 +276,12 @@ class Assembly:
     @property
     def masses(self) -> _Reals:
         """Masses of the grains, kg."""
+    @property
+    def orientations(self) -> _Reals:
+        """Rotation of each grain from its principal axes to those of space, as a quaternion w, x, y, z: a row a grain, 1, 0, 0, 0 for a sphere."""
+    @property
+    def moments_of_inertia(self) -> _Reals:
+        """Principal moments of inertia of each grain, kg m2: a row a grain."""
     @property
     def piece_grains(self) -> _Integers:
         """The grain of each sphere, as an index from 0. A grain has one sphere, or several that are fixed on it."""

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 use std::sync::Arc;
 
-use granum_core::assembly::{Body, Bond, BrokenBond, Contact, Piece, Rupture, Vector};
+use granum_core::assembly::{Body, Bond, BrokenBond, Contact, Piece, Rigid, Rupture, Vector};
 use granum_core::{Part, Parts, Table};
 use granum_io::formats::{ObservedAssembly, known_columns};
 use granum_io::snapshot::{contacts_table, grains_table};
@@ -101,6 +101,11 @@ impl Assembly {
     /// The same as what was read from a file.
     pub fn observed(&self) -> ObservedAssembly {
         ObservedAssembly::new((*self.inner).clone(), self.parts, self.origin)
+    }
+
+    /// What a grain of several spheres has beyond a sphere.
+    fn rigid(&self, body: &Body) -> Option<&Rigid> {
+        self.inner.rigid.get(body.rigid? as usize)
     }
 
     /// Refuses to give what is not known.
@@ -293,6 +298,25 @@ impl Assembly {
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.of_grains(py, Part::Masses, offset_of!(Body, mass))
+    }
+
+    /// Rotation of each grain from its principal axes to those of space, as a quaternion w, x, y, z: a row a grain, 1, 0, 0, 0 for a sphere.
+    #[getter]
+    fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Positions)?;
+        let of = |body: &Body| self.rigid(body).map_or([1.0, 0.0, 0.0, 0.0], |rigid| rigid.orientation);
+        let rows: Vec<f64> = self.inner.bodies.iter().flat_map(of).collect();
+        arrays::reals(py, rows, vec![self.inner.bodies.len(), 4])
+    }
+
+    /// Principal moments of inertia of each grain, kg m2: a row a grain.
+    #[getter]
+    fn moments_of_inertia<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        self.knows(Part::Masses)?;
+        let of_sphere = |body: &Body| [0.4 * body.mass * body.equivalent_radius * body.equivalent_radius; 3];
+        let of = |body: &Body| self.rigid(body).map_or_else(|| of_sphere(body), |rigid| rigid.inertia);
+        let rows: Vec<f64> = self.inner.bodies.iter().flat_map(of).collect();
+        arrays::reals(py, rows, vec![self.inner.bodies.len(), 3])
     }
 
     /// The grain of each sphere, as an index from 0. A grain has one sphere, or several that are fixed on it.

@@ -34,7 +34,8 @@ const PLURALS: [[&str; 2]; 4] =
 ///
 /// The keywords are the sections of a case file, each a dict of its keys (`granum.keys` has them with meaning, bounds and unit); `stages`,
 /// `materials`, `pairs` and `bonds` are the lists of tables `[[stage]]`, `[[material]]`, `[[pair]]` and `[[bond]]`. Keys that are left out have their defaults,
-/// and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint.
+/// and so has a key whose value is `None`. A value is a number in SI units, a text with a unit (`"0.2 mm"`), or a quantity of pint. Files that
+/// keywords name may lie anywhere; those of `from_dict`, `from_toml` and `read` in the folder of the case or below it.
 ///
 /// Raises `granum.CaseError` with all mistakes at once.
 #[pyclass(frozen, module = "granum")]
@@ -156,7 +157,11 @@ impl Case {
                 PLURALS.iter().find(|[plural, _]| *plural == name).map_or(name.as_str(), |[_, name]| name);
             renamed.set_item(name, value)?;
         }
-        from_mapping(renamed.as_mapping())
+        let text = case_text::text_of(renamed.as_mapping())?;
+        // Who writes a case in a program may name any file of his own: nothing comes from elsewhere.
+        let reading = Reading::default().with_outside(true);
+        let case = detached(py, || granum_io::Case::parse_as(&text, MADE, reading))?;
+        case.map(|inner| Case { inner }).map_err(|error| errors::of_file(py, &error, true))
     }
 
     /// The case of a dict with the keys of a case file. Keys may be joined by dots: `{"grains.count": 2000}`.

@@ -208,6 +208,18 @@ def test_values_nested_without_end_are_refused() -> None:
         granum.Case().with_values({"grains.sieve_curve": rows})
 
 
+def test_files_of_keywords_may_lie_anywhere(tmp_path: pathlib.Path) -> None:
+    a, b, c, d = "0 0 0", "1 0 0", "0 1 0", "0 0 1"
+    facets = [f"facet normal 0 0 0\nouter loop\nvertex {x}\nvertex {y}\nvertex {z}\nendloop\nendfacet" for x, y, z in
+              ((a, c, b), (a, b, d), (a, d, c), (b, c, d))]
+    mesh = tmp_path / "grain.stl"
+    mesh.write_text("solid grain\n" + "\n".join(facets) + "\nendsolid grain\n")
+    grains: Any = {"count": 60, "shape": {"kind": "mesh", "file": str(mesh), "pieces": 4}}
+    assert "mesh" not in granum.Case(grains=grains).to_toml()
+    with pytest.raises(granum.CaseError, match="leads out of the folder"):
+        granum.Case.from_dict({"grains": grains})
+
+
 def test_a_named_path_takes_its_parameters(case: granum.Case) -> None:
     drained = case.with_path("drained-triaxial", axial_strain="5 %")
     assert drained == case.with_path("drained-triaxial", axial_strain=0.05)

@@ -14,4 +14,4 @@ def test_a_notebook_gives_what_its_file_keeps(name: str) -> None:
 
 
 def test_there_are_six_of_them() -> None:
-    assert len(run_notebooks.names()) == 6
+    assert len(run_notebooks.names()) == 7

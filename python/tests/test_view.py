@@ -57,6 +57,22 @@ def test_a_grain_is_shown_with_all_of_its_spheres_in_one_colour(tmp_path: pathli
     assert np.abs(places - spheres).max() < 1e-4 * assembly.cell.max()
     assert np.allclose(grains[:, 3] * data["largest"], assembly.piece_radii, rtol=1e-4)
     assert np.allclose(grains[:, 4], assembly.piece_grains / 59, atol=1e-4)
+    # A dimer has its least moment of inertia about its axis, which its orientation turns to where its spheres are.
+    assert np.allclose(np.linalg.norm(assembly.orientations, axis=1), 1)
+    least = assembly.moments_of_inertia.argmin(axis=1)
+    w, axis = assembly.orientations[:, :1], assembly.orientations[:, 1:]
+    long = np.eye(3)[least]
+    twice = 2 * np.cross(axis, long)
+    long = long + w * twice + np.cross(axis, twice)
+    arms = assembly.piece_arms[::2]
+    along = np.abs((arms * long).sum(axis=1))
+    assert np.allclose(along, np.linalg.norm(arms, axis=1), rtol=1e-9)
+
+
+def test_spheres_have_the_orientation_and_the_inertia_of_spheres(tested: granum.Run) -> None:
+    assembly = tested.snapshot()
+    assert assembly.orientations.tolist() == [[1, 0, 0, 0]] * len(assembly.radii)
+    assert np.allclose(assembly.moments_of_inertia.T, 0.4 * assembly.masses * assembly.radii**2)
 
 
 def test_force_chains_are_those_that_the_sensor_counts(tested: granum.Run) -> None:
