@@ -17,7 +17,9 @@ use serde::{Deserialize, Serialize};
 use super::content::Content;
 use super::networks_of_parts::networks_of_parts;
 use super::prediction::Prediction;
+use super::recurrent_steps::RecurrentSteps;
 use super::run_inputs::RunInputs;
+use super::run_steps::RunSteps;
 use super::scatter_of_networks::{RunVariances, predictions};
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
@@ -224,6 +226,16 @@ impl Surrogate for FittedRecurrent {
         let means = self.outputs_of_networks(inputs)?;
         let known = self.run_variances.as_ref();
         Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
+    }
+
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
+        let (outputs, known) = (self.columns.outputs.len(), self.run_variances.as_ref());
+        let predict = move |means: &[Vec<f64>], row: &[f64]| {
+            let inputs = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
+            let all = predictions(means, known, (&self.columns, &self.ranges), &inputs, level);
+            Ok(all.into_iter().next().unwrap_or_default())
+        };
+        Ok(Some(Box::new(RecurrentSteps::new(&self.networks, outputs, Box::new(predict), failed))))
     }
 
     fn content(&self) -> Result<Content> {

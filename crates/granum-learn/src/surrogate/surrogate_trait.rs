@@ -10,6 +10,7 @@ use super::content::Content;
 use super::possible_values::{cut_to_possible, possible_values};
 use super::prediction::{Estimate, Prediction};
 use super::run_inputs::RunInputs;
+use super::run_steps::RunSteps;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
@@ -122,6 +123,16 @@ pub trait Surrogate: Any + Send + Sync {
     /// If a row cannot be predicted.
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
 
+    /// For a surrogate with memory a run whose states come one after the other, with intervals of a level; `None` for one without, and for one that can
+    /// only predict whole runs.
+    ///
+    /// # Errors
+    /// If the surrogate cannot be evaluated.
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
+        let _ = level;
+        Ok(None)
+    }
+
     /// Refuses a data set with the columns of its names that mean something else, such as bins of another width.
     ///
     /// # Errors
@@ -162,10 +173,7 @@ pub trait Surrogate: Any + Send + Sync {
     /// # Errors
     /// If the rows do not have a value for every input, a value is not finite, or the level is not between 0 and 1.
     fn predict(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
-        let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };
-        if !(level > 0.0 && level < 1.0) {
-            return Err(problem(format!("the level of an interval must be between 0 and 1, not {level}")));
-        }
+        check_level(self.method(), level)?;
         check_inputs(self.method(), self.columns(), inputs)?;
         let predictions = self.evaluate(inputs, level)?;
         let values = predictions.iter().map(|prediction| prediction.values.len());
@@ -200,8 +208,17 @@ pub trait Surrogate: Any + Send + Sync {
     }
 }
 
+/// Refuses a level that is no share.
+pub(super) fn check_level(method: &str, level: f64) -> Result<()> {
+    if level > 0.0 && level < 1.0 {
+        return Ok(());
+    }
+    let reason = format!("the level of an interval must be between 0 and 1, not {level}");
+    Err(LearnError::Surrogate { method: method.into(), reason })
+}
+
 /// Refuses rows that do not have a finite value for every input.
-fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
+pub(super) fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
     let problem = |reason: String| Err(LearnError::Surrogate { method: method.into(), reason });
     let names = columns.input_names();
     if names.len() != inputs.columns() {

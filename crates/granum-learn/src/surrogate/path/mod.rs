@@ -22,6 +22,7 @@ mod method;
 mod rotation;
 mod runs;
 mod sample_places;
+mod steps;
 #[cfg(test)]
 mod tests;
 
