@@ -96,6 +96,7 @@ mod path;
 mod possible_values;
 mod prediction;
 mod recurrent;
+mod recurrent_onnx;
 mod recurrent_steps;
 mod registry;
 mod ridge;

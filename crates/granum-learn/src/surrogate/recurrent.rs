@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::content::Content;
 use super::networks_of_parts::networks_of_parts;
 use super::prediction::Prediction;
+use super::recurrent_onnx::onnx_steps;
 use super::recurrent_steps::RecurrentSteps;
 use super::run_inputs::RunInputs;
 use super::run_steps::RunSteps;
@@ -25,6 +26,7 @@ use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
+use crate::onnx::{self, OnnxGraph};
 
 /// Recurrent networks with all outputs together.
 ///
@@ -236,6 +238,16 @@ impl Surrogate for FittedRecurrent {
             Ok(all.into_iter().next().unwrap_or_default())
         };
         Ok(Some(Box::new(RecurrentSteps::new(&self.networks, outputs, Box::new(predict), failed))))
+    }
+
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let inputs = onnx::inputs(graph, &self.columns);
+        onnx::state_ranges(graph, &self.columns, &self.ranges);
+        let known = self.run_variances.as_ref().map(|known| (known, level));
+        let estimates = onnx_steps(graph, &self.networks, &inputs, known, self.columns.outputs.len());
+        let outside = onnx::outside(graph, &inputs, &self.ranges);
+        onnx::outputs(graph, &self.columns, &estimates, &outside);
+        Ok(())
     }
 
     fn content(&self) -> Result<Content> {

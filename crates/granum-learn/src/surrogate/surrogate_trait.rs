@@ -15,6 +15,7 @@ use super::spec::{Columns, FitSpec};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
 use crate::networks::{NetworkCheckpoints, NetworkSettings};
+use crate::onnx::{self, OnnxGraph};
 
 /// A method of fitting surrogates; the documentation of [this module](super) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
@@ -131,6 +132,16 @@ pub trait Surrogate: Any + Send + Sync {
     fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
         let _ = level;
         Ok(None)
+    }
+
+    /// Adds all that it predicts to the graph of an ONNX file, with intervals of a level: inputs and outputs in physical units under the names of its
+    /// columns, see [`crate::onnx::to_bytes`].
+    ///
+    /// # Errors
+    /// If it has no ONNX form, with the reason.
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let _ = (graph, level);
+        Err(onnx::refused(self.method()))
     }
 
     /// Refuses a data set with the columns of its names that mean something else, such as bins of another width.

@@ -9,14 +9,10 @@ use super::errors::PathErrors;
 use super::growth::PathPlaces;
 use super::rotation::Rotation;
 use super::runs::PathRuns;
-use super::steps::PathSteps;
 use crate::error::{LearnError, Result};
-use crate::surrogate::content::Content;
 use crate::surrogate::prediction::{Estimate, Outside, Prediction, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
-use crate::surrogate::run_steps::RunSteps;
 use crate::surrogate::spec::Columns;
-use crate::surrogate::surrogate_trait::Surrogate;
 
 /// What the length of a path is called where it is beyond that of all training runs.
 const PATH_LENGTH: &str = "length of the path";
@@ -137,45 +133,5 @@ impl FittedPath {
 
     pub fn failed(&self, error: impl std::fmt::Display) -> LearnError {
         LearnError::Surrogate { method: self.sizes.cell.name().into(), reason: error.to_string() }
-    }
-}
-
-impl Surrogate for FittedPath {
-    fn method(&self) -> &str {
-        self.sizes.cell.name()
-    }
-
-    fn columns(&self) -> &Columns {
-        &self.columns
-    }
-
-    fn has_memory(&self) -> bool {
-        true
-    }
-
-    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
-        if inputs.is_empty() {
-            return Ok(Vec::new());
-        }
-        let networks = self.outputs_of_networks(inputs)?;
-        let path = self.channels.path(inputs);
-        let known = self.errors.as_ref().map(|errors| (errors.factors(level), errors.sizes(&path.samples)));
-        let known = known.as_ref().map(|(factors, sizes)| (factors.as_slice(), sizes.as_slice()));
-        Ok(inputs.rows().enumerate().map(|row| self.prediction(&networks, &path, known, row)).collect())
-    }
-
-    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
-        Ok(Some(Box::new(PathSteps::new(self, level))))
-    }
-
-    fn content(&self) -> Result<Content> {
-        Content::new(&Kept {
-            sizes: self.sizes,
-            channels: self.channels.clone(),
-            is_mean: self.is_mean,
-            ranges: self.ranges.clone(),
-            errors: self.errors.clone(),
-            networks: self.networks.iter().map(|network| network.weights().to_vec()).collect(),
-        })
     }
 }

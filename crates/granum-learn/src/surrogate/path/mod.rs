@@ -19,6 +19,7 @@ mod errors;
 mod fitted;
 mod growth;
 mod method;
+mod path_surrogate;
 mod rotation;
 mod runs;
 mod sample_places;
