@@ -102,7 +102,9 @@ impl StreamInputs {
         let mut asked = match serde_json::from_slice::<Map<String, Value>>(line) {
             Ok(asked) => asked,
             Err(error) => {
-                return Answer::refused(None, format!("the line is not an object of JSON: {error}"));
+                // Each line is a document of its own.
+                let text = error.to_string().replace(" at line 1 column ", " at byte ");
+                return Answer::refused(None, format!("the line is not an object of JSON: {text}"));
             }
         };
         let sequence = asked.remove(SEQUENCE);
