@@ -41,21 +41,21 @@ def dataset() -> granum.Dataset:
     return granum.Dataset({f"run {k}": curve(k) for k in range(6)})
 
 
-def fitted(dataset: granum.Dataset, method: str) -> granum.Surrogate:
+def fitted(dataset: granum.Dataset, method: str) -> granum.surrogates.Surrogate:
     """A small surrogate."""
     outputs = OUTPUTS[:1] if method == "sub-models" else OUTPUTS
     hidden = [7, 6] if method in ("feed-forward", "sub-models") else None
     return granum.surrogates.fit(dataset, INPUTS, outputs, method=method, coordinate="deviator_strain", hidden=hidden, threads=1)
 
 
-def random_rows(surrogate: granum.Surrogate, rows: int = 400) -> Any:
+def random_rows(surrogate: granum.surrogates.Surrogate, rows: int = 400) -> Any:
     """Rows within the range of the training, and some beyond."""
     low, high = np.array([0.0, 0.0, 0.2]), np.array([0.3, 0.12, 0.4])
     random = np.random.default_rng(5)
     return low + (high - low) * random.uniform(-0.05, 1.05, (rows, len(surrogate.inputs)))
 
 
-def answered(path: pathlib.Path, surrogate: granum.Surrogate, rows: Any) -> dict[str, Any]:
+def answered(path: pathlib.Path, surrogate: granum.surrogates.Surrogate, rows: Any) -> dict[str, Any]:
     """What onnxruntime says of rows, which are one run for a surrogate with memory."""
     session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
     names = [output.name for output in session.get_outputs()]
@@ -75,7 +75,7 @@ def answered(path: pathlib.Path, surrogate: granum.Surrogate, rows: Any) -> dict
     return {name: np.concatenate(values) for name, values in found.items()}
 
 
-def worst(path: pathlib.Path, surrogate: granum.Surrogate) -> float:
+def worst(path: pathlib.Path, surrogate: granum.surrogates.Surrogate) -> float:
     """The largest relative difference between onnxruntime and granum over all that both say."""
     rows = random_rows(surrogate)
     runs = np.zeros(len(rows)) if surrogate.has_memory else None

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use granum_nets::{Isa, Stepper};
+use granum_nets::{Differentiable, Isa, Stepper};
 
 use super::fitted::FittedPath;
 use super::growth::{PathPlace, PathPlaces};
@@ -52,12 +52,13 @@ impl<'a> PathSteps<'a> {
         let first = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
         let runs = self.runs(Vec::new(), channels.starts(&first), 0);
         let starts: Vec<f64> = self.turned(&runs).into_iter().flat_map(|runs| runs.starts).collect();
-        let stepper = |network: &Box<dyn granum_nets::Differentiable>| {
+        let stepper = |network: &dyn Differentiable| {
             network
                 .stepper(Isa::detect(), self.rotations.len(), &starts)
                 .map_err(|error| self.fitted.failed(error))
         };
-        let steppers = self.fitted.networks.iter().map(stepper).collect::<Result<_>>()?;
+        let steppers =
+            self.fitted.networks.iter().map(|network| stepper(network.as_ref())).collect::<Result<_>>()?;
         let samples = channels.samples(&first);
         let sizes = self.fitted.errors.as_ref().map_or(Vec::new(), |errors| errors.sizes(&samples));
         Ok(Run {
