@@ -688,6 +688,15 @@ class Surrogate:
         """The text of its file."""
     def write(self, path: _Path, *, force: bool = False) -> None:
         """Writes its file, from which the program predicts as well."""
+    def export_onnx(self, path: _Path, *, level: float = 0.9, force: bool = False) -> None:
+        """Writes it as an ONNX file (opset 17), which other programs evaluate without granum.
+
+        The inputs and outputs have the names of the columns, in physical units, as doubles with a row for each state: `predicted_NAME`, and where
+        the surrogate provides them `standard_deviation_NAME`, `lower_NAME` and `upper_NAME`, and `outside`, which is 1 beyond the range of the
+        training. A surrogate with memory is one step of it: `memory` is the `next_memory` of the state before, and where `begins` is 1 a run begins.
+        `granum.Error` says which surrogates have no such form, and why.
+        """
+
     @property
     def method(self) -> str:
         """The method by which it was fitted."""

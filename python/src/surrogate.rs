@@ -278,6 +278,21 @@ impl Surrogate {
         written.map_err(|error| errors::of_learning(py, &error))
     }
 
+    /// Writes it as an ONNX file (opset 17), which other programs evaluate without granum.
+    ///
+    /// The inputs and outputs have the names of the columns, in physical units, as doubles with a row for each state: `predicted_NAME`, and where
+    /// the surrogate provides them `standard_deviation_NAME`, `lower_NAME` and `upper_NAME`, and `outside`, which is 1 beyond the range of the
+    /// training. A surrogate with memory is one step of it: `memory` is the `next_memory` of the state before, and where `begins` is 1 a run begins.
+    /// `granum.Error` says which surrogates have no such form, and why.
+    #[pyo3(signature = (path, *, level=0.9, force=false))]
+    fn export_onnx(&self, py: Python<'_>, path: PathBuf, level: f64, force: bool) -> PyResult<()> {
+        let written = detached(py, || -> granum_learn::Result<()> {
+            granum_io::check_output_file(&path, force)?;
+            granum_learn::onnx::save(&path, self.inner.as_ref(), level)
+        })?;
+        written.map_err(|error| errors::of_learning(py, &error))
+    }
+
     /// The method by which it was fitted.
     #[getter]
     fn method(&self) -> &str {

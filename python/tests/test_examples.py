@@ -5,6 +5,8 @@ import pathlib
 import subprocess
 import sys
 
+import granum
+import numpy as np
 import pytest
 
 EXAMPLES = pathlib.Path(__file__).parent.parent / "examples"
@@ -67,3 +69,22 @@ def test_grainlearning_calibrates_with_granum(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("grainlearning", reason="GrainLearning needs NumPy 1 and has an environment of its own in scripts/python")
     found = output("grainlearning_calibration.py", tmp_path).splitlines()[-1]
     assert abs(float(found.split()[1].rstrip(";")) - 0.1) < 0.05
+
+
+def test_onnxruntime_evaluates_surrogates(tmp_path: pathlib.Path) -> None:
+    pytest.importorskip("onnxruntime", reason="onnxruntime is not installed: its example is left out")
+    found = output("onnx_predictions.py", tmp_path)
+    assert "0 states outside" in found and "the predictions of granum: True" in found
+
+
+def test_a_control_loop_is_answered(tmp_path: pathlib.Path) -> None:
+    strain = np.linspace(0.0, 0.1, 30)
+    runs = {f"run {k}": granum.Table({"x": strain, "k": np.full(30, float(k)), "y": k * strain}) for k in range(4)}
+    surrogate = granum.surrogates.fit(granum.Dataset(runs), ["x", "k"], "y", coordinate="x", method="feed-forward", hidden=[3])
+    surrogate.write(tmp_path / "model.json")
+    program = pathlib.Path(sys.executable).parent / "granum"
+    arguments = ["model.json", "--granum", str(program), "--rate", "200", "--seconds", "0.5"]
+    done = subprocess.run([sys.executable, str(EXAMPLES / "control_loop.py"), *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("100 lines at 200 Hz, round trip in microseconds: median "), done.stdout
+    assert done.stderr.startswith("101 lines, microseconds from a line read"), done.stderr

@@ -47,6 +47,7 @@ pub mod inference;
 pub mod input_use;
 pub mod learning_curve;
 pub mod networks;
+pub mod onnx;
 mod pooled_error;
 pub mod regression;
 pub mod runs;

@@ -7,16 +7,25 @@ use crate::differentiable::Batch;
 use crate::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
 use crate::sequence_group::{CellSizes, Group, SequenceRows, groups, squared_error};
 use crate::sequences::Sequences;
+use crate::stepper::{NextRows, put_outputs};
 use crate::trainer::error::TrainingError;
 
 /// The equations of a recurrent cell and their derivatives, over all steps of a group of sequences.
-pub(crate) trait CellKernel: Copy + Send + 'static {
+pub(crate) trait CellKernel: Copy + Send + Sync + 'static {
     fn sizes(&self) -> CellSizes;
 
     /// Numbers of rows of the matrices of intermediate results in [`Work::own`].
     fn own(&self) -> Vec<usize>;
 
-    /// Computes the states, which go to the rows `below` the next step of the group, and the outputs.
+    /// The matrices of [`Work::own`] that hold a part of the state beside the rows below a step.
+    fn carried(&self) -> &'static [usize] {
+        &[]
+    }
+
+    /// Computes the state before the first step.
+    fn start<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work);
+
+    /// Computes the states after [`CellKernel::start`], which go to the rows `below` the next step of the group, and the outputs.
     fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work);
 
     /// Adds the gradient, after [`CellKernel::forward`], for the derivatives `work.output_deltas` of the outputs.
@@ -50,6 +59,17 @@ impl<C: CellKernel> CellBatch<C> {
         Ok(CellBatch { isa, cell, groups, rows: rows.sequences.rows(), work: Work::default() })
     }
 
+    /// Sequences whose rows come one after the other.
+    pub(crate) fn of_next_rows(
+        isa: Isa,
+        cell: C,
+        count: usize,
+        starts: &[f64],
+    ) -> Result<CellBatch<C>, TrainingError> {
+        let groups = vec![Group::of_next_rows(&cell.sizes(), count, starts)?];
+        Ok(CellBatch { isa, cell, groups, rows: count, work: Work::default() })
+    }
+
     /// The outputs for all rows, `rows x outputs`.
     pub(crate) fn evaluate(&mut self, weights: &[f64]) -> Vec<f64> {
         let outputs = self.cell.sizes().outputs;
@@ -67,6 +87,11 @@ impl<C: CellKernel> CellBatch<C> {
     }
 
     fn forward(&mut self, number: usize, weights: &[f64]) {
+        self.pass(number, weights, true);
+    }
+
+    /// A pass over a group, which begins with the first state or with the state that is there.
+    fn pass(&mut self, number: usize, weights: &[f64], begins: bool) {
         let CellBatch { isa, cell, groups, work, .. } = self;
         let group = &mut groups[number];
         let (sizes, stride) = (cell.sizes(), group.layout.stride);
@@ -78,7 +103,34 @@ impl<C: CellKernel> CellBatch<C> {
         for (matrix, rows) in work.own.iter_mut().zip(own) {
             matrix.resize(rows * stride, Row8::default());
         }
-        dispatch(*isa, Forward { cell: *cell, weights, group, work });
+        let (isa, cell) = (*isa, *cell);
+        if begins {
+            dispatch(isa, Start { cell, weights, group, work });
+        }
+        dispatch(isa, Forward { cell, weights, group, work });
+    }
+}
+
+impl<C: CellKernel> NextRows for CellBatch<C> {
+    fn sizes(&self) -> CellSizes {
+        self.cell.sizes()
+    }
+
+    fn advance(&mut self, weights: &[f64], begins: bool, inputs: &[f64], outputs: &mut [f64]) {
+        let CellSizes { inputs: columns, outputs: width, .. } = self.cell.sizes();
+        self.groups[0].set_inputs(columns, inputs);
+        self.pass(0, weights, begins);
+        put_outputs(&self.groups[0].layout, &self.work.outputs, width, outputs);
+    }
+
+    fn carry(&mut self) {
+        let CellBatch { cell, groups, work, .. } = self;
+        let first = cell.sizes().inputs + 1;
+        let Group { layout, below, .. } = &mut groups[0];
+        Group::carry(layout, below, first);
+        for place in cell.carried() {
+            Group::carry(layout, &mut work.own[*place], 0);
+        }
     }
 }
 
@@ -103,6 +155,21 @@ impl<C: CellKernel> Batch for CellBatch<C> {
             let CellBatch { isa, cell, groups, work, .. } = self;
             dispatch(*isa, Backward { cell: *cell, weights, group: &groups[number], work, scale, gradient });
         }
+    }
+}
+
+struct Start<'a, C> {
+    cell: C,
+    weights: &'a [f64],
+    group: &'a mut Group,
+    work: &'a mut Work,
+}
+
+impl<C: CellKernel> Kernel for Start<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.cell.start::<L>(self.weights, self.group, self.work);
     }
 }
 

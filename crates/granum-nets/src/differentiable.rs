@@ -4,6 +4,7 @@ use granum_simd::Isa;
 
 use crate::data::Data;
 use crate::sequences::Sequences;
+use crate::stepper::Stepper;
 use crate::trainer::error::TrainingError;
 
 /// A model with weights that can be trained: a feed-forward network, a recurrent cell, or a model of your own.
@@ -87,6 +88,17 @@ pub trait Differentiable: Send + Sync {
         inputs: &[f64],
         sequences: Option<&Sequences>,
     ) -> Result<Vec<f64>, TrainingError>;
+
+    /// As many sequences, each with its start values, whose rows come one after the other: a model with memory keeps its state between
+    /// them. The outputs have the bits of [`Differentiable::evaluate`] for the rows together.
+    ///
+    /// # Errors
+    /// If the start values do not match the model, or it has no memory that could be kept.
+    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
+        let _ = (isa, sequences, starts);
+        let name = self.name();
+        Err(TrainingError::Rows(format!("a {name} has no state that could be kept from row to row")))
+    }
 
     /// The rows of a table in the form for training. Results do not depend on the instruction set.
     ///

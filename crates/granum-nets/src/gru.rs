@@ -12,6 +12,7 @@ use crate::initialisation::uniform;
 use crate::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
 use crate::sequence_group::SequenceRows;
 use crate::sequences::Sequences;
+use crate::stepper::{Stepper, Steps};
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
 
@@ -56,6 +57,21 @@ const REMEMBER: f64 = 1.0;
 pub struct Gru {
     shape: GruShape,
     weights: Vec<f64>,
+}
+
+/// The weights of a [`Gru`] by what they are for. All weights of a neuron stand together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GruWeights<'a> {
+    /// Reset gates, then update gates: inputs, bias, state.
+    pub gates: &'a [f64],
+    /// The part of the candidates from the inputs: inputs, bias.
+    pub candidate_inputs: &'a [f64],
+    /// The part of the candidates from the state: bias, state.
+    pub candidate_state: &'a [f64],
+    /// The outputs: bias, state.
+    pub read_out: &'a [f64],
+    /// The first state: start values, bias.
+    pub first_state: &'a [f64],
 }
 
 impl Gru {
@@ -118,6 +134,16 @@ impl Gru {
     /// Number of start values of a sequence.
     pub fn starts(&self) -> usize {
         self.shape.starts
+    }
+
+    /// The weights by what they are for, each a row for each neuron.
+    pub fn parts(&self) -> GruWeights<'_> {
+        let GruShape { inputs, hidden, .. } = self.shape;
+        let (gates, rest) = self.weights.split_at(2 * hidden * self.shape.gate_row());
+        let (candidate_inputs, rest) = rest.split_at(hidden * (inputs + 1));
+        let (candidate_state, rest) = rest.split_at(hidden * self.shape.state_row());
+        let (read_out, first_state) = rest.split_at(self.shape.outputs * self.shape.state_row());
+        GruWeights { gates, candidate_inputs, candidate_state, read_out, first_state }
     }
 
     fn check_sequences<'a>(&self, sequences: Option<&'a Sequences>) -> Result<&'a Sequences, TrainingError> {
@@ -187,6 +213,11 @@ impl Differentiable for Gru {
         }
         let rows = SequenceRows { inputs, sequences, targets: None, weights: None };
         GruBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
+    }
+
+    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
+        let rows = GruBatch::of_next_rows(isa, self.shape, sequences, starts)?;
+        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
     }
 
     fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {

@@ -6,6 +6,7 @@ use crate::differentiable::Batch;
 use crate::gru_shape::GruShape;
 use crate::kernels::Scalars;
 use crate::sequence_group::{CellSizes, Group, Layout, SequenceRows, add, groups, product, squared_error};
+use crate::stepper::{NextRows, put_outputs};
 use crate::trainer::error::TrainingError;
 
 /// Intermediate results of a pass over a group.
@@ -59,9 +60,7 @@ pub(crate) struct GruBatch {
 
 impl GruBatch {
     pub(crate) fn new(isa: Isa, shape: GruShape, rows: &SequenceRows) -> Result<GruBatch, TrainingError> {
-        let GruShape { inputs, starts, hidden: state, outputs } = shape;
-        let (weights, depth) = (shape.weights(), Scratch::rows(&shape));
-        let groups = groups(&CellSizes { inputs, starts, state, outputs, weights, rows: depth }, rows)?;
+        let groups = groups(&cell_sizes(&shape), rows)?;
         Ok(GruBatch { isa, shape, groups, rows: rows.sequences.rows(), scratch: Scratch::default() })
     }
 
@@ -85,8 +84,48 @@ impl GruBatch {
         let GruBatch { isa, shape, groups, scratch, .. } = self;
         let group = &mut groups[number];
         scratch.fit(shape, &group.layout, trains);
+        dispatch(*isa, Start { shape, weights, group });
         dispatch(*isa, Forward { shape, weights, group, scratch });
     }
+
+    /// Sequences whose rows come one after the other.
+    pub(crate) fn of_next_rows(
+        isa: Isa,
+        shape: GruShape,
+        count: usize,
+        starts: &[f64],
+    ) -> Result<GruBatch, TrainingError> {
+        let groups = vec![Group::of_next_rows(&cell_sizes(&shape), count, starts)?];
+        Ok(GruBatch { isa, shape, groups, rows: count, scratch: Scratch::default() })
+    }
+}
+
+impl NextRows for GruBatch {
+    fn sizes(&self) -> CellSizes {
+        cell_sizes(&self.shape)
+    }
+
+    fn advance(&mut self, weights: &[f64], begins: bool, inputs: &[f64], outputs: &mut [f64]) {
+        let GruBatch { isa, shape, groups, scratch, .. } = self;
+        let (isa, group) = (*isa, &mut groups[0]);
+        group.set_inputs(shape.inputs, inputs);
+        scratch.fit(shape, &group.layout, false);
+        if begins {
+            dispatch(isa, Start { shape, weights, group });
+        }
+        dispatch(isa, Forward { shape, weights, group, scratch });
+        put_outputs(&groups[0].layout, &scratch.outputs, shape.outputs, outputs);
+    }
+
+    fn carry(&mut self) {
+        let Group { layout, below, .. } = &mut self.groups[0];
+        Group::carry(layout, below, self.shape.inputs + 1);
+    }
+}
+
+fn cell_sizes(shape: &GruShape) -> CellSizes {
+    let GruShape { inputs, starts, hidden: state, outputs } = *shape;
+    CellSizes { inputs, starts, state, outputs, weights: shape.weights(), rows: Scratch::rows(shape) }
 }
 
 impl Batch for GruBatch {
@@ -115,19 +154,19 @@ impl Batch for GruBatch {
     }
 }
 
-struct Forward<'a> {
+/// The state before the first step.
+struct Start<'a> {
     shape: &'a GruShape,
     weights: &'a [f64],
     group: &'a mut Group,
-    scratch: &'a mut Scratch,
 }
 
-impl Kernel for Forward<'_> {
+impl Kernel for Start<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let GruShape { inputs, starts, hidden, outputs } = *self.shape;
-        let (shape, weights, scratch) = (self.shape, self.weights, self.scratch);
+        let GruShape { inputs, starts, hidden, .. } = *self.shape;
+        let (shape, weights) = (self.shape, self.weights);
         let Group { layout, below, starts: start_rows, .. } = self.group;
         let (stride, (_, all)) = (layout.stride, layout.step(0));
         let state = (inputs + 1) * stride;
@@ -145,6 +184,25 @@ impl Kernel for Forward<'_> {
                 tanh(sum).store(&mut below[state + j * stride + b].0);
             },
         );
+    }
+}
+
+struct Forward<'a> {
+    shape: &'a GruShape,
+    weights: &'a [f64],
+    group: &'a mut Group,
+    scratch: &'a mut Scratch,
+}
+
+impl Kernel for Forward<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let GruShape { inputs, hidden, outputs, .. } = *self.shape;
+        let (shape, weights, scratch) = (self.shape, self.weights, self.scratch);
+        let Group { layout, below, .. } = self.group;
+        let stride = layout.stride;
+        let state = (inputs + 1) * stride;
         for step in 0..layout.steps() {
             let (first, width) = layout.step(step);
             let gates = &mut scratch.gates;
@@ -194,7 +252,7 @@ impl Kernel for Forward<'_> {
                     sum.store(&mut gates[(3 * hidden + j) * stride + b].0);
                 },
             );
-            let next = if step + 1 < layout.steps() { layout.step(step + 1) } else { (0, 0) };
+            let next = layout.next(step);
             for j in 0..hidden {
                 for b in 0..width {
                     let at = |part: usize| (part * hidden + j) * stride + first + b;

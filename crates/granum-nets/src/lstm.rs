@@ -12,6 +12,7 @@ use crate::kernels::Scalars;
 use crate::network::NetworkError;
 use crate::sequence_group::{CellSizes, Group, add, product};
 use crate::sequences::Sequences;
+use crate::stepper::{Stepper, Steps};
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
 
@@ -163,6 +164,11 @@ impl Differentiable for Lstm {
         CellBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
     }
 
+    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
+        let rows = CellBatch::of_next_rows(isa, self.shape, sequences, starts)?;
+        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
+    }
+
     fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
         check_columns(self, data)?;
         let rows = rows_of(&self.shape.sizes(), NAME, data.inputs(), data.sequences(), Some(data))?;
@@ -184,15 +190,18 @@ impl CellKernel for LstmShape {
         vec![4 * hidden, hidden, hidden, 1 + hidden, hidden, 4 * hidden]
     }
 
+    /// The cells.
+    fn carried(&self) -> &'static [usize] {
+        &[1]
+    }
+
     #[inline(always)]
-    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
-        let LstmShape { inputs, starts, hidden, outputs } = self;
+    fn start<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+        let LstmShape { inputs, starts, hidden, .. } = self;
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { outputs: results, own, .. } = work;
-        let [gates, before, bounded, after, ..] = &mut own[..] else { return };
+        let [_, before, ..] = &mut work.own[..] else { return };
         let (stride, (_, all)) = (layout.stride, layout.step(0));
         let state = (inputs + 1) * stride;
-        ones(&mut after[..stride]);
         let first = Scalars { values: &weights[self.first_state()..], by_k: 1, by_j: starts + 1 };
         product::<L>(
             first,
@@ -208,6 +217,17 @@ impl CellKernel for LstmShape {
                 false => sum.store(&mut before[(j - hidden) * stride + b].0),
             },
         );
+    }
+
+    #[inline(always)]
+    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+        let LstmShape { inputs, hidden, outputs, .. } = self;
+        let Group { layout, below, .. } = group;
+        let Work { outputs: results, own, .. } = work;
+        let [gates, before, bounded, after, ..] = &mut own[..] else { return };
+        let stride = layout.stride;
+        let state = (inputs + 1) * stride;
+        ones(&mut after[..stride]);
         let row = self.gate_row();
         for step in 0..layout.steps() {
             let (first, width) = layout.step(step);
@@ -222,7 +242,7 @@ impl CellKernel for LstmShape {
                 #[inline(always)]
                 |j, b, sum| sum.store(&mut gates[j * stride + b].0),
             );
-            let next = if step + 1 < layout.steps() { layout.step(step + 1) } else { (0, 0) };
+            let next = layout.next(step);
             for j in 0..hidden {
                 for b in 0..width {
                     let at = |part: usize| (part * hidden + j) * stride + first + b;

@@ -5,7 +5,7 @@ use granum_simd::{Isa, Real, ScalarKernel, fused};
 use crate::forward::{self, Scalers};
 use crate::model::Model;
 use crate::model_error::ModelError;
-use crate::uncertainty::Laplace;
+use crate::uncertainty::{Laplace, Uncertainty};
 
 /// A prediction for one row.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,13 +167,22 @@ impl Model {
         Ok((BatchPrediction { values, outside: self.outside_of(rows) }, Some(deviations)))
     }
 
-    /// Values of rows that have been checked, and deviations of their observations; `None` if there are no deviations.
-    fn values_and_deviations(&self, rows: &[f64], points: usize) -> Option<(Vec<f64>, Vec<Deviation>)> {
+    /// The uncertainty of the weights in numbers; `None` if the model was trained without Bayesian regularisation.
+    pub fn uncertainty(&self) -> Option<Uncertainty> {
+        self.laplace().map(|laplace| laplace.numbers(self.network.weights().len()))
+    }
+
+    fn laplace(&self) -> Option<&Laplace> {
         let laplace = self.laplace.get_or_init(|| {
             let (rows, evidence) = (self.training_rows.as_ref()?, self.fit.evidence?);
             Laplace::new(Isa::detect(), &self.network, rows, evidence)
         });
-        let laplace = laplace.as_ref()?;
+        laplace.as_ref()
+    }
+
+    /// Values of rows that have been checked, and deviations of their observations; `None` if there are no deviations.
+    fn values_and_deviations(&self, rows: &[f64], points: usize) -> Option<(Vec<f64>, Vec<Deviation>)> {
+        let laplace = self.laplace()?;
         let (mut values, variances) = laplace.outputs_and_variances(&self.network, self.scaled(rows), points);
         let output = &self.output_scaler;
         fused(Scaled(&mut values, &[(output.offset(), output.inverse_factor(), output.minimum)]));

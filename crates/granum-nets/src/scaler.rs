@@ -81,7 +81,7 @@ impl Scaler {
 
     /// Scaled value of the minimum, or the middle of the range for a constant column.
     #[inline]
-    pub(crate) fn offset(&self) -> f64 {
+    pub fn offset(&self) -> f64 {
         if self.is_constant() { 0.5 * (self.low + self.high) } else { self.low }
     }
 
@@ -93,7 +93,7 @@ impl Scaler {
 
     /// Units of the column per scaled unit; zero for a constant column.
     #[inline]
-    pub(crate) fn inverse_factor(&self) -> f64 {
+    pub fn inverse_factor(&self) -> f64 {
         if self.is_constant() { 0.0 } else { (self.maximum - self.minimum) / (self.high - self.low) }
     }
 

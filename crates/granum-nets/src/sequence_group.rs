@@ -55,15 +55,20 @@ pub(crate) struct Layout {
     /// Distance between the rows of lane matrices over all steps, and of those with one lane block for each sequence.
     pub stride: usize,
     pub start_stride: usize,
+    /// Number of steps behind the last one for whose state there is room: 1 where rows follow that are not known yet.
+    ahead: usize,
 }
 
 impl Layout {
-    fn new(members: &[(usize, usize, usize)]) -> Layout {
+    fn new(members: &[(usize, usize, usize)], ahead: usize) -> Layout {
         let lengths: Vec<usize> = members.iter().map(|(_, _, length)| *length).collect();
         let mut offsets = vec![0];
         for step in 0..lengths.first().copied().unwrap_or(0) {
             let active = lengths.partition_point(|length| *length > step);
             offsets.push(offsets[step] + blocks(active));
+        }
+        for _ in 0..ahead {
+            offsets.push(offsets[offsets.len() - 1] + blocks(members.len()));
         }
         let total = offsets[offsets.len() - 1];
         Layout {
@@ -72,11 +77,17 @@ impl Layout {
             offsets,
             stride: odd(total),
             start_stride: odd(blocks(members.len())),
+            ahead,
         }
     }
 
     pub fn steps(&self) -> usize {
-        self.offsets.len() - 1
+        self.offsets.len() - 1 - self.ahead
+    }
+
+    /// First lane block and number of lane blocks of the step after one, to which its state goes: none behind the last, unless rows follow.
+    pub fn next(&self, step: usize) -> (usize, usize) {
+        if step + 2 < self.offsets.len() { self.step(step + 1) } else { (0, 0) }
     }
 
     pub fn total(&self) -> usize {
@@ -111,8 +122,45 @@ pub(crate) struct Group {
 }
 
 impl Group {
-    fn new(sizes: &CellSizes, rows: &SequenceRows, members: &[(usize, usize, usize)]) -> Group {
-        let layout = Layout::new(members);
+    /// As many sequences of one row each as there are start vectors, with room for the state after it. The inputs are not known yet.
+    ///
+    /// # Errors
+    /// If the start vectors are those of another cell, or of too many sequences.
+    pub fn of_next_rows(sizes: &CellSizes, count: usize, starts: &[f64]) -> Result<Group, TrainingError> {
+        if count == 0 || count > GROUP || starts.len() != count * sizes.starts {
+            let (needed, found) = (sizes.starts, starts.len());
+            return Err(TrainingError::Rows(format!(
+                "between 1 and {GROUP} sequences of {needed} start values each can be advanced together, not {count} with {found} values"
+            )));
+        }
+        let sequences =
+            Sequences::new(vec![1; count]).and_then(|own| own.with_starts(starts.to_vec(), sizes.starts));
+        let sequences = sequences.map_err(|error| TrainingError::Rows(error.to_string()))?;
+        let inputs = vec![0.0; count * sizes.inputs];
+        let rows = SequenceRows { inputs: &inputs, sequences: &sequences, targets: None, weights: None };
+        let members: Vec<_> = (0..count).map(|number| (number, number, 1)).collect();
+        Ok(Group::new(sizes, &rows, &members, 1))
+    }
+
+    /// Sets the inputs of the one row of each sequence.
+    pub fn set_inputs(&mut self, columns: usize, inputs: &[f64]) {
+        for (lane, row) in inputs.chunks_exact(columns).enumerate() {
+            for (column, value) in row.iter().enumerate() {
+                self.below[column * self.layout.stride + lane / LANES].0[lane % LANES] = *value;
+            }
+        }
+    }
+
+    /// The state after the one row becomes that before it, in the rows from `first` on of a matrix over all steps.
+    pub fn carry(layout: &Layout, matrix: &mut [Row8], first: usize) {
+        let (after, width) = layout.step(1);
+        for row in matrix[first * layout.stride..].chunks_exact_mut(layout.stride) {
+            row.copy_within(after..after + width, 0);
+        }
+    }
+
+    fn new(sizes: &CellSizes, rows: &SequenceRows, members: &[(usize, usize, usize)], ahead: usize) -> Group {
+        let layout = Layout::new(members, ahead);
         let CellSizes { inputs, starts, outputs, .. } = *sizes;
         let (stride, start_stride) = (layout.stride, layout.start_stride);
         let mut below = vec![Row8::default(); sizes.below() * stride];
@@ -161,7 +209,7 @@ pub(crate) fn groups(sizes: &CellSizes, rows: &SequenceRows) -> Result<Vec<Group
         let (rows, weights) = (rows.sequences.rows(), sizes.weights);
         return Err(TrainingError::Memory { rows, weights, bytes, limit });
     }
-    Ok(members.chunks(GROUP).map(|members| Group::new(sizes, rows, members)).collect())
+    Ok(members.chunks(GROUP).map(|members| Group::new(sizes, rows, members, 0)).collect())
 }
 
 /// The weighted sum of squared errors of the outputs of a group.

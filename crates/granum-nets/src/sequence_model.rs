@@ -154,6 +154,11 @@ impl SequenceModel {
         &self.input_scalers
     }
 
+    /// Scalers of the outputs.
+    pub fn output_scalers(&self) -> &[Scaler] {
+        &self.output_scalers
+    }
+
     /// The recurrent unit, in scaled units.
     pub fn gru(&self) -> &Gru {
         &self.gru

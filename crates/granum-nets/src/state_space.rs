@@ -12,6 +12,7 @@ use crate::kernels::Scalars;
 use crate::network::NetworkError;
 use crate::sequence_group::{CellSizes, Group, add, below_tanh, product};
 use crate::sequences::Sequences;
+use crate::stepper::{Stepper, Steps};
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
 
@@ -180,6 +181,11 @@ impl Differentiable for StateSpace {
         CellBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
     }
 
+    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
+        let rows = CellBatch::of_next_rows(isa, self.shape, sequences, starts)?;
+        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
+    }
+
     fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
         check_columns(self, data)?;
         let rows = rows_of(&self.shape.sizes(), NAME, data.inputs(), data.sequences(), Some(data))?;
@@ -201,14 +207,11 @@ impl CellKernel for Shape {
     }
 
     #[inline(always)]
-    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
-        let Shape { inputs, starts, hidden, internal, outputs } = self;
+    fn start<L: Lanes>(self, weights: &[f64], group: &mut Group, _: &mut Work) {
+        let Shape { inputs, starts, internal, outputs, .. } = self;
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { outputs: results, own, .. } = work;
-        let [neurons, ..] = &mut own[..] else { return };
         let (stride, start_stride, (_, all)) = (layout.stride, layout.start_stride, layout.step(0));
         let place = inputs + 1;
-        ones(&mut neurons[..stride]);
         for j in 0..outputs {
             for b in 0..all {
                 below[(place + j) * stride + b] = start_rows[j * start_stride + b];
@@ -225,6 +228,17 @@ impl CellKernel for Shape {
             #[inline(always)]
             |j, b, sum| sum.store(&mut below[(place + outputs + j) * stride + b].0),
         );
+    }
+
+    #[inline(always)]
+    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+        let Shape { inputs, hidden, outputs, .. } = self;
+        let Group { layout, below, .. } = group;
+        let Work { outputs: results, own, .. } = work;
+        let [neurons, ..] = &mut own[..] else { return };
+        let stride = layout.stride;
+        let place = inputs + 1;
+        ones(&mut neurons[..stride]);
         let row = self.hidden_row();
         for step in 0..layout.steps() {
             let (first, width) = layout.step(step);
@@ -239,7 +253,7 @@ impl CellKernel for Shape {
                 #[inline(always)]
                 |j, b, sum| tanh(sum).store(&mut neurons[(1 + j) * stride + b].0),
             );
-            let next = if step + 1 < layout.steps() { layout.step(step + 1) } else { (0, 0) };
+            let next = layout.next(step);
             product::<L>(
                 Scalars { values: &weights[self.changes()..], by_k: 1, by_j: 1 + hidden },
                 self.state(),

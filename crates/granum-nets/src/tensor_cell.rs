@@ -117,16 +117,12 @@ impl CellKernel for TensorSizes {
     }
 
     #[inline(always)]
-    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+    fn start<L: Lanes>(self, weights: &[f64], group: &mut Group, _: &mut Work) {
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { outputs: results, own, .. } = work;
-        let [features, neurons, coefficients, products, .., bounded] = &mut own[..] else { return };
         let (stride, start_stride, (_, all)) = (layout.stride, layout.start_stride, layout.step(0));
         let (m, measured) = (self.all_tensors(), self.tensors);
-        let (place, width_of_f) = (self.inputs() + 1, self.features());
+        let place = self.inputs() + 1;
         let scalars_at = place + COMPONENTS * m;
-        ones(&mut features[width_of_f * stride..(width_of_f + 1) * stride]);
-        ones(&mut neurons[..stride]);
         for c in 0..COMPONENTS {
             for i in 0..measured {
                 for b in 0..all {
@@ -163,6 +159,19 @@ impl CellKernel for TensorSizes {
             #[inline(always)]
             |j, b, sum| sum.store(&mut below[(scalars_at + self.scalars + j) * stride + b].0),
         );
+    }
+
+    #[inline(always)]
+    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+        let Group { layout, below, .. } = group;
+        let Work { outputs: results, own, .. } = work;
+        let [features, neurons, coefficients, products, .., bounded] = &mut own[..] else { return };
+        let stride = layout.stride;
+        let (m, measured) = (self.all_tensors(), self.tensors);
+        let (place, width_of_f) = (self.inputs() + 1, self.features());
+        let scalars_at = place + COMPONENTS * m;
+        ones(&mut features[width_of_f * stride..(width_of_f + 1) * stride]);
+        ones(&mut neurons[..stride]);
         for step in 0..layout.steps() {
             let (first, width) = layout.step(step);
             for at in first..first + width {
@@ -190,7 +199,7 @@ impl CellKernel for TensorSizes {
                 #[inline(always)]
                 |j, b, sum| sum.store(&mut coefficients[j * stride + b].0),
             );
-            let next = if step + 1 < layout.steps() { layout.step(step + 1) } else { (0, 0) };
+            let next = layout.next(step);
             for b in 0..width {
                 let at = first + b;
                 let length = L::load(&below[at].0);

@@ -10,6 +10,7 @@ use crate::differentiable::{Batch, Differentiable};
 use crate::initialisation::uniform;
 use crate::network::NetworkError;
 use crate::sequences::Sequences;
+use crate::stepper::{Stepper, Steps};
 use crate::tensor_sizes::TensorSizes;
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
@@ -137,6 +138,11 @@ impl Differentiable for TensorStateSpace {
     ) -> Result<Vec<f64>, TrainingError> {
         let rows = rows_of(&CellKernel::sizes(&self.sizes), NAME, inputs, sequences, None)?;
         CellBatch::new(isa, self.sizes, &rows).map(|mut batch| batch.evaluate(&self.weights))
+    }
+
+    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
+        let rows = CellBatch::of_next_rows(isa, self.sizes, sequences, starts)?;
+        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
     }
 
     fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {

@@ -74,6 +74,27 @@ fn needed(network: &Network, data: &Data) -> usize {
     curvature.saturating_add(Workspace::bytes(network, rows))
 }
 
+/// The uncertainty of a trained network in numbers, for programs that evaluate it without this crate. In scaled units, an observation at which the output of the network has the
+/// gradient `g` with respect to its weights has the variance
+///
+/// ```text
+/// 1 / beta + (max(g . g - sum_d (v_d . g)^2, 0) + sum_d open_d (v_d . g)^2) / alpha
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Uncertainty {
+    /// Precision of the weights.
+    pub alpha: f64,
+    /// Precision of the noise.
+    pub beta: f64,
+    /// Number of weights.
+    pub weights: usize,
+    /// The orthonormal directions that the training rows determine, `weights x directions` in row-major order.
+    pub directions: Vec<f64>,
+    /// What is left open of each.
+    pub open: Vec<f64>,
+}
+
 /// What the training rows of a network determine of its weights.
 #[derive(Clone)]
 pub(crate) struct Laplace {
@@ -111,6 +132,12 @@ impl Laplace {
         let shift = evidence.alpha / evidence.beta;
         let (determined, shift) = Determined::new(&training, network.weights().len(), shift)?;
         Some(Laplace { isa, determined, alpha: shift * evidence.beta, beta: evidence.beta })
+    }
+
+    /// The same in numbers.
+    pub(crate) fn numbers(&self, weights: usize) -> Uncertainty {
+        let (directions, open) = self.determined.directions(weights);
+        Uncertainty { alpha: self.alpha, beta: self.beta, weights, directions, open }
     }
 
     /// The noise part of the variance of an observation.
@@ -246,6 +273,39 @@ mod tests {
         let asked = vec![f64::INFINITY, 0.0, 0.2, -0.4, 1.0, f64::NEG_INFINITY];
         let found = laplace.outputs_and_variances(&network, asked, 1).1;
         assert_eq!(found, [f64::INFINITY, alone[0], f64::INFINITY]);
+    }
+
+    /// The variance by its numbers, with the gradient by central differences.
+    #[test]
+    fn the_numbers_give_the_same_variances() {
+        let (network, rows) = network_and_rows();
+        let evidence = Evidence { alpha: 0.4, beta: 7.0, gamma: 10.0 };
+        let laplace = Laplace::new(Isa::detect(), &network, &rows, evidence).unwrap();
+        let count = network.weights().len();
+        let known = laplace.numbers(count);
+        let directions = known.open.len();
+        assert!(directions > 0 && known.directions.len() == directions * count);
+        let asked = [0.3, -1.7];
+        let gradient: Vec<f64> = (0..count)
+            .map(|k| {
+                let moved = |h: f64| {
+                    let mut changed = network.clone();
+                    changed.weights_mut()[k] += h;
+                    changed.forward(&asked).unwrap()[0]
+                };
+                (moved(1e-5) - moved(-1e-5)) / 2e-5
+            })
+            .collect();
+        let mut rest: f64 = gradient.iter().map(|g| g * g).sum();
+        let mut left = 0.0;
+        for d in 0..directions {
+            let along: f64 = (0..count).map(|k| gradient[k] * known.directions[k * directions + d]).sum();
+            rest -= along * along;
+            left += known.open[d] * along * along;
+        }
+        let variance = 1.0 / known.beta + (rest.max(0.0) + left) / known.alpha;
+        let expected = laplace.outputs_and_variances(&network, asked.to_vec(), 1).1[0];
+        assert!((variance / expected - 1.0).abs() < 1e-6, "{variance} {expected}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod command;
 mod context;
 mod failure;
 mod interrupt;
+mod latency;
 mod messages;
 mod numbers;
 mod output;

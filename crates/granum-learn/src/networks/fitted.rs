@@ -9,6 +9,7 @@ use super::mapping::NetworkMapping;
 use super::ridge_share::{RidgeShare, StoredRidgeShare};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::onnx::OnnxGraph;
 use crate::surrogate::{Columns, Content, Estimate, Outside, Prediction, RunInputs, Surrogate, causes};
 
 /// A mapping with one trained network for each sub-model, and the ridge regression that has a share in their predictions if
@@ -365,6 +366,11 @@ impl Surrogate for SubModelNetworks {
 
     fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
         Ok(self.predict_states(inputs.values())?.into_iter().map(|predicted| predicted.values).collect())
+    }
+
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        self.onnx_form(graph, level);
+        Ok(())
     }
 
     fn content(&self) -> Result<Content> {

@@ -15,6 +15,7 @@ mod fitted;
 mod kept_networks;
 mod mapping;
 mod method;
+mod onnx_form;
 mod ridge_share;
 pub mod sensor_share;
 mod settings;

@@ -27,6 +27,7 @@ use serde::{Deserialize, Serialize};
 use crate::curve::range;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::onnx::{OnnxGraph, Value};
 use crate::surrogate::{Columns, Content, FitSpec, FittedRidge, RidgeRegression, RunInputs, Surrogate};
 
 /// Number of runs with which ridge regression is expected to deserve half of the prediction before any run was left out.
@@ -90,6 +91,25 @@ impl RidgeShare {
     /// What is added to the prediction of the network.
     pub fn correction(&self, output: usize, network: f64, ridge: f64) -> f64 {
         self.shares[output] * (ridge - network)
+    }
+
+    /// What ridge regression predicts in the graph of an ONNX file, a column for each output.
+    pub fn onnx(&self, graph: &mut OnnxGraph, inputs: &Value) -> Value {
+        let means = self.ridge.onnx_means(graph, inputs);
+        let [lows, highs] =
+            [0, 1].map(|end| self.limits.iter().map(|limits| limits[end]).collect::<Vec<_>>());
+        let (lows, highs) = (graph.row(&lows), graph.row(&highs));
+        let means = graph.apply("Max", &[&means, &lows]);
+        graph.apply("Min", &[&means, &highs])
+    }
+
+    /// [`RidgeShare::mixed`] in such a graph, for a column of values of the network; `ridge` is that of [`RidgeShare::onnx`].
+    pub fn onnx_mixed(&self, graph: &mut OnnxGraph, output: usize, network: &Value, ridge: &Value) -> Value {
+        let share = graph.number(self.shares[output]);
+        let ridge = graph.columns(ridge, &[output]);
+        let difference = graph.apply("Sub", &[&ridge, network]);
+        let correction = graph.apply("Mul", &[&share, &difference]);
+        graph.apply("Add", &[network, &correction])
     }
 
     /// The share in each output.

@@ -3,6 +3,8 @@
 /// Number of knots, which are equidistant in `sqrt(strain / end)`, because the curves of granular materials bend at small
 /// strain.
 const KNOTS: usize = 8;
+/// Number of intervals between the knots.
+pub const INTERVALS: usize = KNOTS - 1;
 /// Number of basis functions: in each interval four are non-zero, three of which continue in the next interval.
 pub const FUNCTIONS: usize = KNOTS + 2;
 

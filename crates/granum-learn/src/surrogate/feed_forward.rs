@@ -23,6 +23,7 @@ use crate::networks::{
     NetworkCheckpoints, NetworkSettings, NetworkTask, NoCheckpoints, RidgeShare, StoredRidgeShare,
     supported_share,
 };
+use crate::onnx::{self, OnnxEstimate, OnnxGraph};
 use crate::surrogate::ridge::RidgeRegression;
 
 /// Feed-forward networks of one size for every output.
@@ -233,6 +234,13 @@ struct FittedNetworks {
 }
 
 impl FittedNetworks {
+    /// The trained ranges of the inputs.
+    fn ranges(&self) -> Vec<[f64; 2]> {
+        self.models.first().map_or(Vec::new(), |model| {
+            model.input_scalers().iter().map(|scaler| [scaler.minimum, scaler.maximum]).collect()
+        })
+    }
+
     /// Adds the share of ridge regression to the values of an output.
     fn correct(&self, output: usize, ridge: Option<&Vec<Vec<f64>>>, values: &mut [f64]) {
         if let (Some(beside), Some(ridge)) = (&self.beside, ridge) {
@@ -286,9 +294,7 @@ impl Surrogate for FittedNetworks {
                 });
             }
         }
-        let ranges: Vec<[f64; 2]> = self.models.first().map_or(Vec::new(), |model| {
-            model.input_scalers().iter().map(|scaler| [scaler.minimum, scaler.maximum]).collect()
-        });
+        let ranges = self.ranges();
         for (prediction, row) in predictions.iter_mut().zip(inputs.rows()) {
             prediction.outside = outside_of(&self.columns, &ranges, row);
         }
@@ -304,6 +310,26 @@ impl Surrogate for FittedNetworks {
             means.iter_mut().zip(values).for_each(|(row, mean)| row.push(mean));
         }
         Ok(means)
+    }
+
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let inputs = onnx::inputs(graph, &self.columns);
+        let ridge = self.beside.as_ref().map(|beside| beside.onnx(graph, &inputs));
+        let mut estimates = Vec::with_capacity(self.models.len());
+        for (output, model) in self.models.iter().enumerate() {
+            let network = onnx::network(graph, model, &inputs, 1);
+            let mean = match (&self.beside, &ridge) {
+                (Some(beside), Some(ridge)) => beside.onnx_mixed(graph, output, &network.values, ridge),
+                _ => network.values,
+            };
+            let spread = onnx::spread(graph, network.deviations, model.quantile(level));
+            estimates.push(OnnxEstimate { mean, spread });
+        }
+        let ranges = self.ranges();
+        onnx::state_ranges(graph, &self.columns, &ranges);
+        let outside = onnx::outside(graph, &inputs, &ranges);
+        onnx::outputs(graph, &self.columns, &estimates, &outside);
+        Ok(())
     }
 
     fn content(&self) -> Result<Content> {

@@ -130,6 +130,11 @@ fn opened(text: &str) -> std::result::Result<Opened, String> {
         (Some("granum study"), _) => {
             return Err("this is the file of a study, which is read with its folder".into());
         }
+        (Some("granum family model"), _) => {
+            return Err(
+                "this is the surrogate of a family of tests, which granum predict --family reads".into()
+            );
+        }
         (format, _) => {
             let found = format.unwrap_or("none");
             return Err(format!(

@@ -72,11 +72,14 @@ fn memory_is_worth_something_where_there_is_a_history() {
     let table = predict_table(loaded.as_ref(), &parts.unseen.table().unwrap(), 0.9).unwrap();
     let means: Vec<f64> = predictions.iter().map(|predicted| predicted.values[0].mean).collect();
     assert_eq!(table.column("predicted_stress").unwrap(), means);
+    stream_test::answers_as_whole_runs(loaded.as_ref(), &inputs);
     // The boundaries of runs matter: as one run, the same rows give other predictions.
     let joined = RunInputs::new(inputs.values().to_vec(), 2, vec![inputs.len()]).unwrap();
     assert_ne!(loaded.predict(&joined, 0.9).unwrap(), predictions);
     // For a method without memory they do not.
     let ridge = ridge.surrogate.as_ref();
+    stream_test::answers_as_whole_runs(ridge, &inputs);
+    stream_test::answers_as_whole_runs(network.surrogate.as_ref(), &inputs);
     assert_eq!(ridge.predict(&joined, 0.9).unwrap(), ridge.predict(&inputs, 0.9).unwrap());
     assert!(loaded.predict(&RunInputs::separate(Vec::new(), 2).unwrap(), 0.9).unwrap().is_empty());
 

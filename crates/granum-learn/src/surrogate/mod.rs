@@ -96,11 +96,17 @@ mod path;
 mod possible_values;
 mod prediction;
 mod recurrent;
+mod recurrent_onnx;
+mod recurrent_steps;
 mod registry;
 mod ridge;
 mod run_inputs;
+mod run_steps;
 mod scatter_of_networks;
 mod spec;
+mod stream;
+#[cfg(test)]
+mod stream_test;
 mod surrogate_trait;
 #[cfg(test)]
 mod tests;
@@ -126,6 +132,8 @@ pub use registry::SurrogateMethods;
 pub(crate) use ridge::FittedRidge;
 pub use ridge::RidgeRegression;
 pub use run_inputs::RunInputs;
+pub use run_steps::RunSteps;
 pub use spec::{Columns, FitSpec};
+pub use stream::PredictionStream;
 pub(crate) use surrogate_trait::check_finite;
 pub use surrogate_trait::{Surrogate, SurrogateMethod};

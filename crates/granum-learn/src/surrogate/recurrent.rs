@@ -17,12 +17,16 @@ use serde::{Deserialize, Serialize};
 use super::content::Content;
 use super::networks_of_parts::networks_of_parts;
 use super::prediction::Prediction;
+use super::recurrent_onnx::onnx_steps;
+use super::recurrent_steps::RecurrentSteps;
 use super::run_inputs::RunInputs;
+use super::run_steps::RunSteps;
 use super::scatter_of_networks::{RunVariances, predictions};
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
+use crate::onnx::{self, OnnxGraph};
 
 /// Recurrent networks with all outputs together.
 ///
@@ -224,6 +228,26 @@ impl Surrogate for FittedRecurrent {
         let means = self.outputs_of_networks(inputs)?;
         let known = self.run_variances.as_ref();
         Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
+    }
+
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
+        let (outputs, known) = (self.columns.outputs.len(), self.run_variances.as_ref());
+        let predict = move |means: &[Vec<f64>], row: &[f64]| {
+            let inputs = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
+            let all = predictions(means, known, (&self.columns, &self.ranges), &inputs, level);
+            Ok(all.into_iter().next().unwrap_or_default())
+        };
+        Ok(Some(Box::new(RecurrentSteps::new(&self.networks, outputs, Box::new(predict), failed))))
+    }
+
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let inputs = onnx::inputs(graph, &self.columns);
+        onnx::state_ranges(graph, &self.columns, &self.ranges);
+        let known = self.run_variances.as_ref().map(|known| (known, level));
+        let estimates = onnx_steps(graph, &self.networks, &inputs, known, self.columns.outputs.len());
+        let outside = onnx::outside(graph, &inputs, &self.ranges);
+        onnx::outputs(graph, &self.columns, &estimates, &outside);
+        Ok(())
     }
 
     fn content(&self) -> Result<Content> {

@@ -33,6 +33,7 @@ use super::surrogate_trait::{Surrogate, SurrogateMethod, report_output};
 use crate::curve::range;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
+use crate::onnx::{self, OnnxEstimate, OnnxGraph, RidgeRow, Value};
 use crate::regression::cholesky::Cholesky;
 use crate::regression::deviations::{Deviation, Equations, Regression, row};
 use crate::regression::spline::{FUNCTIONS, basis};
@@ -372,6 +373,31 @@ pub(crate) struct FittedRidge {
     fitted: Fitted,
 }
 
+impl FittedRidge {
+    /// The row of the regression in the graph of an ONNX file.
+    fn onnx_row(&self, graph: &mut OnnxGraph, inputs: &Value) -> RidgeRow {
+        let fitted = &self.fitted;
+        let coordinate = fitted.coordinate.as_ref();
+        let functions = coordinate.map(|Coordinate { input, start, end }| {
+            onnx::along(graph, inputs, *input, [*start, end - start])
+        });
+        let others: Vec<usize> =
+            (0..self.columns.inputs.len()).filter(|k| coordinate.is_none_or(|own| own.input != *k)).collect();
+        let deviations = fitted.deviations.iter().map(|own| (own.mean.as_slice(), own.standard_deviation));
+        RidgeRow::new(graph, inputs, functions, &others, &deviations.collect::<Vec<_>>())
+    }
+
+    /// The means in such a graph, a column for each output.
+    pub(crate) fn onnx_means(&self, graph: &mut OnnxGraph, inputs: &Value) -> Value {
+        let row = self.onnx_row(graph, inputs);
+        let outputs = &self.fitted.outputs;
+        let size = outputs.first().map_or(0, |output| output.coefficients.len());
+        let matrix: Vec<f64> =
+            (0..size).flat_map(|k| outputs.iter().map(move |output| output.coefficients[k])).collect();
+        row.product(graph, &matrix, outputs.len())
+    }
+}
+
 impl Surrogate for FittedRidge {
     fn method(&self) -> &str {
         NAME
@@ -414,6 +440,28 @@ impl Surrogate for FittedRidge {
             self.fitted.outputs.iter().map(|output| dot(&output.coefficients, &row)).collect()
         };
         Ok(inputs.rows().map(means).collect())
+    }
+
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let fitted = &self.fitted;
+        let inputs = onnx::inputs(graph, &self.columns);
+        let row = self.onnx_row(graph, &inputs);
+        let leverage = row.leverage(graph, &fitted.factor);
+        let mut estimates = Vec::with_capacity(fitted.outputs.len());
+        for output in &fitted.outputs {
+            let mean = row.product(graph, &output.coefficients, 1);
+            let noise = graph.number(output.noise_variance);
+            let parameters = graph.apply("Mul", &[&leverage, &noise]);
+            let others = graph.number(output.noise_variance + output.run_variance);
+            let variance = graph.apply("Add", &[&parameters, &others]);
+            let deviation = graph.apply("Sqrt", &[&variance]);
+            let quantile = granum_nets::two_sided_quantile(level, output.degrees_of_freedom);
+            estimates.push(OnnxEstimate { mean, spread: onnx::spread(graph, Some(deviation), quantile) });
+        }
+        onnx::state_ranges(graph, &self.columns, &fitted.ranges);
+        let outside = onnx::outside(graph, &inputs, &fitted.ranges);
+        onnx::outputs(graph, &self.columns, &estimates, &outside);
+        Ok(())
     }
 
     fn content(&self) -> Result<Content> {

@@ -48,8 +48,13 @@ impl RunVariances {
             && self.degrees_of_freedom >= 1.0
     }
 
+    /// For each output the variance beyond that between the networks.
+    pub fn variances(&self) -> &[f64] {
+        &self.outputs
+    }
+
     /// Student's quantile for intervals of a level.
-    fn quantile(&self, level: f64) -> f64 {
+    pub fn quantile(&self, level: f64) -> f64 {
         granum_nets::two_sided_quantile(level, self.degrees_of_freedom)
     }
 }

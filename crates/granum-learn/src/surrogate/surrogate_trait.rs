@@ -10,10 +10,12 @@ use super::content::Content;
 use super::possible_values::{cut_to_possible, possible_values};
 use super::prediction::{Estimate, Prediction};
 use super::run_inputs::RunInputs;
+use super::run_steps::RunSteps;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
 use crate::networks::{NetworkCheckpoints, NetworkSettings};
+use crate::onnx::{self, OnnxGraph};
 
 /// A method of fitting surrogates; the documentation of [this module](super) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
@@ -122,6 +124,26 @@ pub trait Surrogate: Any + Send + Sync {
     /// If a row cannot be predicted.
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
 
+    /// For a surrogate with memory a run whose states come one after the other, with intervals of a level; `None` for one without, and for one that can
+    /// only predict whole runs.
+    ///
+    /// # Errors
+    /// If the surrogate cannot be evaluated.
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
+        let _ = level;
+        Ok(None)
+    }
+
+    /// Adds all that it predicts to the graph of an ONNX file, with intervals of a level: inputs and outputs in physical units under the names of its
+    /// columns, see [`crate::onnx::to_bytes`].
+    ///
+    /// # Errors
+    /// If it has no ONNX form, with the reason.
+    fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
+        let _ = (graph, level);
+        Err(onnx::refused(self.method()))
+    }
+
     /// Refuses a data set with the columns of its names that mean something else, such as bins of another width.
     ///
     /// # Errors
@@ -162,10 +184,7 @@ pub trait Surrogate: Any + Send + Sync {
     /// # Errors
     /// If the rows do not have a value for every input, a value is not finite, or the level is not between 0 and 1.
     fn predict(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
-        let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };
-        if !(level > 0.0 && level < 1.0) {
-            return Err(problem(format!("the level of an interval must be between 0 and 1, not {level}")));
-        }
+        check_level(self.method(), level)?;
         check_inputs(self.method(), self.columns(), inputs)?;
         let predictions = self.evaluate(inputs, level)?;
         let values = predictions.iter().map(|prediction| prediction.values.len());
@@ -200,8 +219,17 @@ pub trait Surrogate: Any + Send + Sync {
     }
 }
 
+/// Refuses a level that is no share.
+pub(super) fn check_level(method: &str, level: f64) -> Result<()> {
+    if level > 0.0 && level < 1.0 {
+        return Ok(());
+    }
+    let reason = format!("the level of an interval must be between 0 and 1, not {level}");
+    Err(LearnError::Surrogate { method: method.into(), reason })
+}
+
 /// Refuses rows that do not have a finite value for every input.
-fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
+pub(super) fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
     let problem = |reason: String| Err(LearnError::Surrogate { method: method.into(), reason });
     let names = columns.input_names();
     if names.len() != inputs.columns() {

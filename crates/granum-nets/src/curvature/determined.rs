@@ -73,6 +73,26 @@ impl Determined {
         Some((Determined { isa, pivots: curvature.pivots?, factors, directions, open }, shift))
     }
 
+    /// The directions as vectors in the space of the weights, `weights x directions` in row-major order, and what is left open of each.
+    pub(crate) fn directions(&self, weights: usize) -> (Vec<f64>, Vec<f64>) {
+        let rows = self.pivots.rows;
+        let count = self.open.iter().rposition(|open| *open > 0.0).map_or(0, |last| last + 1);
+        let mut pivots = self.pivots.clone();
+        let mut directions = vec![0.0; weights * count];
+        for d in 0..count {
+            let mut factors = vec![Row8::default(); blocks(rows)];
+            for p in 0..rows {
+                factors[p / LANES].0[p % LANES] = self.factors[p * self.directions + d / LANES].0[d % LANES];
+            }
+            let mut vector = vec![0.0; weights];
+            pivots.transposed_jacobian_times(&factors, &mut vector);
+            for (w, value) in vector.into_iter().enumerate() {
+                directions[w * count + d] = value;
+            }
+        }
+        (directions, self.open[..count].to_vec())
+    }
+
     /// The uncertainties of the predictions for other observations. The sensitivities of `asked` must have been computed.
     pub(crate) fn uncertainties(&self, asked: &Workspace) -> Vec<f64> {
         let count = asked.observations();

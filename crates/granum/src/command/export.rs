@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::export_data_set;
 use super::export_deck::DeckFlags;
+use super::export_onnx;
 use super::sources::SourceFlags;
 use super::whole::open_run;
 use crate::context::Context;
@@ -27,26 +28,32 @@ use crate::output;
 /// With --to lammps it writes a folder with a complete input deck for LAMMPS instead: the sample (packing.data) and a script
 /// (in.granum) that tests it along the same path and writes curve.csv. The sample is that of a run or of a prepared sample as its test
 /// began; for a case file it is that of --packing. LAMMPS first brings it to rest, since files of LAMMPS hold no tangential forces.
+///
+/// With --to onnx it writes a surrogate as an ONNX file, which answers as `granum predict` does: inputs and outputs in physical units under the names of its
+/// columns, with standard deviations and intervals.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum export run-1 -o series.csv\n  granum export run-1 -o end.vtp\n  granum export run-1 --snapshot all -o \
                   run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv\n  \
                   granum export run-1 --to lammps --out deck\n  granum export sample --to lammps --path drained-triaxial --with \
                   axial_strain=0.05 --out deck\n  granum export my-sand.toml --packing packing.csv --to lammps --out deck\n  granum export study -o states.csv\n  granum export study --table runs -o runs.csv\n  \
-                  granum export study --to grainlearning -o study.hdf5"
+                  granum export study --to grainlearning -o study.hdf5\n  granum export surrogate.json --to onnx -o surrogate.onnx"
 )]
 pub struct Export {
     /// A run folder, a campaign or its data set, a packing file, or files of results of another program; with --to lammps a run folder or
-    /// a case file.
+    /// a case file; with --to onnx the file of a surrogate or the folder of a study.
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
     /// File to write; with --to lammps the folder.
     #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
     /// Format of the file, where its extension does not say it: vtp, vtp-bodies, vtp-bonds, lammps-data, lammps-dump, extended-xyz, gsd. Or lammps: an input deck; or, of a
-    /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning.
+    /// campaign, grainlearning: a file of HDF5 in the layout of GrainLearning; or, of a surrogate, onnx.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
+    /// With --to onnx and the folder of a study: the surrogate (stress_ratio-ridge), or the mapping (F2).
+    #[arg(short, long, visible_alias = "mapping", value_name = "NAME")]
+    model: Option<String>,
     /// Table to write: of a run series (the default), states (series and histograms, in Parquet as lists), forces, preparation, or a
     /// further histogram by its name; of a campaign states (the default) or runs; of a run, a sample or other results grains or contacts.
     #[arg(long, value_name = "NAME", conflicts_with = "to")]
@@ -70,6 +77,14 @@ impl Export {
         if let Some(what) = self.of_data_set(context)? {
             return self.say(context, &what);
         }
+        if self.to.as_deref() == Some(export_onnx::ONNX) {
+            return self.onnx(context);
+        }
+        if let Some(model) = &self.model {
+            return Err(Failure::new(format!(
+                "--model {model} belongs to --to onnx: other exports are of data"
+            )));
+        }
         if self.to.as_deref() == Some("lammps") {
             if self.snapshot.is_some() {
                 return Err(Failure::new(
@@ -89,7 +104,11 @@ impl Export {
         let formats = context.formats();
         let path = &self.output;
         if let Some(name) = &self.to {
-            let unknown = |error| Failure::new(format!("--to {name}: {error}; lammps makes an input deck"));
+            let unknown = |error| {
+                Failure::new(format!(
+                    "--to {name}: {error}; lammps makes an input deck, onnx the file of a surrogate"
+                ))
+            };
             formats.written_format(path, Some(name)).map_err(unknown)?;
         }
         let run = match &self.data[..] {
@@ -148,6 +167,18 @@ impl Export {
             }
             Err(error) => return Err(error.into()),
         };
+        self.say(context, &what)
+    }
+
+    /// Writes a surrogate as an ONNX file.
+    fn onnx(&self, context: &Context) -> Result<(), Failure> {
+        self.deck.check_unused()?;
+        let other = self.snapshot.as_ref().map(|_| "--snapshot").or(self.sources.first_given());
+        if let Some(flag) = other {
+            return Err(Failure::new(format!("{flag} does not go with --to onnx, which writes a surrogate")));
+        }
+        let _alone = context.nothing_written(Some("exporting"));
+        let what = export_onnx::write(context, &self.data, self.model.as_deref(), &self.output)?;
         self.say(context, &what)
     }
 

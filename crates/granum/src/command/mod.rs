@@ -6,6 +6,7 @@ mod campaign;
 mod campaign_report;
 mod case_flags;
 mod checkpoints;
+mod chosen_model;
 mod comparability;
 mod compare;
 mod compare_strength;
@@ -17,6 +18,7 @@ mod examine;
 mod export;
 mod export_data_set;
 mod export_deck;
+mod export_onnx;
 mod family_answer;
 mod family_card;
 mod family_chart;
@@ -64,6 +66,8 @@ mod sources;
 mod spread;
 mod status;
 mod stiffness;
+mod stream;
+mod stream_line;
 mod strength_text;
 mod stresses;
 mod study_folder;
@@ -125,6 +129,7 @@ commands! {
     Report(report::Report),
     Train(train::Train),
     Predict(predict::Predict),
+    Stream(stream::Stream),
     Evaluate(evaluate::Evaluate),
     Worth(worth::MeasureWorth),
     Examine(examine::Examine),

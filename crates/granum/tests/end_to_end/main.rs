@@ -44,6 +44,7 @@ mod several_runs;
 mod shapes;
 mod sixteen_cases;
 mod stages;
+mod streams_of_states;
 mod tables;
 mod tables_of_others;
 mod tests_of_grains;

@@ -76,6 +76,11 @@ impl CellSizes {
         widths.direction == 0 || self.cell == PathCell::TensorStateSpace
     }
 
+    /// Number of increments that a network sees, with that to the row.
+    pub fn increments_seen(&self) -> usize {
+        if self.cell == PathCell::Window { self.window.max(1) } else { 1 }
+    }
+
     /// The inputs of the network from the increments of all rows.
     pub fn inputs(&self, widths: &Widths, increments: &[f64], lengths: &[usize]) -> Vec<f64> {
         let width = widths.increment();

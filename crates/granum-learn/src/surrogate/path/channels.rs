@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::growth::PathPlaces;
+use super::growth::{PathPlace, PathPlaces, norm};
 use super::rotation::{COMPONENTS, parts, whole};
 use crate::error::{LearnError, Result};
 use crate::surrogate::run_inputs::RunInputs;
@@ -253,25 +253,30 @@ impl Channels {
     fn each_increment(&self, run: &[f64], columns: usize, mut visit: impl FnMut(Vec<f64>)) {
         let mut before: Option<&[f64]> = None;
         for row in run.chunks_exact(columns) {
-            let mut increment = Vec::new();
-            if let Some(places) = &self.strain {
-                let strain = |row: &[f64]| {
-                    let [xx, yy, zz, yz, zx, xy] = six(row, places);
-                    parts([xx, yy, zz, 0.5 * yz, 0.5 * zx, 0.5 * xy])
-                };
-                let ((now, volume), (last, last_volume)) =
-                    (strain(row), before.map_or(([0.0; COMPONENTS], 0.0), strain));
-                increment.extend((0..COMPONENTS).map(|c| now[c] - last[c]));
-                if self.has_volume {
-                    increment.push(3f64.sqrt() * (volume - last_volume));
-                }
-            }
-            for (place, scale) in &self.varying {
-                increment.push(before.map_or(0.0, |before| (row[*place] - before[*place]) / scale));
-            }
-            visit(increment);
+            visit(self.increment(before, row));
             before = Some(row);
         }
+    }
+
+    /// The increment that leads to a row from the one before.
+    pub fn increment(&self, before: Option<&[f64]>, row: &[f64]) -> Vec<f64> {
+        let mut increment = Vec::new();
+        if let Some(places) = &self.strain {
+            let strain = |row: &[f64]| {
+                let [xx, yy, zz, yz, zx, xy] = six(row, places);
+                parts([xx, yy, zz, 0.5 * yz, 0.5 * zx, 0.5 * xy])
+            };
+            let ((now, volume), (last, last_volume)) =
+                (strain(row), before.map_or(([0.0; COMPONENTS], 0.0), strain));
+            increment.extend((0..COMPONENTS).map(|c| now[c] - last[c]));
+            if self.has_volume {
+                increment.push(3f64.sqrt() * (volume - last_volume));
+            }
+        }
+        for (place, scale) in &self.varying {
+            increment.push(before.map_or(0.0, |before| (row[*place] - before[*place]) / scale));
+        }
+        increment
     }
 
     pub fn widths(&self) -> Widths {
@@ -289,14 +294,18 @@ impl Channels {
     pub fn increments(&self, inputs: &RunInputs) -> Vec<f64> {
         let mut values = Vec::new();
         for run in inputs.runs() {
-            self.each_increment(run, inputs.columns(), |increment| {
-                let length = norm(&increment) / self.length;
-                let moves = length > LEAST;
-                values.push(if moves { MEAN_LENGTH * length } else { 0.0 });
-                let part = |c: f64| if moves { c / (length * self.length) } else { 0.0 };
-                values.extend(increment.into_iter().map(part));
-            });
+            self.each_increment(run, inputs.columns(), |increment| values.extend(self.scaled(increment)));
         }
+        values
+    }
+
+    /// The length of an increment and its direction.
+    pub fn scaled(&self, increment: Vec<f64>) -> Vec<f64> {
+        let length = norm(&increment) / self.length;
+        let moves = length > LEAST;
+        let mut values = vec![if moves { MEAN_LENGTH * length } else { 0.0 }];
+        let part = |c: f64| if moves { c / (length * self.length) } else { 0.0 };
+        values.extend(increment.into_iter().map(part));
         values
     }
 
@@ -304,23 +313,19 @@ impl Channels {
     pub fn path(&self, inputs: &RunInputs) -> PathPlaces {
         let mut places = PathPlaces { samples: self.samples(inputs), ..PathPlaces::default() };
         for (number, run) in inputs.runs().enumerate() {
-            let (mut length, mut farthest) = (0.0, 0.0);
-            let mut place: Vec<f64> = Vec::new();
+            let mut place = PathPlace::default();
             self.each_increment(run, inputs.columns(), |increment| {
-                place.resize(increment.len(), 0.0);
-                place.iter_mut().zip(&increment).for_each(|(sum, c)| *sum += c);
-                length += norm(&increment);
-                farthest = f64::max(farthest, norm(&place));
+                place.advance(&increment);
                 places.run.push(number);
-                places.length.push(length);
-                places.farthest.push(farthest);
+                places.length.push(place.length);
+                places.farthest.push(place.farthest);
             });
         }
         places
     }
 
     /// The values that describe the sample of each run, without directions: the scalars among its start values.
-    fn samples(&self, inputs: &RunInputs) -> Vec<Vec<f64>> {
+    pub fn samples(&self, inputs: &RunInputs) -> Vec<Vec<f64>> {
         let widths = self.widths();
         let scalars = |starts: &[f64]| starts[COMPONENTS * widths.tensors..].to_vec();
         self.starts(inputs).chunks_exact(widths.starts().max(1)).map(scalars).collect()
@@ -414,10 +419,6 @@ impl Channels {
             && (self.strain.is_some() || !self.has_volume)
             && self.length > 0.0
     }
-}
-
-fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

@@ -10,11 +10,9 @@ use super::growth::PathPlaces;
 use super::rotation::Rotation;
 use super::runs::PathRuns;
 use crate::error::{LearnError, Result};
-use crate::surrogate::content::Content;
 use crate::surrogate::prediction::{Estimate, Outside, Prediction, outside_of};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
-use crate::surrogate::surrogate_trait::Surrogate;
 
 /// What the length of a path is called where it is beyond that of all training runs.
 const PATH_LENGTH: &str = "length of the path";
@@ -58,11 +56,7 @@ impl FittedPath {
             targets: Vec::new(),
             lengths: inputs.lengths().to_vec(),
         };
-        // `None` leaves the axes as they are.
-        let rotations: Vec<Option<Rotation>> = match self.is_mean {
-            true => Rotation::of_axes().into_iter().map(Some).collect(),
-            false => vec![None],
-        };
+        let rotations = self.rotations();
         let mut sums = vec![vec![0.0; inputs.len() * widths.outputs()]; self.networks.len()];
         for rotation in &rotations {
             let turned = rotation.as_ref().map(|rotation| runs.turned(|| rotation.clone()));
@@ -80,6 +74,38 @@ impl FittedPath {
         sums.iter_mut().flatten().for_each(|sum| *sum /= count);
         let outputs = self.columns.outputs.len();
         Ok(sums.iter().map(|values| self.channels.outputs(values, outputs)).collect())
+    }
+
+    /// The rotations over which predictions are means; `None` leaves the axes as they are.
+    pub fn rotations(&self) -> Vec<Option<Rotation>> {
+        match self.is_mean {
+            true => Rotation::of_axes().into_iter().map(Some).collect(),
+            false => vec![None],
+        }
+    }
+
+    /// The prediction for a row, of which the number and the inputs are given, from the outputs of each network. Of intervals the factors of each output
+    /// are known, and how large errors are for each sample.
+    pub fn prediction(
+        &self,
+        networks: &[Vec<f64>],
+        path: &PathPlaces,
+        known: Option<(&[f64], &[Vec<f64>])>,
+        (row, values): (usize, &[f64]),
+    ) -> Prediction {
+        let outputs = self.columns.outputs.len();
+        let mean =
+            |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
+        let estimate = |output: usize| match (&self.errors, known) {
+            (Some(errors), Some((factors, sizes))) => {
+                let by = [sizes[path.run[row]][output], factors[output]];
+                errors.estimate(networks, (row, output), path, by)
+            }
+            _ => Estimate::new(mean(row * outputs + output)),
+        };
+        let mut outside = outside_of(&self.columns, &self.ranges, values);
+        outside.extend(self.beyond(path, row));
+        Prediction::new((0..outputs).map(estimate).collect()).with_outside(outside)
     }
 
     /// What each network predicts, in its units.
@@ -105,58 +131,7 @@ impl FittedPath {
         length.into_iter().chain(ratio).collect()
     }
 
-    fn failed(&self, error: impl std::fmt::Display) -> LearnError {
+    pub fn failed(&self, error: impl std::fmt::Display) -> LearnError {
         LearnError::Surrogate { method: self.sizes.cell.name().into(), reason: error.to_string() }
-    }
-}
-
-impl Surrogate for FittedPath {
-    fn method(&self) -> &str {
-        self.sizes.cell.name()
-    }
-
-    fn columns(&self) -> &Columns {
-        &self.columns
-    }
-
-    fn has_memory(&self) -> bool {
-        true
-    }
-
-    fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
-        if inputs.is_empty() {
-            return Ok(Vec::new());
-        }
-        let networks = self.outputs_of_networks(inputs)?;
-        let path = self.channels.path(inputs);
-        let factors = self.errors.as_ref().map(|errors| (errors.factors(level), errors.sizes(&path.samples)));
-        let outputs = self.columns.outputs.len();
-        let mean =
-            |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
-        let estimate = |row: usize, output: usize| match (&self.errors, &factors) {
-            (Some(errors), Some((factors, sizes))) => {
-                let by = [sizes[path.run[row]][output], factors[output]];
-                errors.estimate(&networks, (row, output), &path, by)
-            }
-            _ => Estimate::new(mean(row * outputs + output)),
-        };
-        let predict = |(row, values): (usize, &[f64])| {
-            let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
-            let mut outside = outside_of(&self.columns, &self.ranges, values);
-            outside.extend(self.beyond(&path, row));
-            Prediction::new(estimates).with_outside(outside)
-        };
-        Ok(inputs.rows().enumerate().map(predict).collect())
-    }
-
-    fn content(&self) -> Result<Content> {
-        Content::new(&Kept {
-            sizes: self.sizes,
-            channels: self.channels.clone(),
-            is_mean: self.is_mean,
-            ranges: self.ranges.clone(),
-            errors: self.errors.clone(),
-            networks: self.networks.iter().map(|network| network.weights().to_vec()).collect(),
-        })
     }
 }

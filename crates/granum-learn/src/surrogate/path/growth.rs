@@ -36,6 +36,31 @@ pub(super) struct PathPlaces {
     pub samples: Vec<Vec<f64>>,
 }
 
+/// Where a path is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PathPlace {
+    /// Its length.
+    pub length: f64,
+    /// The largest distance from its start so far.
+    pub farthest: f64,
+    /// The sum of all increments.
+    sum: Vec<f64>,
+}
+
+impl PathPlace {
+    /// Goes on by an increment.
+    pub fn advance(&mut self, increment: &[f64]) {
+        self.sum.resize(increment.len(), 0.0);
+        self.sum.iter_mut().zip(increment).for_each(|(sum, c)| *sum += c);
+        self.length += norm(increment);
+        self.farthest = f64::max(self.farthest, norm(&self.sum));
+    }
+}
+
+pub(super) fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
 impl PathPlaces {
     /// The length at a row over the farthest distance, if the path has left its start.
     pub fn ratio(&self, row: usize) -> Option<f64> {

@@ -19,9 +19,11 @@ mod errors;
 mod fitted;
 mod growth;
 mod method;
+mod path_surrogate;
 mod rotation;
 mod runs;
 mod sample_places;
+mod steps;
 #[cfg(test)]
 mod tests;
 

@@ -7,6 +7,7 @@ use super::channels::Widths;
 use super::rotation::Rotation;
 
 /// Whole runs in the units of networks.
+#[derive(Clone)]
 pub(super) struct PathRuns {
     pub widths: Widths,
     pub increments: Vec<f64>,

@@ -8,6 +8,7 @@ use super::channels::STRAINS;
 use super::*;
 use crate::dataset::{Dataset, RunStates};
 use crate::input_use::SplitMix;
+use crate::surrogate::stream_test;
 use crate::surrogate::{FitSpec, RunInputs, Surrogate, SurrogateMethod, SurrogateMethods, to_json};
 
 const STRESSES: [&str; 6] = ["stress_11", "stress_22", "stress_33", "stress_23", "stress_13", "stress_12"];
@@ -115,6 +116,7 @@ fn every_kind_of_network_learns_paths_and_is_read_again() {
             RunInputs::new(inputs.values()[..7 * (length - 5)].to_vec(), 7, vec![length - 5]).unwrap();
         assert_eq!(means(fitted.as_ref(), &alone), means(fitted.as_ref(), &inputs)[..length - 5], "{name}");
         let predictions = fitted.predict(&inputs, 0.9).unwrap();
+        stream_test::answers_as_whole_runs(loaded.as_ref(), &inputs);
         assert!(predictions[3].values[0].interval.is_some());
         // The run goes no farther than those it learned from; the same ten times over does, and is flagged.
         assert!(predictions.iter().all(|own| own.outside.iter().all(|own| own.name != "length of the path")));
@@ -140,6 +142,7 @@ fn answers_turn_with_the_axes() {
         let fitted = method.fit(&all, &spec(), &mut NoObserver).unwrap();
         let inputs = RunInputs::from_dataset(&all, fitted.columns()).unwrap();
         let (own, moved) = (means(fitted.as_ref(), &inputs), means(fitted.as_ref(), &permuted(&inputs)));
+        stream_test::answers_as_whole_runs(fitted.as_ref(), &inputs);
         let difference = own.iter().zip(&moved).map(|(own, moved)| {
             let turned = [2, 0, 1, 5, 3, 4, 6].map(|place| own[place]);
             turned.iter().zip(moved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -1,0 +1,171 @@
+//! Networks with a state along a path whose rows come one after the other.
+
+use std::collections::VecDeque;
+
+use granum_nets::{Differentiable, Isa, Stepper};
+
+use super::fitted::FittedPath;
+use super::growth::{PathPlace, PathPlaces};
+use super::rotation::Rotation;
+use super::runs::PathRuns;
+use crate::error::Result;
+use crate::surrogate::prediction::Prediction;
+use crate::surrogate::run_inputs::RunInputs;
+use crate::surrogate::run_steps::RunSteps;
+
+/// The networks with their states, in each of the rotations, and how far the path is.
+pub(super) struct PathSteps<'a> {
+    fitted: &'a FittedPath,
+    /// The factors of intervals for each output, if there are intervals.
+    factors: Option<Vec<f64>>,
+    /// `None` leaves the axes as they are.
+    rotations: Vec<Option<Rotation>>,
+    /// `None` before a row was predicted.
+    run: Option<Run>,
+}
+
+/// What is kept of the rows before the next one.
+struct Run {
+    /// For each network its states in all rotations.
+    steppers: Vec<Box<dyn Stepper>>,
+    /// The values that describe the sample, and how large errors are for it.
+    sample: Vec<f64>,
+    sizes: Vec<Vec<f64>>,
+    /// The row before; `None` before the first one.
+    before: Option<Vec<f64>>,
+    place: PathPlace,
+    /// The last increments with their directions, as many as a network sees.
+    increments: VecDeque<Vec<f64>>,
+    /// The row that was predicted last, with its increment and place.
+    next: Option<(Vec<f64>, Vec<f64>, PathPlace)>,
+}
+
+impl<'a> PathSteps<'a> {
+    pub fn new(fitted: &'a FittedPath, level: f64) -> PathSteps<'a> {
+        let factors = fitted.errors.as_ref().map(|errors| errors.factors(level));
+        PathSteps { fitted, factors, rotations: fitted.rotations(), run: None }
+    }
+
+    /// The states before the first row of a run.
+    fn begin(&self, row: &[f64]) -> Result<Run> {
+        let channels = &self.fitted.channels;
+        let first = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
+        let runs = self.runs(Vec::new(), channels.starts(&first), 0);
+        let starts: Vec<f64> = self.turned(&runs).into_iter().flat_map(|runs| runs.starts).collect();
+        let stepper = |network: &dyn Differentiable| {
+            network
+                .stepper(Isa::detect(), self.rotations.len(), &starts)
+                .map_err(|error| self.fitted.failed(error))
+        };
+        let steppers =
+            self.fitted.networks.iter().map(|network| stepper(network.as_ref())).collect::<Result<_>>()?;
+        let samples = channels.samples(&first);
+        let sizes = self.fitted.errors.as_ref().map_or(Vec::new(), |errors| errors.sizes(&samples));
+        Ok(Run {
+            steppers,
+            sample: samples.concat(),
+            sizes,
+            before: None,
+            place: PathPlace::default(),
+            increments: VecDeque::new(),
+            next: None,
+        })
+    }
+
+    /// One run of some increments.
+    fn runs(&self, increments: Vec<f64>, starts: Vec<f64>, length: usize) -> PathRuns {
+        let widths = self.fitted.channels.widths();
+        PathRuns { widths, increments, starts, targets: Vec::new(), lengths: vec![length] }
+    }
+
+    /// The run in each of the rotations.
+    fn turned(&self, runs: &PathRuns) -> Vec<PathRuns> {
+        let turn = |rotation: &Option<Rotation>| match rotation {
+            Some(rotation) => runs.turned(|| rotation.clone()),
+            None => runs.clone(),
+        };
+        self.rotations.iter().map(turn).collect()
+    }
+
+    /// The inputs of the networks for the last of the increments, in each of the rotations.
+    fn inputs(&self, increments: &[f64], count: usize) -> Vec<f64> {
+        let widths = self.fitted.channels.widths();
+        let starts = vec![0.0; widths.starts()];
+        let runs = self.runs(increments.to_vec(), starts, count);
+        let of_last = |runs: PathRuns| {
+            let rows = self.fitted.sizes.inputs(&widths, &runs.increments, &runs.lengths);
+            rows[rows.len() / count * (count - 1)..].to_vec()
+        };
+        self.turned(&runs).into_iter().flat_map(of_last).collect()
+    }
+
+    /// What each network predicts, as the mean over the rotations, in the units of the outputs.
+    fn outputs(&self, run: &mut Run, inputs: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let (channels, outputs) = (&self.fitted.channels, self.fitted.columns.outputs.len());
+        let widths = channels.widths();
+        let mut found = Vec::with_capacity(run.steppers.len());
+        let mut values = vec![0.0; self.rotations.len() * widths.outputs()];
+        for stepper in &mut run.steppers {
+            stepper.predict(inputs, &mut values).map_err(|error| self.fitted.failed(error))?;
+            let mut sum = vec![0.0; widths.outputs()];
+            for (rotation, own) in self.rotations.iter().zip(values.chunks_exact_mut(widths.outputs())) {
+                if let Some(rotation) = rotation {
+                    rotation.inverse().turn(own, 0, widths.tensors);
+                }
+                sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += *value);
+            }
+            sum.iter_mut().for_each(|sum| *sum /= self.rotations.len() as f64);
+            found.push(channels.outputs(&sum, outputs));
+        }
+        Ok(found)
+    }
+
+    fn next_row(&self, run: &mut Run, row: &[f64]) -> Result<Prediction> {
+        let channels = &self.fitted.channels;
+        let increment = channels.increment(run.before.as_deref(), row);
+        let mut place = run.place.clone();
+        place.advance(&increment);
+        let scaled = channels.scaled(increment);
+        let increments: Vec<f64> = run.increments.iter().flatten().chain(&scaled).copied().collect();
+        let inputs = self.inputs(&increments, run.increments.len() + 1);
+        let networks = self.outputs(run, &inputs)?;
+        let path = PathPlaces {
+            length: vec![place.length],
+            farthest: vec![place.farthest],
+            run: vec![0],
+            samples: vec![run.sample.clone()],
+        };
+        let known = self.factors.as_ref().map(|factors| (factors.as_slice(), run.sizes.as_slice()));
+        run.next = Some((row.to_vec(), scaled, place));
+        Ok(self.fitted.prediction(&networks, &path, known, (0, row)))
+    }
+}
+
+impl RunSteps for PathSteps<'_> {
+    fn predict(&mut self, row: &[f64]) -> Result<Prediction> {
+        let mut run = match self.run.take() {
+            Some(run) if run.before.is_some() => run,
+            // The first row of a run tells of its sample.
+            _ => self.begin(row)?,
+        };
+        let prediction = self.next_row(&mut run, row);
+        self.run = Some(run);
+        prediction
+    }
+
+    fn accept(&mut self) {
+        let seen = self.fitted.sizes.increments_seen();
+        let Some(run) = &mut self.run else { return };
+        let Some((row, increment, place)) = run.next.take() else { return };
+        run.steppers.iter_mut().for_each(|stepper| stepper.accept());
+        (run.before, run.place) = (Some(row), place);
+        run.increments.push_back(increment);
+        while run.increments.len() >= seen {
+            run.increments.pop_front();
+        }
+    }
+
+    fn restart(&mut self) {
+        self.run = None;
+    }
+}

@@ -1,0 +1,91 @@
+//! Predictions of a surrogate for states that come one after the other, as from the sensors of a test that is running.
+
+use super::possible_values::cut_to_possible;
+use super::prediction::Prediction;
+use super::run_inputs::RunInputs;
+use super::run_steps::RunSteps;
+use super::surrogate_trait::{Surrogate, check_finite, check_inputs, check_level};
+use crate::error::{LearnError, Result};
+
+/// Predictions for states that come one after the other. They have the bits of [`Surrogate::predict`] for the whole run; the time for a state does not
+/// depend on how many there were before it, and nothing is kept of them but the memory of the surrogate.
+///
+/// ```
+/// use granum_core::observer::NoObserver;
+/// use granum_core::{Column, Table};
+/// use granum_learn::surrogate::{FitSpec, PredictionStream, Recurrent, RunInputs, SurrogateMethod};
+/// use granum_learn::{Dataset, RunStates};
+///
+/// let run = |k: u32| {
+///     let x: Vec<f64> = (0..12).map(|i| (f64::from(i * (1 + k % 4)) + f64::from(k)).sin()).collect();
+///     let table = Table::new(vec![Column::new("x", "", x.clone()), Column::new("y", "", x)])?;
+///     RunStates::new(&format!("run-{k}"), table)
+/// };
+/// let dataset = Dataset::new((0..4).map(run).collect::<granum_learn::Result<_>>()?)?;
+/// let mut method = Recurrent::default();
+/// (method.hidden, method.networks) = (4, 2);
+/// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
+///
+/// let whole = fitted.predict(&RunInputs::new(vec![-0.5, 0.9], 1, vec![2])?, 0.9)?;
+/// let mut stream = PredictionStream::new(fitted.as_ref(), 0.9)?;
+/// assert_eq!(stream.next_state(&[-0.5])?, whole[0]);
+/// assert_eq!(stream.next_state(&[0.9])?, whole[1]);
+/// stream.restart();
+/// assert_eq!(stream.next_state(&[-0.5])?, whole[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct PredictionStream<'a> {
+    surrogate: &'a dyn Surrogate,
+    level: f64,
+    /// `None` for a surrogate without memory.
+    steps: Option<Box<dyn RunSteps + 'a>>,
+}
+
+impl<'a> PredictionStream<'a> {
+    /// A stream whose intervals should contain the given share (0 to 1) of the observations of new runs.
+    ///
+    /// # Errors
+    /// If the level is not between 0 and 1, or the surrogate has a memory and does not say what it keeps of a run.
+    pub fn new(surrogate: &'a dyn Surrogate, level: f64) -> Result<PredictionStream<'a>> {
+        check_level(surrogate.method(), level)?;
+        let steps = surrogate.steps(level)?;
+        if steps.is_none() && surrogate.has_memory() {
+            let reason = "it has a memory, but not one that can be carried from state to state (Surrogate::steps): predict whole runs";
+            return Err(LearnError::Surrogate { method: surrogate.method().into(), reason: reason.into() });
+        }
+        if steps.is_none() {
+            // What a surrogate computes once, such as the curvature of a network, is there before the first state comes; this answer is not used.
+            let columns = surrogate.columns().inputs.len();
+            let _ = surrogate.evaluate(&RunInputs::separate(vec![0.0; columns], columns)?, level);
+        }
+        Ok(PredictionStream { surrogate, level, steps })
+    }
+
+    /// The prediction for the next state of the run, with a value for every input in order.
+    ///
+    /// # Errors
+    /// If the state does not have a finite value for every input, or its prediction is not finite. The memory is then what it was before the state.
+    pub fn next_state(&mut self, row: &[f64]) -> Result<Prediction> {
+        let (surrogate, columns) = (self.surrogate, self.surrogate.columns());
+        let inputs = RunInputs::new(row.to_vec(), columns.inputs.len(), vec![1])?;
+        check_inputs(surrogate.method(), columns, &inputs)?;
+        let predictions = match &mut self.steps {
+            Some(steps) => {
+                cut_to_possible(vec![steps.predict(row)?], |output| surrogate.possible_values(output))
+            }
+            None => surrogate.predict(&inputs, self.level)?,
+        };
+        check_finite(surrogate.method(), columns, &inputs, &predictions)?;
+        if let Some(steps) = &mut self.steps {
+            steps.accept();
+        }
+        Ok(predictions.into_iter().next().unwrap_or_default())
+    }
+
+    /// The next state is the first of a new run.
+    pub fn restart(&mut self) {
+        if let Some(steps) = &mut self.steps {
+            steps.restart();
+        }
+    }
+}
