@@ -140,10 +140,13 @@ def test_every_method_is_written_or_refused_by_name(dataset: granum.Dataset, tmp
         else:
             outputs = OUTPUTS
         try:
-            surrogate = granum.surrogates.fit(dataset, INPUTS, outputs, method=method, coordinate="deviator_strain", threads=2)
+            # Methods of whole curves take what is constant in a run, beside the coordinate.
+            surrogate = granum.surrogates.fit(
+                dataset, ["deviator_strain", "friction"], outputs, method=method, coordinate="deviator_strain", threads=2
+            )
         except granum.Error:
-            # The cascade needs soft sensors that these tests do not have.
-            assert method == "cascade"
+            # The cascade needs soft sensors, and the study of the paper columns, that these tests do not have.
+            assert method in ("cascade", "antony2006")
             continue
         path = tmp_path / f"{method}.onnx"
         try:
