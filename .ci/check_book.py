@@ -40,7 +40,7 @@ def headings(text):
 def anchors(program):
     """The parts of a program that pages can quote: those that begin and end once."""
     text = program.read_text()
-    begun, ended = (re.findall(rf"(?m)// {word}: (\w+)$", text) for word in ("ANCHOR", "ANCHOR_END"))
+    begun, ended = (re.findall(rf"(?m)(?://|^#) {word}: (\w+)$", text) for word in ("ANCHOR", "ANCHOR_END"))
     return {name for name in begun if begun.count(name) == 1 and ended.count(name) == 1}
 
 

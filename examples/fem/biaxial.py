@@ -47,6 +47,11 @@ def law_of(rows, pressure):
     }
 
 
+def axial_force(grid):
+    """Force on the upper end, N per m; its width is 1 m."""
+    return -sum(node.GetSolutionStepValue(variable("REACTION_Y")) for node in grid.row(-1))
+
+
 def write(grid, stage, rows, library, folder):
     """Curve, states and costs so far."""
     with open(os.path.join(folder, "curve.csv"), "w", newline="") as file:
@@ -68,8 +73,8 @@ def main():
     arguments.add_argument("--rows", type=int, default=16)
     arguments.add_argument("--pressure", type=float, default=100e3)
     arguments.add_argument("--ends", choices=["rough", "smooth"], default="rough")
-    arguments.add_argument("--strain", type=float, default=0.05)
-    arguments.add_argument("--steps", type=int, default=100)
+    arguments.add_argument("--strain", type=float, default=0.03)
+    arguments.add_argument("--steps", type=int, default=40)
     arguments.add_argument("--tolerance", type=float, default=2e-3)
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--out", default=".")
@@ -92,7 +97,7 @@ def main():
         for node in grid.row(-1):
             node.SetSolutionStepValue(K.DISPLACEMENT_Y, 0, -options.strain * height * share)
 
-    stage = Stage(grid, load, force=options.pressure, tolerance=options.tolerance)
+    stage = Stage(grid, load, lambda: max(axial_force(grid), options.pressure), tolerance=options.tolerance)
     grid.name_points()
     if not stage.settle():
         sys.exit(f"the cells do not balance the initial stress; granum: {library.message}")
@@ -102,7 +107,7 @@ def main():
         if step > 0 and not stage.advance(step / options.steps, least=0.05 / options.steps):
             print(f"ends in step {step}; granum: {library.message}")
             break
-        force = -sum(node.GetSolutionStepValue(variable("REACTION_Y")) for node in grid.row(-1))
+        force = axial_force(grid)
         strains = [s for e in grid.at_points(variable("ENGINEERING_STRAIN_VECTOR")) for s in e]
         volume = -sum(s[0] + s[1] for s in strains) / len(strains)
         rows.append({"axial_strain": options.strain * step / options.steps, "axial_stress": force, "volumetric_strain": volume,

@@ -1,12 +1,12 @@
 """Rigid rough strip footing on sand with live cells of granum at all points, or with a Mohr-Coulomb law.
 
     python footing.py LIBRARY --out FOLDER [--grains 300] [--mesh coarse|full] [--settlement 0.01] [--steps 20] [--threads 1]
-    python footing.py mohr-coulomb --law '{"friction": 40, "dilatancy": 12, "youngs_modulus": 60e6}' --out FOLDER [...]
+    python footing.py LIBRARY --law '{"friction": 31, "dilatancy": 14, "youngs_modulus": 37e6}' --out FOLDER [...]
 
 Half of the problem, plane strain: the footing is 2 m wide and is pushed down without turning. First Kratos's K0 procedure gives the sand the stress
 of its weight and of a surcharge of 20 kPa beside and below the footing; the live cells are brought to this stress; then the footing settles. Written are
-curve.csv, points.csv (the last state of each point), states.granum and costs.txt. With --restart the states of granum are
-written and read again in the middle.
+curve.csv, points.csv (the last state of each point), states.granum and costs.txt. With --restart the states of
+granum are written and read again in the middle.
 """
 import argparse
 import csv
@@ -33,7 +33,13 @@ def on_grains(grid, options):
 
 
 def on_mohr_coulomb(grid, options):
-    law = json.loads(options.law)
+    if os.path.exists(options.law):
+        with open(options.law) as file:
+            law = json.load(file)
+    else:
+        law = json.loads(options.law)
+    if options.late:
+        law["friction"], law["dilatancy"] = law["late_friction"], 0.0
     set_material(
         grid.part, 1, MOHR_COULOMB, YOUNG_MODULUS=law["youngs_modulus"], POISSON_RATIO=law.get("poissons_ratio", 0.2),
         GEO_COHESION=law.get("cohesion", 1e2), GEO_FRICTION_ANGLE=law["friction"], GEO_DILATANCY_ANGLE=law["dilatancy"], GEO_TENSILE_STRENGTH=0.0,
@@ -54,7 +60,7 @@ def pressure(footing):
 
 
 def write_points(grid, path, has_cells):
-    quantities = [grid.at_points(q) for q in (variable("INTEGRATION_COORDINATES"), K.CAUCHY_STRESS_VECTOR, variable("ENGINEERING_STRAIN_VECTOR"))]
+    quantities = [grid.coordinates_of_points(), grid.at_points(K.CAUCHY_STRESS_VECTOR), grid.at_points(variable("ENGINEERING_STRAIN_VECTOR"))]
     states = [grid.state_variable(k) for k in range(1, 6)] if has_cells else []
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
@@ -62,7 +68,7 @@ def write_points(grid, path, has_cells):
         for e in range(len(quantities[0])):
             for k in range(len(quantities[0][e])):
                 at, stress, strain = (q[e][k] for q in quantities)
-                writer.writerow([e + 1, k + 1, *at[:2], *stress, strain[0], strain[1], strain[3], *(s[e][k] for s in states)])
+                writer.writerow([e + 1, k + 1, *at, *stress, strain[0], strain[1], strain[3], *(s[e][k] for s in states)])
 
 
 def write(grid, stage, rows, initial, library, folder):
@@ -84,10 +90,12 @@ def main():
     arguments.add_argument("--configuration", default=os.path.join(os.path.dirname(__file__), "soil-materials.toml"))
     arguments.add_argument("--grains", type=int, default=300)
     arguments.add_argument("--mesh", choices=sorted(MESHES), default="full")
-    arguments.add_argument("--law", default="{}", help="Mohr-Coulomb: friction and dilatancy in degrees, youngs_modulus in Pa")
-    arguments.add_argument("--settlement", type=float, default=0.02)
-    arguments.add_argument("--steps", type=int, default=40)
+    arguments.add_argument("--law", help="a Mohr-Coulomb law instead of cells, as biaxial.py writes it: friction and dilatancy in degrees, youngs_modulus in Pa")
+    arguments.add_argument("--late", action="store_true", help="the late strength of the law and no dilatancy")
+    arguments.add_argument("--settlement", type=float, default=0.1)
+    arguments.add_argument("--steps", type=int, default=50)
     arguments.add_argument("--tolerance", type=float, default=2e-3)
+    arguments.add_argument("--iterations", type=int, default=20)
     arguments.add_argument("--restart", action="store_true")
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--out", default=".")
@@ -102,7 +110,7 @@ def main():
     for node in footing:
         node.Fix(K.DISPLACEMENT_X)
         node.Fix(K.DISPLACEMENT_Y)
-    has_cells = options.shared_object != "mohr-coulomb"
+    has_cells = options.law is None
     library = on_grains(grid, options) if has_cells else on_mohr_coulomb(grid, options)
 
     beside = 0.5 * (grid.xs[len(footing)] - footing[-1].X0)
@@ -114,7 +122,7 @@ def main():
             node.SetSolutionStepValue(variable("POINT_LOAD"), 0, [0.0, -SURCHARGE * beside if node is footing[-1] else 0.0, 0.0])
             node.SetSolutionStepValue(K.DISPLACEMENT_Y, 0, -options.settlement * share)
 
-    stage = Stage(grid, load, force=SURCHARGE * 0.5 * WIDTH, tolerance=options.tolerance)
+    stage = Stage(grid, load, lambda: max(pressure(footing), SURCHARGE) * 0.5 * WIDTH, tolerance=options.tolerance, most_iterations=options.iterations)
     if has_cells:
         grid.name_points()
     if not stage.settle():

@@ -38,7 +38,7 @@ def main():
 
     set_grains(grid.part, 1, library)
     load = lambda share: weigh(grid, SURCHARGE * (1.0 + 0.05 * share))
-    stage = Stage(grid, load, force=SURCHARGE * 0.5, tolerance=1e-3)
+    stage = Stage(grid, load, lambda: SURCHARGE, tolerance=1e-3)
     grid.name_points()
     # The first step has no further load: cells are brought to the stress, and its error of up to a thousandth is balanced.
     if not stage.settle():

@@ -17,6 +17,7 @@ variable = K.KratosGlobals.GetVariable
 VARIABLES = 5
 ELASTIC, MOHR_COULOMB, UMAT = "GeoLinearElasticPlaneStrain2DLaw", "GeoMohrCoulombWithTensionCutOff2D", "SmallStrainUMAT2DPlaneStrainLaw"
 GRAVITY = 9.81
+CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
 def set_material(part, number, law, **more):
@@ -103,6 +104,15 @@ class Grid:
         info = self.part.ProcessInfo
         return [[v if isinstance(v, float) else list(v) for v in e.CalculateOnIntegrationPoints(quantity, info)] for e in self.part.Elements]
 
+    def coordinates_of_points(self):
+        """Places of the integration points; Kratos's own quantity is zero for these elements."""
+        shape = [[0.25 * (1 + a * p) * (1 + b * q) for p, q in CORNERS] for a, b in ((p / 3**0.5, q / 3**0.5) for p, q in CORNERS)]
+        places = []
+        for element in self.part.Elements:
+            nodes = [(node.X0, node.Y0) for node in element.GetNodes()]
+            places.append([[sum(n * node[k] for n, node in zip(numbers, nodes)) for k in (0, 1)] for numbers in shape])
+        return places
+
     def state_variable(self, k):
         return self.at_points(variable(f"STATE_VARIABLE_{k}"))
 
@@ -114,26 +124,30 @@ class Stage:
     """A stage: Newton's iteration of Kratos, steps of a load that goes from 0 to 1, and what they cost.
 
     `apply(share)` sets forces and prescribed displacements for a share of the load. A step begins with the displacements that the step before
-    foretells. It has converged when the norm of the residual forces is below `tolerance` times `force` (N per m of thickness) times the root
-    of the number of freedoms; if it has not after `most_iterations`, it is tried with half its size.
+    foretells. It has converged when the norm of the residual forces is below `tolerance` times the force that `force()` gives at the end of
+    the step before, N per m of thickness; if it has not after `most_iterations`, it is tried with half its size.
     """
 
-    def __init__(self, grid, apply, force, tolerance=1e-3, most_iterations=40):
-        self.grid, self.part, self.apply = grid, grid.part, apply
+    def __init__(self, grid, apply, force, tolerance=1e-3, most_iterations=20):
+        self.grid, self.part, self.apply, self.force, self.tolerance, self.most_iterations = grid, grid.part, apply, force, tolerance, most_iterations
         for node in self.part.Nodes:
             for step in (0, 1):
                 node.SetSolutionStepValue(K.DISPLACEMENT, step, [0.0, 0.0, 0.0])
-        freedoms = sum(1 for node in self.part.Nodes for axis in "XY" if not node.IsFixed(variable("DISPLACEMENT_" + axis)))
-        # Kratos divides the norm by the number of freedoms.
-        criterion = K.ResidualCriteria(1e-12, tolerance * force / math.sqrt(max(freedoms, 1)))
-        self.strategy = K.ResidualBasedNewtonRaphsonStrategy(
-            self.part, G.GeoStaticScheme(), criterion, K.ResidualBasedBlockBuilderAndSolver(K.SkylineLUFactorizationSolver()),
-            most_iterations, True, False, False,
-        )
-        self.strategy.SetEchoLevel(0)
+        self.freedoms = sum(1 for node in self.part.Nodes for axis in "XY" if not node.IsFixed(variable("DISPLACEMENT_" + axis)))
+        self.strategy = self._newton()
         self.strategy.Initialize()
         self.reached, self.last = 0.0, None
         self.begin_to_count()
+
+    def _newton(self):
+        # Kratos divides the norm by the number of freedoms; its criterion cannot be changed later.
+        criterion = K.ResidualCriteria(1e-12, self.tolerance * self.force() / self.freedoms)
+        strategy = K.ResidualBasedNewtonRaphsonStrategy(
+            self.part, G.GeoStaticScheme(), criterion, K.ResidualBasedBlockBuilderAndSolver(K.SkylineLUFactorizationSolver()),
+            self.most_iterations, True, False, False,
+        )
+        strategy.SetEchoLevel(0)
+        return strategy
 
     def _displacements(self, step):
         return [[x for x in node.GetSolutionStepValue(K.DISPLACEMENT, step)] for node in self.part.Nodes]
@@ -168,6 +182,9 @@ class Stage:
     def _begin_step(self):
         self.part.CloneTimeStep(self.part.ProcessInfo[K.TIME] + 1.0)
         self.part.ProcessInfo[K.STEP] += 1
+        # Another strategy, whose criterion has the force of now; the elements go on.
+        self.strategy = self._newton()
+        self.strategy.SetInitializePerformedFlag(True)
 
     def settle(self):
         """A step without further load: live cells are brought to the stress of the stage before, and what they miss of it is balanced."""
@@ -226,7 +243,7 @@ def k0_stress(grid, k0, surcharge):
     weigh(grid, surcharge)
     procedure = G.ApplyK0ProcedureProcess(grid.model, K.Parameters('{"model_part_name": "soil", "use_standard_procedure": false}'))
     procedure.ExecuteInitialize()
-    stage = Stage(grid, lambda share: None, force=1.0, tolerance=1e-6)
+    stage = Stage(grid, lambda share: None, lambda: max(surcharge, 1e3), tolerance=1e-6)
     if not stage.advance(1.0):
         raise RuntimeError("the stage of the own weight does not converge")
     procedure.ExecuteFinalizeSolutionStep()
