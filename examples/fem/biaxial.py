@@ -52,14 +52,13 @@ def axial_force(grid):
     return -sum(node.GetSolutionStepValue(variable("REACTION_Y")) for node in grid.row(-1))
 
 
-def write(grid, stage, rows, library, folder):
-    """Curve, states and costs so far."""
+def write(grid, stage, rows, folder):
+    """Curve, points and costs so far."""
     with open(os.path.join(folder, "curve.csv"), "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()
         writer.writerows(rows)
     write_points(grid, os.path.join(folder, "points.csv"), True)
-    library.save(os.path.join(folder, "states.granum"))
     with open(os.path.join(folder, "costs.txt"), "w") as file:
         file.write(stage.costs() + "\n")
 
@@ -75,7 +74,7 @@ def main():
     arguments.add_argument("--ends", choices=["rough", "smooth"], default="rough")
     arguments.add_argument("--strain", type=float, default=0.03)
     arguments.add_argument("--steps", type=int, default=40)
-    arguments.add_argument("--tolerance", type=float, default=2e-3)
+    arguments.add_argument("--tolerance", type=float, default=5e-3)
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--out", default=".")
     options = arguments.parse_args()
@@ -97,7 +96,7 @@ def main():
         for node in grid.row(-1):
             node.SetSolutionStepValue(K.DISPLACEMENT_Y, 0, -options.strain * height * share)
 
-    stage = Stage(grid, load, lambda: max(axial_force(grid), options.pressure), tolerance=options.tolerance)
+    stage = Stage(grid, load, lambda: max(axial_force(grid), options.pressure), tolerance=options.tolerance, most_iterations=12)
     grid.name_points()
     if not stage.settle():
         sys.exit(f"the cells do not balance the initial stress; granum: {library.message}")
@@ -114,7 +113,9 @@ def main():
                      "iterations": stage.iterations, "processor_seconds": round(stage.processor_seconds, 2)})
         if step % max(1, options.steps // 10) == 0 or step == options.steps:
             print(f"strain {rows[-1]['axial_strain']:.4f}, axial stress {1e-3 * force:.2f} kPa, volume {volume:.5f}; {stage.costs()}", flush=True)
-            write(grid, stage, rows, library, options.out)
+            write(grid, stage, rows, options.out)
+    write(grid, stage, rows, options.out)
+    library.save(os.path.join(options.out, "states.granum"))
     if options.columns == options.rows == 1:
         law = law_of(rows, options.pressure)
         with open(os.path.join(options.out, "law.json"), "w") as file:

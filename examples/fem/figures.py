@@ -65,28 +65,29 @@ def field(figure, axes, rows, label):
         axes.add_patch(Polygon(corners, facecolor="none", edgecolor="#b9b2a4", linewidth=0.4))
     axes.autoscale()
     axes.set_aspect("equal")
+    for side in axes.spines.values():
+        side.set_visible(False)
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100 * most), colours)
-    figure.colorbar(scale, ax=axes, label=label, shrink=0.8, extend="max")
+    figure.colorbar(scale, ax=axes, label=label, shrink=0.7, extend="max")
 
 
 def main():
     kind, path, *rest = sys.argv[1:]
     if kind == "curves":
-        figure, axes = pyplot.subplots(figsize=(5.6, 3.6))
+        figure, axes = pyplot.subplots(figsize=(5.6, 3.6), layout="constrained")
         curves(axes, [pair.split("=", 1) for pair in rest])
     elif kind == "strain":
-        figure, axes = pyplot.subplots(figsize=(6.4, 3.4))
+        figure, axes = pyplot.subplots(figsize=(6.6, 3.6), layout="constrained")
         rows = rows_of(rest[0], "points.csv")
         field(figure, axes, rows, "Shear strain, %")
-        top = max(row["y"] for row in rows)
         for name in rest[1:]:
             (row,) = [row for row in rows if row["name"] == float(name)]
             axes.plot(row["x"], row["y"], "o", markersize=5, markerfacecolor="none", markeredgecolor="#1f9bd1", markeredgewidth=1.4)
-            axes.annotate(name, (row["x"], row["y"]), textcoords="offset points", xytext=(6, -9 if top - row["y"] < 0.1 else 4), color="#12698f", fontsize=8, fontweight="bold")
+            axes.annotate(name, (row["x"], row["y"]), textcoords="offset points", xytext=(6, 4), color="#12698f", fontsize=8, fontweight="bold")
     else:
-        figure, (left, right) = pyplot.subplots(1, 2, figsize=(7.0, 4.2), width_ratios=[1.25, 1])
+        figure, (left, right) = pyplot.subplots(1, 2, figsize=(7.4, 4.0), width_ratios=[1.2, 1], layout="constrained")
         rows = rows_of(rest[0], "curve.csv")
         strains = [100 * row["axial_strain"] for row in rows]
         left.plot(strains, [1e-3 * row["axial_stress"] for row in rows], color=COLOURS[0], linewidth=1.8)
@@ -98,7 +99,6 @@ def main():
         other.set_ylabel("Increase of volume, %", color=COLOURS[1])
         other.spines["right"].set_visible(True)
         field(figure, right, rows_of(rest[0], "points.csv"), "Shear strain, %")
-    figure.tight_layout()
     figure.savefig(path, metadata={"Date": None})
 
 

@@ -72,14 +72,12 @@ def write_points(grid, path, has_cells):
 
 
 def write(grid, stage, rows, initial, library, folder):
-    """Curve, states and costs so far."""
+    """Curve, points and costs so far."""
     with open(os.path.join(folder, "curve.csv"), "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["settlement", "pressure", "iterations", "processor_seconds"])
         writer.writerows([[repr(x) for x in row[:2]] + row[2:] for row in rows])
     write_points(grid, os.path.join(folder, "points.csv"), library is not None)
-    if library:
-        library.save(os.path.join(folder, "states.granum"))
     with open(os.path.join(folder, "costs.txt"), "w") as file:
         file.write(f"{stage.costs()}; {initial}; pressure {1e-3 * rows[-1][1]:.2f} kPa at {1e3 * rows[-1][0]:.2f} mm\n")
 
@@ -93,9 +91,9 @@ def main():
     arguments.add_argument("--law", help="a Mohr-Coulomb law instead of cells, as biaxial.py writes it: friction and dilatancy in degrees, youngs_modulus in Pa")
     arguments.add_argument("--late", action="store_true", help="the late strength of the law and no dilatancy")
     arguments.add_argument("--settlement", type=float, default=0.1)
-    arguments.add_argument("--steps", type=int, default=50)
-    arguments.add_argument("--tolerance", type=float, default=2e-3)
-    arguments.add_argument("--iterations", type=int, default=20)
+    arguments.add_argument("--steps", type=int, default=100)
+    arguments.add_argument("--tolerance", type=float, default=5e-3)
+    arguments.add_argument("--iterations", type=int, default=12)
     arguments.add_argument("--restart", action="store_true")
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--out", default=".")
@@ -140,8 +138,12 @@ def main():
             break
         rows.append([options.settlement * step / options.steps, pressure(footing), stage.iterations, round(stage.processor_seconds, 2)])
         print(f"settlement {1e3 * rows[-1][0]:.3f} mm, pressure {1e-3 * rows[-1][1]:.2f} kPa; {stage.costs()}", flush=True)
-        if step % max(1, options.steps // 10) == 0 or step == options.steps:
+        if step % max(1, options.steps // 10) == 0:
             write(grid, stage, rows, initial, library, options.out)
+    write(grid, stage, rows, initial, library, options.out)
+    if library:
+        library.save(os.path.join(options.out, "states.granum"))
+
 
 
 if __name__ == "__main__":
