@@ -101,10 +101,10 @@ def main():
     if not stage.settle():
         sys.exit(f"the cells do not balance the initial stress; granum: {library.message}")
     stage.begin_to_count()
-    rows = []
+    rows, ended = [], None
     for step in range(options.steps + 1):
         if step > 0 and not stage.advance(step / options.steps, least=0.05 / options.steps):
-            print(f"ends in step {step}; granum: {library.message}")
+            ended = f"ends before a strain of {options.strain * step / options.steps:.4f}: smaller steps do not converge either"
             break
         force = axial_force(grid)
         strains = [s for e in grid.at_points(variable("ENGINEERING_STRAIN_VECTOR")) for s in e]
@@ -116,6 +116,8 @@ def main():
             write(grid, stage, rows, options.out)
     write(grid, stage, rows, options.out)
     library.save(os.path.join(options.out, "states.granum"))
+    if ended:
+        sys.exit(ended)
     if options.columns == options.rows == 1:
         law = law_of(rows, options.pressure)
         with open(os.path.join(options.out, "law.json"), "w") as file:

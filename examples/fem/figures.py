@@ -2,6 +2,7 @@
 
     python figures.py curves FIGURE.svg LABEL=FOLDER ...       load against settlement
     python figures.py strain FIGURE.svg FOLDER [NAME ...]      shear strain of a footing or of a biaxial test; points of these names are marked
+    python figures.py chains FIGURE.svg FOLDER CONTACTS.csv    force chains of points, as point_contacts of crates/granum-c/examples writes their contacts
     python figures.py biaxial FIGURE.svg FOLDER                curve and shear strain of a biaxial test
 """
 import csv
@@ -73,6 +74,37 @@ def field(figure, axes, rows, label):
     figure.colorbar(scale, ax=axes, label=label, shrink=0.7, extend="max")
 
 
+def chains(axes, contacts, state):
+    """The contacts of a cell in a slice through its middle, 2.5 diameters thick: lines from centre to centre, as wide as the normal force."""
+    wide, high, deep = (contacts[0]["width_" + axis] for axis in "xyz")
+    mean = sum(c["normal_force"] for c in contacts) / len(contacts)
+    thickness = 2.5 * sum(c["diameter"] for c in contacts) / len(contacts)
+    diameter = thickness / 2.5
+    frame = pyplot.Rectangle((0, 0), wide / diameter, high / diameter, facecolor="none", edgecolor="#8a8375", linewidth=0.8)
+    axes.add_patch(frame)
+    for contact in sorted(contacts, key=lambda c: c["normal_force"]):
+        share = contact["normal_force"] / mean
+        if abs(contact["z"] + 0.5 * contact["branch_z"] - 0.5 * deep) > 0.5 * thickness or share <= 0:
+            continue
+        # A contact across the boundary is drawn at its images and cut off at the frame.
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                x, y = contact["x"] + i * wide, contact["y"] + j * high
+                ends = (x, x + contact["branch_x"]), (y, y + contact["branch_y"])
+                if any(max(end) < 0 or min(end) > width for end, width in zip(ends, (wide, high))):
+                    continue
+                (line,) = axes.plot(*([place / diameter for place in end] for end in ends),
+                                    color=pyplot.get_cmap("YlOrRd")(min(1.0, 0.25 + 0.2 * share)), linewidth=min(7.0, 1.5 * share), solid_capstyle="round")
+                line.set_clip_path(frame)
+    axes.set_xlim(-0.1, wide / diameter + 0.1)
+    axes.set_ylim(-0.1, high / diameter + 0.1)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    # Tension is positive in Kratos.
+    stress = "  ".join(f"{symbol} {-1e-3 * state[key]:.0f}" for symbol, key in (("$\\sigma_x$", "sxx"), ("$\\sigma_y$", "syy"), ("$\\tau$", "sxy")))
+    axes.set_title(f"{state['name']:.0f}\n{stress} kPa", fontsize=9)
+
+
 def main():
     kind, path, *rest = sys.argv[1:]
     if kind == "curves":
@@ -86,6 +118,14 @@ def main():
             (row,) = [row for row in rows if row["name"] == float(name)]
             axes.plot(row["x"], row["y"], "o", markersize=5, markerfacecolor="none", markeredgecolor="#1f9bd1", markeredgewidth=1.4)
             axes.annotate(name, (row["x"], row["y"]), textcoords="offset points", xytext=(6, 4), color="#12698f", fontsize=8, fontweight="bold")
+    elif kind == "chains":
+        with open(rest[1], newline="") as file:
+            contacts = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        names = sorted({c["name"] for c in contacts})
+        states = {row["name"]: row for row in rows_of(rest[0], "points.csv")}
+        figure, places = pyplot.subplots(1, len(names), figsize=(2.6 * len(names), 3.0), layout="constrained")
+        for axes, name in zip(places, names):
+            chains(axes, [c for c in contacts if c["name"] == name], states[name])
     else:
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(7.4, 4.0), width_ratios=[1.2, 1], layout="constrained")
         rows = rows_of(rest[0], "curve.csv")
@@ -99,7 +139,7 @@ def main():
         other.set_ylabel("Increase of volume, %", color=COLOURS[1])
         other.spines["right"].set_visible(True)
         field(figure, right, rows_of(rest[0], "points.csv"), "Shear strain, %")
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, metadata={"Date": None}, bbox_inches="tight")
 
 
 if __name__ == "__main__":

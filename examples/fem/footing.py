@@ -128,13 +128,13 @@ def main():
     initial = f"{stage.processor_seconds:.1f} s of processor time to the initial stress, {stage.iterations} iterations"
     print(initial, flush=True)
     stage.begin_to_count()
-    rows = [[0.0, pressure(footing), 0, 0.0]]
+    rows, ended = [[0.0, pressure(footing), 0, 0.0]], None
     for step in range(1, options.steps + 1):
         if options.restart and step == options.steps // 2 + 1:
             library.save(os.path.join(options.out, "middle.granum"))
             library.load(os.path.join(options.out, "middle.granum"))
         if not stage.advance(step / options.steps, least=0.1 / options.steps):
-            print(f"ends in step {step}; granum: {library.message if library else ''}")
+            ended = f"ends before {1e3 * options.settlement * step / options.steps:.2f} mm: smaller steps do not converge either"
             break
         rows.append([options.settlement * step / options.steps, pressure(footing), stage.iterations, round(stage.processor_seconds, 2)])
         print(f"settlement {1e3 * rows[-1][0]:.3f} mm, pressure {1e-3 * rows[-1][1]:.2f} kPa; {stage.costs()}", flush=True)
@@ -143,6 +143,8 @@ def main():
     write(grid, stage, rows, initial, library, options.out)
     if library:
         library.save(os.path.join(options.out, "states.granum"))
+    if ended:
+        sys.exit(ended)
 
 
 

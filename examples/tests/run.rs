@@ -6,8 +6,6 @@ mod clumps;
 mod compare_surrogates;
 #[path = "../draw_a_figure.rs"]
 mod draw_a_figure;
-#[path = "../draw_points.rs"]
-mod draw_points;
 #[path = "../many_runs.rs"]
 mod many_runs;
 #[path = "../material_point.rs"]
@@ -43,11 +41,6 @@ fn shear_a_sample_runs() {
 #[test]
 fn material_point_runs() {
     material_point::main().unwrap();
-}
-
-#[test]
-fn draw_points_runs() {
-    draw_points::main().unwrap();
 }
 
 #[test]
