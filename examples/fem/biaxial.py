@@ -1,4 +1,4 @@
-"""Biaxial compression in plane strain with live cells of granum: one element, or a field in which a shear band forms.
+"""Biaxial compression in plane strain with live cells of granum: one element, or a field.
 
     python biaxial.py LIBRARY --out FOLDER [--columns 8] [--rows 16] [--grains 300] [--strain 0.05] [--steps 100] [--ends rough|smooth]
 

@@ -2,7 +2,7 @@
 
     python figures.py curves FIGURE.svg LABEL=FOLDER ...       load against settlement
     python figures.py strain FIGURE.svg FOLDER [NAME ...]      shear strain of a footing or of a biaxial test; points of these names are marked
-    python figures.py chains FIGURE.svg FOLDER CONTACTS.csv    force chains of points, as point_contacts of crates/granum-c/examples writes their contacts
+    python figures.py chains FIGURE.svg CONTACTS.csv    force chains of points, as point_contacts of crates/granum-c/examples writes their contacts
     python figures.py biaxial FIGURE.svg FOLDER                curve and shear strain of a biaxial test
 """
 import csv
@@ -74,7 +74,7 @@ def field(figure, axes, rows, label):
     figure.colorbar(scale, ax=axes, label=label, shrink=0.7, extend="max")
 
 
-def chains(axes, contacts, state):
+def chains(axes, contacts):
     """The contacts of a cell in a slice through its middle, 2.5 diameters thick: lines from centre to centre, as wide as the normal force."""
     wide, high, deep = (contacts[0]["width_" + axis] for axis in "xyz")
     mean = sum(c["normal_force"] for c in contacts) / len(contacts)
@@ -100,9 +100,9 @@ def chains(axes, contacts, state):
     axes.set_ylim(-0.1, high / diameter + 0.1)
     axes.set_aspect("equal")
     axes.axis("off")
-    # Tension is positive in Kratos.
-    stress = "  ".join(f"{symbol} {-1e-3 * state[key]:.0f}" for symbol, key in (("$\\sigma_x$", "sxx"), ("$\\sigma_y$", "syy"), ("$\\tau$", "sxy")))
-    axes.set_title(f"{state['name']:.0f}\n{stress} kPa", fontsize=9)
+    first = contacts[0]
+    stress = "  ".join(f"{symbol} {1e-3 * first['stress_' + key]:.0f}" for symbol, key in (("$\\sigma_x$", "xx"), ("$\\sigma_y$", "yy"), ("$\\tau$", "xy")))
+    axes.set_title(f"{first['name']:.0f}\n{stress} kPa", fontsize=9)
 
 
 def main():
@@ -117,15 +117,15 @@ def main():
         for name in rest[1:]:
             (row,) = [row for row in rows if row["name"] == float(name)]
             axes.plot(row["x"], row["y"], "o", markersize=5, markerfacecolor="none", markeredgecolor="#1f9bd1", markeredgewidth=1.4)
-            axes.annotate(name, (row["x"], row["y"]), textcoords="offset points", xytext=(6, 4), color="#12698f", fontsize=8, fontweight="bold")
+            axes.annotate(name, (row["x"], row["y"]), textcoords="offset points", xytext=(6, 4), color="#12698f", fontsize=8, fontweight="bold",
+                          bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0})
     elif kind == "chains":
-        with open(rest[1], newline="") as file:
+        with open(rest[0], newline="") as file:
             contacts = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
         names = sorted({c["name"] for c in contacts})
-        states = {row["name"]: row for row in rows_of(rest[0], "points.csv")}
         figure, places = pyplot.subplots(1, len(names), figsize=(2.6 * len(names), 3.0), layout="constrained")
         for axes, name in zip(places, names):
-            chains(axes, [c for c in contacts if c["name"] == name], states[name])
+            chains(axes, [c for c in contacts if c["name"] == name])
     else:
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(7.4, 4.0), width_ratios=[1.2, 1], layout="constrained")
         rows = rows_of(rest[0], "curve.csv")

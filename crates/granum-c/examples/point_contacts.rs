@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `states.granum` is the file that a host's script saved; the numbers are names of points. The state of a point is the one that the host
-//! accepted last. Each row has the name of the point, the widths of its cell (m), the place of the first grain within the cell and the
+//! accepted last. Each row has the name of the point, the stresses xx, yy and xy of its cell (Pa, compression positive) and its widths (m), the place of the first grain within the cell and the
 //! branch to the second grain (m), the normal force (N, compression positive) and the diameter of the first grain (m).
 
 use std::error::Error;
@@ -20,6 +20,8 @@ fn rows(name: u64, state: &State, table: &mut String) -> Result<(), Box<dyn Erro
     let assembly = state.observed().assembly();
     let inverse = invert(&assembly.cell);
     let widths = [0, 1, 2].map(|k| assembly.cell[k][k]);
+    let stress = state.stress();
+    let [xx, yy, xy] = [stress[0][0], stress[1][1], stress[0][1]];
     for contact in &assembly.contacts {
         let Some([first, _]) = assembly.bodies_of(contact) else { continue };
         let body = &assembly.bodies[first];
@@ -30,7 +32,7 @@ fn rows(name: u64, state: &State, table: &mut String) -> Result<(), Box<dyn Erro
         let (force, diameter) = (contact.normal_force, 2.0 * body.equivalent_radius);
         writeln!(
             table,
-            "{name},{wx:e},{wy:e},{wz:e},{x:e},{y:e},{z:e},{bx:e},{by:e},{bz:e},{force:e},{diameter:e}"
+            "{name},{xx:e},{yy:e},{xy:e},{wx:e},{wy:e},{wz:e},{x:e},{y:e},{z:e},{bx:e},{by:e},{bz:e},{force:e},{diameter:e}"
         )?;
     }
     Ok(())
@@ -43,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let store = Store::load(Path::new(states))?;
     let mut table = String::from(
-        "name,width_x,width_y,width_z,x,y,z,branch_x,branch_y,branch_z,normal_force,diameter\n",
+        "name,stress_xx,stress_yy,stress_xy,width_x,width_y,width_z,x,y,z,branch_x,branch_y,branch_z,normal_force,diameter\n",
     );
     for name in names {
         let name = name.parse()?;
