@@ -196,7 +196,7 @@ def check(arguments):
     problems = []
     stated = json.loads(STATED.read_text())
     present = {str(path.relative_to(ROOT / "docs")) for folder in (PICTURES, FIGURES) for path in folder.iterdir()
-               if path.suffix in (".png", ".svg") and not path.name.startswith(("campaign-", "calibration-", "shape-or-rolling"))}
+               if path.suffix in (".png", ".svg") and not path.name.startswith(("campaign-", "calibration-", "fem-", "shape-or-rolling"))}
     for name in sorted(present | set(stated["pictures"])):
         path = ROOT / "docs" / name
         if not path.exists() or stated["pictures"].get(name) != sha256(path):

@@ -5,6 +5,7 @@
 """
 import ctypes
 import os
+import re
 
 
 class Library:
@@ -45,3 +46,18 @@ def name_points_of_kratos(model_part, number_of_variables=5):
         count = len(element.CalculateOnIntegrationPoints(K.CAUCHY_STRESS_VECTOR, model_part.ProcessInfo))
         values = [K.Vector([1000.0 * element.Id + k + 1.0] + [0.0] * (number_of_variables - 1)) for k in range(count)]
         element.SetValuesOnIntegrationPoints(variable, values, count, model_part.ProcessInfo)
+
+
+def configuration_with(path, folder, grains):
+    """A copy of a configuration in a folder, whose cases have so many grains."""
+    with open(path) as file:
+        text = file.read()
+    for case in re.findall(r'^case = "([^"]+)"', text, re.M):
+        with open(os.path.join(os.path.dirname(path), case)) as file:
+            changed = re.sub(r"^grains\.count = \d+", f"grains.count = {grains}", file.read(), flags=re.M)
+        with open(os.path.join(folder, os.path.basename(case)), "w") as file:
+            file.write(changed)
+    copied = os.path.join(folder, "granum-materials.toml")
+    with open(copied, "w") as file:
+        file.write(text)
+    return copied

@@ -65,6 +65,14 @@ def test_optuna_finds_a_friction(tmp_path: pathlib.Path) -> None:
     assert found.startswith("friction 0.") and missed < 0.05
 
 
+def test_scikit_fem_compresses_grains() -> None:
+    pytest.importorskip("skfem")
+    *_, last = output("biaxial_scikit_fem.py", EXAMPLES).splitlines()
+    # Equilibrium: the mean lateral stress is the lateral pressure.
+    assert "8 steps" in last and "32 points" in last
+    assert abs(float(last.split()[-2]) - 100) < 0.5, last
+
+
 def test_grainlearning_calibrates_with_granum(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("grainlearning", reason="GrainLearning needs NumPy 1 and has an environment of its own in scripts/python")
     found = output("grainlearning_calibration.py", tmp_path).splitlines()[-1]
