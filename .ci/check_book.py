@@ -40,11 +40,7 @@ def headings(text):
 def anchors(program):
     """The parts of a program that pages can quote: those that begin and end once."""
     text = program.read_text()
-<<<<<<< HEAD
     begun, ended = (re.findall(rf"(?m)(?://|#) {word}: (\w+)$", text) for word in ("ANCHOR", "ANCHOR_END"))
-=======
-    begun, ended = (re.findall(rf"(?m)(?://|^#) {word}: (\w+)$", text) for word in ("ANCHOR", "ANCHOR_END"))
->>>>>>> 753ddc275eb4cc3dd175fedfbd72dfc4b4980c5e
     return {name for name in begun if begun.count(name) == 1 and ended.count(name) == 1}
 
 
