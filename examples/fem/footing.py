@@ -4,7 +4,7 @@
     python footing.py LIBRARY --law '{"friction": 31, "dilatancy": 14, "youngs_modulus": 37e6}' --out FOLDER [...]
 
 Half of the problem, plane strain: the footing is 2 m wide and is pushed down without turning. First Kratos's K0 procedure gives the sand the stress
-of its weight and of a surcharge of 20 kPa beside and below the footing; the live cells are brought to this stress; then the footing settles. Written are
+of its weight and of a surcharge, 20 kPa unless asked otherwise, beside and below the footing; the live cells are brought to this stress; then the footing settles. Written are
 curve.csv, points.csv (the last state of each point), states.granum and costs.txt. With --restart the states of
 granum are written and read again in the middle.
 """
@@ -92,9 +92,9 @@ def main():
     arguments.add_argument("--late", action="store_true", help="the late strength of the law and no dilatancy")
     arguments.add_argument("--surcharge", type=float, default=20e3, help="beside the footing, and at first below it, Pa")
     arguments.add_argument("--settlement", type=float, default=0.1)
-    arguments.add_argument("--steps", type=int, default=100)
+    arguments.add_argument("--steps", type=int, default=50)
     arguments.add_argument("--tolerance", type=float, default=5e-3)
-    arguments.add_argument("--iterations", type=int, default=12)
+    arguments.add_argument("--iterations", type=int, default=16, help="how often the cells are asked before a step is halved")
     arguments.add_argument("--restart", action="store_true")
     arguments.add_argument("--damping", type=float, default=0.02, help="of the iteration, as a part of the first stiffness")
     arguments.add_argument("--accepted", type=float, default=0.0, help="residual up to which a smallest step is taken all the same, as a part of the force")

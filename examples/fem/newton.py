@@ -1,14 +1,15 @@
 """Newton's iteration for cells of grains, damped, with Kratos's elements and forces.
 
 The stiffness of a cell that slides, softens or is torn apart foresees the answer badly or is singular. The matrix of an iteration is therefore that of
-the cells and a part of the stiffness at the beginning of the stage (Levenberg 1944). This changes the way to equilibrium and not the equilibrium, since the forces are those of the
-cells alone. A correction that does not make the residual smaller is halved.
+the cells and a part of the stiffness at the beginning of the stage (Levenberg 1944, Marquardt 1963). This changes the way to equilibrium and not the equilibrium, since the forces
+are those of the cells alone. After a correction that does not make the residual smaller the part is larger, and the correction smaller and more like that of an elastic body.
 """
 import numpy
 
 import KratosMultiphysics as K
 
-MOST_HALVINGS = 3
+# Damping after a correction that did not make the residual smaller; 0.02 of the first stiffness becomes at most four times this stiffness.
+MORE_DAMPING, MOST_DAMPING = 6.0, 250.0
 
 
 class Newton:
@@ -48,18 +49,19 @@ class Newton:
 
     def solve(self, limit, most_evaluations, damping):
         """Iterates until the norm of the residual forces is below `limit`, N per m, and leaves the best displacements that were seen. `damping` is the matrix
-        that is added to the stiffness. Returns the norm that was reached and how often the cells were asked."""
+        that is added to the stiffness, not zero. Returns the norm that was reached and how often the cells were asked."""
         stiffness, residual = self._evaluate()
         best, norm, evaluations = self._displacements(), numpy.linalg.norm(residual), 1
-        is_better = True
+        is_better, factor = True, 1.0
         while is_better and norm > limit and evaluations < most_evaluations:
-            correction, is_better, halvings = numpy.linalg.solve(stiffness + damping, residual), False, 0
-            while not is_better and halvings <= MOST_HALVINGS and evaluations < most_evaluations:
-                self._set(best + 0.5**halvings * correction)
+            is_better = False
+            while not is_better and factor <= MOST_DAMPING and evaluations < most_evaluations:
+                self._set(best + numpy.linalg.solve(stiffness + factor * damping, residual))
                 tried = self._evaluate()
-                evaluations, halvings = evaluations + 1, halvings + 1
+                evaluations += 1
                 # A comparison with NaN, the answer of a cell that refuses, is false.
                 is_better = numpy.linalg.norm(tried[1]) < norm
+                factor = max(1.0, factor / MORE_DAMPING) if is_better else factor * MORE_DAMPING
             if is_better:
                 stiffness, residual = tried
                 best, norm = self._displacements(), numpy.linalg.norm(residual)

@@ -6,6 +6,8 @@ import os
 import time
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# The matrices of newton.py are small; one thread is the fastest.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import KratosMultiphysics as K  # noqa: E402
 import KratosMultiphysics.GeoMechanicsApplication as G  # noqa: E402
 import KratosMultiphysics.StructuralMechanicsApplication  # noqa: E402, F401
