@@ -4,7 +4,7 @@
     python footing.py LIBRARY --law '{"friction": 31, "dilatancy": 14, "youngs_modulus": 37e6}' --out FOLDER [...]
 
 Half of the problem, plane strain: the footing is 2 m wide and is pushed down without turning. First Kratos's K0 procedure gives the sand the stress
-of its weight and of a surcharge of 20 kPa beside and below the footing; the live cells are brought to this stress; then the footing settles. Written are
+of its weight and of a surcharge, 20 kPa unless asked otherwise, beside and below the footing; the live cells are brought to this stress; then the footing settles. Written are
 curve.csv, points.csv (the last state of each point), states.granum and costs.txt. With --restart the states of
 granum are written and read again in the middle.
 """
@@ -17,7 +17,7 @@ import sys
 from granum_points import Library, configuration_with
 from plane_strain import MOHR_COULOMB, K, Grid, Stage, k0_stress, set_grains, set_material, variable, weigh
 
-WIDTH, K0, SURCHARGE = 2.0, 0.5, 20e3
+WIDTH, K0 = 2.0, 0.5
 # Lines of the meshes, m; the half footing ends at x = 1.
 MESHES = {
     "coarse": ([0, 0.5, 1, 1.75, 3], [0, 1.2, 2.0, 2.5, 3]),
@@ -90,11 +90,15 @@ def main():
     arguments.add_argument("--mesh", choices=sorted(MESHES), default="full")
     arguments.add_argument("--law", help="a Mohr-Coulomb law instead of cells, as biaxial.py writes it: friction and dilatancy in degrees, youngs_modulus in Pa")
     arguments.add_argument("--late", action="store_true", help="the late strength of the law and no dilatancy")
+    arguments.add_argument("--surcharge", type=float, default=20e3, help="beside the footing, and at first below it, Pa")
     arguments.add_argument("--settlement", type=float, default=0.1)
-    arguments.add_argument("--steps", type=int, default=100)
+    arguments.add_argument("--steps", type=int, default=50)
     arguments.add_argument("--tolerance", type=float, default=5e-3)
-    arguments.add_argument("--iterations", type=int, default=12)
+    arguments.add_argument("--iterations", type=int, default=16, help="how often the cells are asked before a step is halved")
     arguments.add_argument("--restart", action="store_true")
+    arguments.add_argument("--damping", type=float, default=0.02, help="of the iteration, as a part of the first stiffness")
+    arguments.add_argument("--accepted", type=float, default=0.0, help="residual up to which a smallest step is taken all the same, as a part of the force")
+    arguments.add_argument("--least", type=float, default=0.25, help="size of a smallest step, as a part of a step")
     arguments.add_argument("--threads", type=int, default=1)
     arguments.add_argument("--out", default=".")
     options = arguments.parse_args()
@@ -103,7 +107,7 @@ def main():
 
     grid = Grid(*MESHES[options.mesh])
     fix(grid)
-    k0_stress(grid, K0, SURCHARGE)
+    k0_stress(grid, K0, options.surcharge)
     footing = [node for node in grid.row(-1) if node.X0 <= 0.5 * WIDTH]
     for node in footing:
         node.Fix(K.DISPLACEMENT_X)
@@ -114,13 +118,13 @@ def main():
     beside = 0.5 * (grid.xs[len(footing)] - footing[-1].X0)
 
     def load(share):
-        weigh(grid, SURCHARGE)
+        weigh(grid, options.surcharge)
         for node in footing:
             # The footing carries its part of the surcharge; what lies beside it loads the node of its edge.
-            node.SetSolutionStepValue(variable("POINT_LOAD"), 0, [0.0, -SURCHARGE * beside if node is footing[-1] else 0.0, 0.0])
+            node.SetSolutionStepValue(variable("POINT_LOAD"), 0, [0.0, -options.surcharge * beside if node is footing[-1] else 0.0, 0.0])
             node.SetSolutionStepValue(K.DISPLACEMENT_Y, 0, -options.settlement * share)
 
-    stage = Stage(grid, load, lambda: max(pressure(footing), SURCHARGE) * 0.5 * WIDTH, tolerance=options.tolerance, most_iterations=options.iterations)
+    stage = Stage(grid, load, lambda: max(pressure(footing), options.surcharge) * 0.5 * WIDTH, tolerance=options.tolerance, most_iterations=options.iterations, damping=options.damping, accepted=options.accepted)
     if has_cells:
         grid.name_points()
     if not stage.settle():
@@ -133,7 +137,7 @@ def main():
         if options.restart and step == options.steps // 2 + 1:
             library.save(os.path.join(options.out, "middle.granum"))
             library.load(os.path.join(options.out, "middle.granum"))
-        if not stage.advance(step / options.steps, least=0.1 / options.steps):
+        if not stage.advance(step / options.steps, least=options.least / options.steps):
             ended = f"ends before {1e3 * options.settlement * step / options.steps:.2f} mm: smaller steps do not converge either"
             break
         rows.append([options.settlement * step / options.steps, pressure(footing), stage.iterations, round(stage.processor_seconds, 2)])

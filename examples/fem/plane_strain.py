@@ -6,11 +6,14 @@ import os
 import time
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# The matrices of newton.py are small; one thread is the fastest.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import KratosMultiphysics as K  # noqa: E402
 import KratosMultiphysics.GeoMechanicsApplication as G  # noqa: E402
 import KratosMultiphysics.StructuralMechanicsApplication  # noqa: E402, F401
 
 from granum_points import name_points_of_kratos  # noqa: E402
+from newton import Newton  # noqa: E402
 
 K.Logger.GetDefaultOutput().SetSeverity(K.Logger.Severity.WARNING)
 variable = K.KratosGlobals.GetVariable
@@ -121,14 +124,18 @@ class Grid:
 
 
 class Stage:
-    """A stage: Newton's iteration of Kratos, steps of a load that goes from 0 to 1, and what they cost.
+    """A stage: Newton's iteration, steps of a load that goes from 0 to 1, and what they cost.
 
     `apply(share)` sets forces and prescribed displacements for a share of the load. A step begins with the displacements that the step before
     foretells. It has converged when the norm of the residual forces is below `tolerance` times the force that `force()` gives at the end of
     the step before, N per m of thickness; if it has not after `most_iterations`, it is tried with half its size.
+
+    With `damping` it is the iteration of newton.py, and without it that of Kratos. A step that cannot be made smaller is taken all the same if its residual is below `accepted`
+    times the force; the residual stays in the balance of the next step, and `costs()` says how many steps there were of this kind.
     """
 
-    def __init__(self, grid, apply, force, tolerance=1e-3, most_iterations=20):
+    def __init__(self, grid, apply, force, tolerance=1e-3, most_iterations=20, damping=None, accepted=0.0):
+        self.damping, self.accepted, self.first_stiffness = damping, accepted, None
         self.grid, self.part, self.apply, self.force, self.tolerance, self.most_iterations = grid, grid.part, apply, force, tolerance, most_iterations
         for node in self.part.Nodes:
             for step in (0, 1):
@@ -142,9 +149,9 @@ class Stage:
     def _newton(self):
         # Kratos divides the norm by the number of freedoms; its criterion cannot be changed later.
         criterion = K.ResidualCriteria(1e-12, self.tolerance * self.force() / self.freedoms)
+        self.scheme, self.builder = G.GeoStaticScheme(), K.ResidualBasedBlockBuilderAndSolver(K.SkylineLUFactorizationSolver())
         strategy = K.ResidualBasedNewtonRaphsonStrategy(
-            self.part, G.GeoStaticScheme(), criterion, K.ResidualBasedBlockBuilderAndSolver(K.SkylineLUFactorizationSolver()),
-            self.most_iterations, True, False, False,
+            self.part, self.scheme, criterion, self.builder, self.most_iterations, True, False, False,
         )
         strategy.SetEchoLevel(0)
         return strategy
@@ -164,13 +171,16 @@ class Stage:
                 if not node.IsFixed(component):
                     node.SetSolutionStepValue(component, 0, node.GetSolutionStepValue(component, 1) + factor * increment[k])
 
-    def _try(self, share):
+    def _try(self, share, is_least=False):
         self._foretell(share)
         self.apply(share)
         self.strategy.InitializeSolutionStep()
         self.strategy.Predict()
-        converged = self.strategy.SolveSolutionStep()
-        iterations = self.part.ProcessInfo[K.NL_ITERATION_NUMBER]
+        if self.damping is None:
+            converged = self.strategy.SolveSolutionStep()
+            iterations = self.part.ProcessInfo[K.NL_ITERATION_NUMBER]
+        else:
+            converged, iterations = self._damped(is_least)
         self.iterations += iterations
         if converged and all(math.isfinite(x) for e in self.grid.at_points(K.CAUCHY_STRESS_VECTOR) for s in e for x in s):
             return True
@@ -178,6 +188,17 @@ class Stage:
         for node in self.part.Nodes:
             node.SetSolutionStepValue(K.DISPLACEMENT, 0, node.GetSolutionStepValue(K.DISPLACEMENT, 1))
         return False
+
+    def _damped(self, is_least):
+        newton = Newton(self.part, self.strategy, self.scheme, self.builder)
+        if self.first_stiffness is None:
+            self.first_stiffness = newton.stiffness()
+        force = self.force()
+        residual, evaluations = newton.solve(self.tolerance * force, self.most_iterations, self.damping * self.first_stiffness)
+        if residual > self.tolerance * force and is_least and residual <= self.accepted * force:
+            self.loose.append(residual / force)
+            return True, evaluations
+        return residual <= self.tolerance * force, evaluations
 
     def _begin_step(self):
         self.part.CloneTimeStep(self.part.ProcessInfo[K.TIME] + 1.0)
@@ -202,7 +223,7 @@ class Stage:
             while self.reached < goal:
                 self._begin_step()
                 trial = min(goal, self.reached + size)
-                while not self._try(trial):
+                while not self._try(trial, size < 2.0 * least):
                     self.cut += 1
                     size = 0.5 * (trial - self.reached)
                     trial = self.reached + size
@@ -227,12 +248,14 @@ class Stage:
     def begin_to_count(self):
         """From here on steps, iterations and time are counted: without what it took to get to the initial stress."""
         self.steps = self.cut = self.iterations = self.lost_iterations = 0
+        self.loose = []
         self.seconds = self.processor_seconds = 0.0
 
     def costs(self):
+        loose = f"; {len(self.loose)} steps taken with residuals of up to {max(self.loose):.4f} of the force" if self.loose else ""
         each = f", {self.iterations / self.steps:.1f} iterations and {self.processor_seconds / self.steps:.2f} s of processor time each" if self.steps else ""
         return (f"{self.steps} steps{each}; {self.cut} tries cut back, {self.lost_iterations} of {self.iterations} iterations in them; "
-                f"{self.processor_seconds:.1f} s of processor time in {self.seconds:.1f} s")
+                f"{self.processor_seconds:.1f} s of processor time in {self.seconds:.1f} s{loose}")
 
 
 def k0_stress(grid, k0, surcharge):
