@@ -184,7 +184,7 @@ pub struct Bond {
     pub energy: f64,
     /// How near it is to rupture: the larger of its two ratios of load to strength.
     pub utilisation: f64,
-    /// Its type: the number, from 1, of the formation of bonds by which it was made.
+    /// Its type: the number, from 1, of the formation of bonds by which it was made; 0 where none is known.
     #[serde(default = "first_type", skip_serializing_if = "is_first_type")]
     pub kind: u32,
 }
@@ -194,7 +194,7 @@ fn first_type() -> u32 {
 }
 
 fn is_first_type(kind: &u32) -> bool {
-    *kind <= 1
+    *kind == 1
 }
 
 impl Bond {

@@ -12,7 +12,7 @@ const REASONS: [(&str, &str); 10] = [
     ),
     (
         "gaussian-process",
-        "a Gaussian process of curves answers from the curves of its training runs by a calibration of whole runs; evaluate it with granum (program, library, Python, or C)",
+        "a Gaussian process of curves answers from the curves of its training runs by a calibration of whole runs; evaluate it with granum (program, library or Python)",
     ),
     ("cascade", "it hands distributions from stage to stage; export surrogates of its stages instead"),
     ("path-gru", PATHS),
