@@ -1,5 +1,7 @@
 """A surrogate as an ONNX file, evaluated by onnxruntime without granum: one without memory, and one with a memory, step by step."""
 
+from typing import Any
+
 import granum
 import numpy as np
 import onnxruntime
@@ -23,7 +25,8 @@ for method in ["feed-forward", "recurrent"]:
 session = onnxruntime.InferenceSession("feed-forward.onnx")
 # Each column is a table of doubles with one column and a row for each state.
 asked = {"axial_strain": inputs[:, [0]], "friction": inputs[:, [1]]}
-mean, lower, upper, outside = session.run(["predicted_stress_ratio", "lower_stress_ratio", "upper_stress_ratio", "outside"], asked)
+found: Any = session.run(["predicted_stress_ratio", "lower_stress_ratio", "upper_stress_ratio", "outside"], asked)
+mean, lower, upper, outside = map(np.asarray, found)
 # ANCHOR_END: columns
 print(f"stress ratio at the end {mean[-1, 0]:.4f} ({lower[-1, 0]:.4f} to {upper[-1, 0]:.4f}), {int(outside.sum())} states outside")
 
@@ -39,7 +42,7 @@ for step, (strain, friction) in enumerate(inputs):
         # 1 for the first state of a test, whose memory is made from its inputs.
         "begins": np.array([[float(step == 0)]]),
     }
-    answer, memory = session.run(["predicted_stress_ratio", "next_memory"], asked)
+    answer, memory = map(np.asarray, session.run(["predicted_stress_ratio", "next_memory"], asked))
     answers.append(answer[0, 0])
 # ANCHOR_END: steps
 exact = surrogate.predict(inputs, runs=np.zeros(20))["outputs"]["stress_ratio"]["mean"]
