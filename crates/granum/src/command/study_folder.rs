@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use granum::contents::Contents;
+use granum::families::FITTED;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_learn::study::{STUDY_FILE, Study, load as load_study};
@@ -12,6 +13,9 @@ use crate::failure::Failure;
 
 /// Reads the study in a folder; a folder of another kind is refused with what it holds and what to do.
 pub fn load(context: &Context, folder: &Path) -> Result<Study, Failure> {
+    if folder.try_exists().is_ok_and(|exists| !exists) {
+        return Err(missing(folder));
+    }
     if folder.is_dir() && !folder.join(STUDY_FILE).is_file() {
         let contents = Contents::read(folder, context.vocabulary())?;
         let quoted = quoted_path(folder);
@@ -32,4 +36,16 @@ pub fn load(context: &Context, folder: &Path) -> Result<Study, Failure> {
         )));
     }
     Ok(load_study(folder, context.methods())?.study)
+}
+
+/// What is said where there is nothing of this name, which may be meant as that of a family.
+fn missing(path: &Path) -> Failure {
+    let family = FITTED.iter().find(|known| Some(known.name) == path.to_str());
+    let next = match family {
+        Some(known) => {
+            format!("the family of this name is asked by `granum predict --family {}`", known.name)
+        }
+        None => "give the file of a surrogate or the folder of a study, as `granum train` writes them".into(),
+    };
+    Failure::new(format!("{}: there is no such file or folder; {next}", path.shown()))
 }

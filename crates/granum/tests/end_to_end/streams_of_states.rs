@@ -289,3 +289,16 @@ fn the_table_of_methods_is_whole() {
         }
     }
 }
+
+#[test]
+fn what_is_not_there_is_said_with_what_is_asked_for() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    for command in [&["stream", "nothing.json"][..], &["predict", "nothing.json", "--set", "x=1"]] {
+        let told = refused(here, 1, command);
+        assert!(told.contains("nothing.json: there is no such file or folder"), "{told}");
+        assert!(told.contains("the file of a surrogate or the folder of a study"), "{told}");
+    }
+    let told = refused(here, 1, &["stream", "sand"]);
+    assert!(told.contains("granum predict --family sand"), "{told}");
+}
