@@ -7,6 +7,7 @@
 
 pub mod assembly;
 pub mod cell;
+pub mod clock;
 pub mod digest;
 pub mod energy;
 pub mod geometry;

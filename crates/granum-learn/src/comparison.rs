@@ -1,7 +1,6 @@
 //! Comparison of surrogates of any kind by the same scores.
 
-use std::time::Instant;
-
+use granum_core::clock::Instant;
 use granum_core::observer::Observer;
 
 use crate::dataset::{Dataset, SplitParts};

@@ -54,6 +54,11 @@ impl RunRegistry {
         }
     }
 
+    /// What a program needs that reads no files and starts no other program: laws, paths and sensors, and granum's own engine.
+    pub fn without_files() -> RunRegistry {
+        RunRegistry { vocabulary: Vocabulary::standard(), formats: Formats::none(), engines: Engines::own() }
+    }
+
     /// Adds a contact law, which case files can then name.
     ///
     /// # Errors

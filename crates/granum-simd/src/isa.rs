@@ -7,6 +7,8 @@ pub enum Isa {
     Portable,
     /// NEON of aarch64.
     Neon,
+    /// SIMD of WebAssembly.
+    Wasm,
     /// AVX2 with FMA.
     Avx2,
     /// AVX-512 F, DQ, BW and VL.
@@ -15,7 +17,7 @@ pub enum Isa {
 
 impl Isa {
     /// All instruction sets, the widest last.
-    pub const ALL: [Isa; 4] = [Isa::Portable, Isa::Neon, Isa::Avx2, Isa::Avx512];
+    pub const ALL: [Isa; 5] = [Isa::Portable, Isa::Neon, Isa::Wasm, Isa::Avx2, Isa::Avx512];
 
     /// The widest instruction set of this machine.
     pub fn detect() -> Isa {
@@ -27,6 +29,7 @@ impl Isa {
         match self {
             Isa::Portable => true,
             Isa::Neon => cfg!(target_arch = "aarch64"),
+            Isa::Wasm => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
@@ -48,6 +51,7 @@ impl Isa {
         match self {
             Isa::Portable => "portable",
             Isa::Neon => "neon",
+            Isa::Wasm => "wasm",
             Isa::Avx2 => "avx2",
             Isa::Avx512 => "avx512",
         }

@@ -1,5 +1,6 @@
 //! One number on a processor that fuses multiplication and addition in an instruction, and kernels over single numbers.
 
+#[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
 use crate::lanes::Real;
 

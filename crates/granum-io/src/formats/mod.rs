@@ -94,6 +94,11 @@ impl std::fmt::Debug for Formats {
 }
 
 impl Formats {
+    /// No formats: for a program that reads no files.
+    pub fn none() -> Formats {
+        Formats { tables: Vec::new(), packings: Vec::new(), results: Vec::new(), outside: false }
+    }
+
     /// The formats that come with granum.
     pub fn standard() -> Formats {
         Formats {

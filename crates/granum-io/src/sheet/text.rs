@@ -7,7 +7,7 @@ use std::ops::Range;
 /// A longer line is not a row of a table.
 const LONGEST_LINE: u64 = 1 << 24;
 /// A larger file is not a table that is read whole.
-const LARGEST_FILE: usize = 1 << 32;
+const LARGEST_FILE: u64 = 1 << 32;
 
 /// The characters of Windows-1252 from 0x80 to 0x9F; the other bytes are those of Latin-1, and five stand for nothing.
 const WINDOWS_1252: [char; 32] = [
@@ -38,7 +38,7 @@ pub(super) fn read(mut reader: impl BufRead) -> Result<String, TextFault> {
             LONGEST_LINE => {
                 return Err(TextFault::AtLine(line, format!("the line is longer than {LONGEST_LINE} bytes")));
             }
-            _ if bytes.len() > LARGEST_FILE => {
+            _ if bytes.len() as u64 > LARGEST_FILE => {
                 return Err(TextFault::AtLine(line, format!("the file is longer than {LARGEST_FILE} bytes")));
             }
             _ if before == 0 && is_binary(&bytes) => {

@@ -12,8 +12,7 @@
 //! the seed and the number of the epoch only. With validation rows, which should be those of whole runs
 //! ([`crate::Data::with_validation_blocks`]), the weights with the smallest error on them are returned.
 
-use std::time::Instant;
-
+use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::Isa;
 use rand_chacha::ChaCha8Rng;

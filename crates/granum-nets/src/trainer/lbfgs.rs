@@ -6,8 +6,7 @@
 //! which should be those of whole runs ([`crate::Data::with_validation_blocks`]), the weights with the smallest error on them are
 //! returned.
 
-use std::time::Instant;
-
+use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::Isa;
 

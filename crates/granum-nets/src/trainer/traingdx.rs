@@ -12,8 +12,7 @@
 //! An epoch is one such trial, even if it is rejected. With validation rows, the weights with the smallest error on them are
 //! returned.
 
-use std::time::Instant;
-
+use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch, mul_add};
 

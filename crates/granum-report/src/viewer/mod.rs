@@ -45,6 +45,14 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
     page + rest
 }
 
+/// What the viewer draws of an assembly, of which these parts are known: the data of `show` in `viewer.js`.
+pub fn data(assembly: &Assembly, parts: Parts, view: &View) -> serde_json::Value {
+    content::content(assembly, parts, view)
+}
+
+/// The module of JavaScript that draws it.
+pub const MODULE: &str = VIEWER;
+
 /// The most spheres that a report shows in its viewer (13 bytes each in the page), and the contacts beside them (21 bytes each).
 const MOST_SPHERES: usize = 10_000;
 const CONTACTS: usize = 3000;

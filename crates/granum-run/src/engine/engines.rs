@@ -22,6 +22,11 @@ use super::native::Native;
 pub struct Engines(Vec<Arc<dyn Engine>>);
 
 impl Engines {
+    /// Granum's own engine alone: for a program that starts no other.
+    pub fn own() -> Engines {
+        Engines(vec![Arc::new(Native)])
+    }
+
     /// The engines that come with granum.
     pub fn standard() -> Engines {
         Engines(vec![Arc::new(Native), Arc::new(Lammps::default())])

@@ -13,7 +13,7 @@ use super::planned_run::{FAILED, PlannedRun, finish, write_case};
 use super::run_result::RunResult;
 use super::source::Source;
 use crate::engine::engine_trait::Engine;
-use crate::engine::native::{self, Native};
+use crate::engine::native::{self, Native, RunInPieces};
 use crate::engine::resources::Resources;
 use crate::engine::task::Task;
 use crate::registry::RunRegistry;
@@ -92,6 +92,20 @@ impl Laboratory {
         let mut run = engine.plan(self.task(engine, kind, case.clone(), source.clone()), observer)?;
         run.record.engine_version = engine.version()?;
         Ok(PlannedRun { case: case.clone(), run })
+    }
+
+    /// Reads and checks the inputs of a run of granum's own engine that goes on a piece at a time, in memory.
+    ///
+    /// # Errors
+    /// As [`Laboratory::plan`].
+    pub fn in_pieces(
+        &self,
+        kind: RunKind,
+        case: &Case,
+        source: &Source,
+        observer: &mut dyn SimulationObserver,
+    ) -> Result<RunInPieces, LaboratoryError> {
+        RunInPieces::new(&self.task(&Native, kind, case.clone(), source.clone()), observer)
     }
 
     /// Makes a sample, or tests one, and writes a run folder: case, snapshots, checkpoint, measurements, record. The status in the

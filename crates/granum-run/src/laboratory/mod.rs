@@ -28,7 +28,9 @@ pub use shared::{Entered, Shared};
 pub use source::Source;
 pub use status::{ProgressField, fields, fields_of_report, line};
 
-pub use crate::engine::native::{END, PREPARATION_COLUMNS, SAMPLE, cell, check_beside, simulation, spheres};
+pub use crate::engine::native::{
+    END, PREPARATION_COLUMNS, RunInPieces, SAMPLE, cell, check_beside, simulation, spheres,
+};
 pub use crate::engine::{CHECKPOINT_EVERY, GRAINS_PER_THREAD};
 pub use crate::strength::late_mean;
 

@@ -1,8 +1,7 @@
 //! The progress of a run as text, and its speed.
 
-use std::time::Instant;
-
 use granum_core::ObservedState;
+use granum_core::clock::Instant;
 use granum_core::observer::Progress as Report;
 use granum_dem::invariants::{deviatoric_strain, signed_von_mises};
 use granum_dem::loading::Measure;

@@ -19,7 +19,9 @@ pub fn mul_add(factor: f64, other: f64, term: f64) -> f64 {
     }
     #[cfg(target_arch = "aarch64")]
     return hardware(factor, other, term);
-    #[cfg(not(target_arch = "aarch64"))]
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return crate::wasm::one_fused(factor, other, term);
+    #[cfg(not(any(target_arch = "aarch64", all(target_arch = "wasm32", target_feature = "simd128"))))]
     exact(factor, other, term)
 }
 

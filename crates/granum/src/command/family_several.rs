@@ -9,7 +9,6 @@ use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource};
 use serde_json::{Value, json};
 
 use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
-use super::family_figure::{Shown, svg};
 use super::family_flags;
 use super::family_rows::{Asked, plain_name};
 use super::prediction_input::LEVEL;
@@ -17,6 +16,7 @@ use super::text_table;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
+use granum_report::family::{Shown, svg};
 
 /// Most tests that a figure can show apart.
 const MOST_CURVES: usize = 8;

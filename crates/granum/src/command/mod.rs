@@ -23,7 +23,6 @@ mod family_answer;
 mod family_card;
 mod family_chart;
 mod family_check;
-mod family_figure;
 mod family_flags;
 mod family_rows;
 mod family_several;

@@ -12,7 +12,6 @@ use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line,
 use super::family_card;
 use super::family_chart::{ChartPoint, chart, short};
 use super::family_check::{self, Checked};
-use super::family_figure::{self, Shown};
 use super::family_flags::{self, FamilyFlags};
 use super::family_rows::Asked;
 use super::family_several;
@@ -20,6 +19,7 @@ use super::prediction_input::LEVEL;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
+use granum_report::family::{self as family_figure, Shown};
 
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;

@@ -57,6 +57,9 @@ impl Entry {
             (Count::Batch, Isa::Neon) if isa.available() => {
                 Entry(|sheet| unsafe { in_lanes::<C>(Isa::Neon, sheet) })
             }
+            (Count::Batch, Isa::Wasm) if isa.available() => {
+                Entry(|sheet| unsafe { in_lanes::<C>(Isa::Wasm, sheet) })
+            }
             (Count::Batch, _) => Entry(one_by_one::<C>),
         }
     }

@@ -59,7 +59,7 @@ fn an_observed_contact_has_the_same_bits_in_lanes() {
                 batches
             };
             let alone = evaluated(Isa::Portable);
-            for isa in [Isa::Neon, Isa::Avx2, Isa::Avx512] {
+            for isa in [Isa::Neon, Isa::Wasm, Isa::Avx2, Isa::Avx512] {
                 for (lanes, alone) in evaluated(isa).iter().zip(&alone) {
                     assert_eq!(found(lanes), found(alone), "{pair:?}, {isa:?}");
                 }

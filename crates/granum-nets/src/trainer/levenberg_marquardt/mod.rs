@@ -23,8 +23,7 @@
 
 mod method;
 
-use std::time::Instant;
-
+use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::{Isa, mul_add};
 

@@ -1,6 +1,8 @@
 //! When a checkpoint is due.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use granum_core::clock::Instant;
 
 /// Determines when a checkpoint is due. It never is at the first observation of a segment, so that the run makes progress
 /// even if the interval is very short.

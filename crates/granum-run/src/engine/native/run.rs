@@ -3,8 +3,8 @@
 //! when the observer stops the run.
 
 use std::sync::Arc;
-use std::time::Instant;
 
+use granum_core::clock::Instant;
 use granum_dem::loading::StageEnd;
 use granum_dem::observer::SimulationObserver;
 use granum_io::Case;
@@ -37,6 +37,16 @@ pub(super) fn plan(task: Task, observer: &mut dyn SimulationObserver) -> Result<
     let case = task.case;
     let run = EngineRun::new(record, move |sink, observer| execution.go_on(&case, run_state, sink, observer));
     Ok(run.saving_first())
+}
+
+/// What is left of a run that no longer goes on.
+pub(super) enum Left {
+    /// Nothing: it is complete, and its state is in the sink.
+    Complete,
+    /// The observer stopped it in this state.
+    Stopped(RunState),
+    /// The sample of a test that the caller makes.
+    Sample(RunState),
 }
 
 /// A run whose inputs have been read and checked.
@@ -144,11 +154,14 @@ impl TaskExecution {
         sink: &mut dyn Sink,
         observer: &mut dyn SimulationObserver,
     ) -> Result<(), LaboratoryError> {
-        self.go_on_to(case, run_state, false, sink, observer).map(|_| ())
+        if let Left::Stopped(run_state) = self.go_on_to(case, run_state, false, sink, observer)? {
+            sink.keep(Arc::new(run_state.simulation));
+        }
+        Ok(())
     }
 
     /// The same; with `sample_only` the test is left to the caller, who gets the sample at the mean stress of the test, unless the
-    /// observer stopped the run before.
+    /// observer stopped the run before. Who gets the state of a run that was stopped can go on with it.
     pub(super) fn go_on_to(
         &self,
         case: &Case,
@@ -156,7 +169,7 @@ impl TaskExecution {
         sample_only: bool,
         sink: &mut dyn Sink,
         observer: &mut dyn SimulationObserver,
-    ) -> Result<Option<RunState>, LaboratoryError> {
+    ) -> Result<Left, LaboratoryError> {
         run_state.results.case_digest.clone_from(&sink.record().case_digest);
         // This first checkpoint makes the run independent of all files outside its folder.
         save(sink, &run_state)?;
@@ -183,12 +196,12 @@ impl TaskExecution {
                     if sink.record().kind == RunKind::Sample {
                         run_state.write_into(sink.record());
                         sink.keep(Arc::new(run_state.simulation));
-                        return Ok(None);
+                        return Ok(Left::Complete);
                     }
                     match consolidation::wanted(case) {
                         None if sample_only => {
                             save(sink, &run_state)?;
-                            return Ok(Some(run_state));
+                            return Ok(Left::Sample(run_state));
                         }
                         None => self.begin_test(case, &mut run_state, sink)?,
                         Some(preparation) => {
@@ -206,7 +219,7 @@ impl TaskExecution {
                     write_sample(sink, &run_state)?;
                     if sample_only {
                         save(sink, &run_state)?;
-                        return Ok(Some(run_state));
+                        return Ok(Left::Sample(run_state));
                     }
                     self.begin_test(case, &mut run_state, sink)?
                 }
@@ -220,7 +233,7 @@ impl TaskExecution {
                 Segment::Complete => {
                     complete(case, &run_state, sink, observer)?;
                     sink.keep(Arc::new(run_state.simulation));
-                    return Ok(None);
+                    return Ok(Left::Complete);
                 }
                 Segment::GoOn if phase.is_none() => {}
                 // A test may have thousands of short stages, and a checkpoint is large.
@@ -232,8 +245,7 @@ impl TaskExecution {
                 Segment::Stop => {
                     save(sink, &run_state)?;
                     sink.record().status = RunStatus::Interrupted;
-                    sink.keep(Arc::new(run_state.simulation));
-                    return Ok(None);
+                    return Ok(Left::Stopped(run_state));
                 }
             }
         }

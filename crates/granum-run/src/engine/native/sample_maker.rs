@@ -1,11 +1,13 @@
 //! The sample of a test that another engine carries out: granum's own engine prepares and consolidates it.
 
+use std::sync::Arc;
+
 use granum_dem::observer::SimulationObserver;
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord};
 
-use super::run::{self, Begun};
+use super::run::{self, Begun, Left};
 use super::run_state::{self, RunState};
 use super::task_execution::TaskExecution;
 use crate::engine::sink::Sink;
@@ -66,7 +68,13 @@ impl SampleMaker {
                 execution.start(case, &source, None, sink.record(), observer)?
             }
         };
-        let made = execution.go_on_to(case, run_state, true, sink, observer)?;
-        Ok(made.map(|run_state| run_state.simulation))
+        Ok(match execution.go_on_to(case, run_state, true, sink, observer)? {
+            Left::Sample(run_state) => Some(run_state.simulation),
+            Left::Stopped(run_state) => {
+                sink.keep(Arc::new(run_state.simulation));
+                None
+            }
+            Left::Complete => None,
+        })
     }
 }

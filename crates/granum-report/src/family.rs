@@ -1,9 +1,9 @@
 //! The predicted curves of tests as a figure.
 
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource, UsedInput};
-use granum_report::figure::palette::{INK, color};
-use granum_report::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 
+use crate::figure::palette::{INK, color};
+use crate::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 use crate::numbers::rounded;
 
 /// A density that is next to nothing.
@@ -14,6 +14,7 @@ const EXTRAPOLATED: &str = "outside of the runs";
 
 /// A prediction that is drawn.
 pub struct Shown<'a> {
+    /// The prediction.
     pub prediction: &'a FamilyPrediction,
     /// What makes it differ from the others; empty for a single one.
     pub label: String,

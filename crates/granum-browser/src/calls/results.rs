@@ -1,0 +1,48 @@
+//! What a run has found.
+
+use granum_core::Parts;
+use granum_io::formats::csv;
+use granum_report::viewer::{View, data};
+use granum_report::{RoleInStudy, RunReport, run_report};
+use granum_run::laboratory::{END, SAMPLE};
+use granum_sensors::RecordedState;
+use serde_json::{Value, json};
+
+use crate::answer::CallError;
+use crate::page::{Arguments, Page};
+
+/// The most contact forces of a view of a run under way.
+const FORCES: f64 = 3000.0;
+
+/// The grains and forces as they are now, for the viewer of grains.
+pub(super) fn view(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+    let Some(state) = page.run()?.state() else { return Ok(Value::Null) };
+    let strongest = arguments.number_or("strongest", FORCES).clamp(0.0, 1e6) as usize;
+    Ok(data(&state.assembly(), Parts::all(), &View::default().with(|view| view.strongest = strongest)))
+}
+
+/// The digest that the folder of this run would have.
+pub(super) fn digest(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
+    Ok(json!({ "digest": page.run()?.digest()? }))
+}
+
+/// The series of the states so far as a table of numbers with commas.
+pub(super) fn series(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
+    let record = RecordedState::record(page.run()?.states());
+    let mut text = Vec::new();
+    csv::write_rows(&mut text, &record.series).map_err(|error| CallError::Message(error.to_string()))?;
+    Ok(json!({ "csv": String::from_utf8_lossy(&text) }))
+}
+
+/// The report of the run as one page, and its figures by their names.
+pub(super) fn report(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+    let run = page.run()?;
+    let name = arguments.text("name").unwrap_or("test");
+    let record = RecordedState::record(run.states());
+    let mut report =
+        RunReport::of_parts(name, run.case().clone(), run.record().clone(), record, RoleInStudy::Single);
+    report.start = run.snapshots().get(SAMPLE).cloned();
+    report.end = run.snapshots().get(END).cloned();
+    let document = run_report(&report);
+    Ok(json!({ "html": document.html, "figures": document.figures }))
+}
