@@ -1,8 +1,9 @@
 //! The laboratory and the surrogates in a browser: a module of WebAssembly that a page calls by messages.
 //!
 //! A message is a JSON object with the name of a call (`"call": "begin"`) and its arguments; the answer is a JSON object, which has a
-//! key `error` if the call failed. [`Page::answer`] takes a message and gives the answer, on any processor; the module
-//! exports it ([`exports`](self)) with a buffer for the text of either:
+//! key `error` if the call failed. [`Page::answer`] takes a message and gives the answer, on any processor. There are two modules, so that a
+//! page that only shows a test loads no more than it needs: one with the calls [`ENGINE`], one with the calls [`SURROGATES`]
+//! (`examples/`). A module exports ([`export!`]):
 //!
 //! | function | what it does |
 //! |---|---|
@@ -10,14 +11,14 @@
 //! | `call()` | carries out the message, and returns the length of the answer |
 //! | `answer()` | the place of the answer, which stays until the next call |
 //!
-//! The module imports two functions of the page: `milliseconds()`, a clock, and `panicked(place, length)`, which is told why the module
+//! It imports two functions of the page: `milliseconds()`, a clock, and `panicked(place, length)`, which is told why the module
 //! has stopped for good.
 
 mod answer;
 mod calls;
-#[cfg(all(target_arch = "wasm32", target_os = "unknown"))]
 mod exports;
 mod pace;
 mod page;
 
+pub use calls::{Call, ENGINE, SURROGATES};
 pub use page::Page;

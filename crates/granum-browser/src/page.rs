@@ -10,17 +10,19 @@ use granum_run::{Laboratory, Resources, RunRegistry};
 use serde_json::Value;
 
 use crate::answer::CallError;
-use crate::calls;
+use crate::calls::Call;
 
 /// What a page has: at most one run, and the surrogates that it has loaded, by name and path.
 pub struct Page {
     pub(crate) laboratory: Laboratory,
     pub(crate) run: Option<RunInPieces>,
     pub(crate) families: BTreeMap<String, FamilyModel>,
+    calls: &'static [Call],
 }
 
-impl Default for Page {
-    fn default() -> Page {
+impl Page {
+    /// A page that can make these calls.
+    pub fn new(calls: &'static [Call]) -> Page {
         let hardware = Hardware { threads: 1, ..Hardware::default() };
         Page {
             laboratory: Laboratory {
@@ -31,15 +33,14 @@ impl Default for Page {
             },
             run: None,
             families: BTreeMap::new(),
+            calls,
         }
     }
-}
 
-impl Page {
     /// Carries out a message and returns the answer, both of which are JSON.
     ///
     /// ```
-    /// let mut page = granum_browser::Page::default();
+    /// let mut page = granum_browser::Page::new(granum_browser::ENGINE);
     /// assert!(page.answer(r#"{"call": "about"}"#).contains("version"));
     /// assert!(page.answer("no message").contains("error"));
     /// ```
@@ -52,10 +53,10 @@ impl Page {
         let arguments: Value = serde_json::from_str(message)
             .map_err(|error| CallError::Message(format!("this is no message in JSON: {error}")))?;
         let name = arguments["call"].as_str().unwrap_or_default();
-        match calls::ALL.iter().find(|call| call.name == name) {
+        match self.calls.iter().find(|call| call.name == name) {
             Some(call) => (call.carry_out)(self, &Arguments(&arguments)),
             None => {
-                let known: Vec<&str> = calls::ALL.iter().map(|call| call.name).collect();
+                let known: Vec<&str> = self.calls.iter().map(|call| call.name).collect();
                 Err(CallError::Message(format!("there is no call {name:?}; known are {}", known.join(", "))))
             }
         }
@@ -74,6 +75,11 @@ impl Arguments<'_> {
     /// A text.
     pub(crate) fn text(&self, name: &str) -> Result<&str, CallError> {
         self.0[name].as_str().ok_or_else(|| CallError::Message(format!("the call needs a text {name:?}")))
+    }
+
+    /// A value.
+    pub(crate) fn value(&self, name: &str) -> &Value {
+        &self.0[name]
     }
 
     /// A number, or what stands in its place where there is none.

@@ -10,6 +10,13 @@ use std::path::Path;
 /// Size in bytes above which no file is read into memory as a whole.
 pub const LARGEST_INPUT: u64 = 1 << 34;
 
+/// A page in a browser has no files. This is known when a module for one is compiled, which then has no readers of files either.
+const IN_A_PAGE: bool = cfg!(all(target_arch = "wasm32", target_os = "unknown"));
+
+fn no_files() -> io::Error {
+    io::Error::new(io::ErrorKind::Unsupported, "a page in a browser has no files")
+}
+
 /// Opens a file for reading.
 ///
 /// ```
@@ -19,7 +26,11 @@ pub const LARGEST_INPUT: u64 = 1 << 34;
 ///
 /// # Errors
 /// If it cannot be opened, or is a pipe, a socket or a device.
+#[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), inline(always))]
 pub fn open(path: &Path) -> io::Result<File> {
+    if IN_A_PAGE {
+        return Err(no_files());
+    }
     // Before it is opened, since the opening of a pipe waits for a writer, and afterwards, since it may have been replaced.
     check(&path.metadata()?)?;
     let file = File::open(path)?;
@@ -41,7 +52,11 @@ fn check(metadata: &Metadata) -> io::Result<()> {
 ///
 /// # Errors
 /// As for [`open`]; [`io::ErrorKind::FileTooLarge`] if it has more bytes.
+#[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), inline(always))]
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    if IN_A_PAGE {
+        return Err(no_files());
+    }
     let file = open(path)?;
     let size = file.metadata()?.len();
     let too_large = |size: u64| {
@@ -64,7 +79,11 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// As for [`read`]; [`io::ErrorKind::InvalidData`] if it is not UTF-8.
+#[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), inline(always))]
 pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
+    if IN_A_PAGE {
+        return Err(no_files());
+    }
     let bytes = read(path, largest)?;
     String::from_utf8(bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
 }

@@ -1,7 +1,8 @@
-//! The calls of a page, one file for each subject. A new call is a function and a line in [`ALL`].
+//! The calls of a page, one file for each subject. A new call is a function and a line in [`ENGINE`] or [`SURROGATES`].
 
 mod about;
 mod case;
+mod reports;
 mod results;
 mod run;
 mod surrogates;
@@ -11,25 +12,36 @@ use serde_json::Value;
 use crate::answer::CallError;
 use crate::page::{Arguments, Page};
 
-/// A call.
-pub(crate) struct Call {
+/// A call: its name, and what it does with its arguments.
+#[derive(Clone, Copy)]
+pub struct Call {
     pub(crate) name: &'static str,
     pub(crate) carry_out: fn(&mut Page, &Arguments) -> Result<Value, CallError>,
 }
 
-/// All calls.
-pub(crate) const ALL: &[Call] = &[
-    Call { name: "about", carry_out: about::about },
-    Call { name: "check", carry_out: case::check },
-    Call { name: "begin", carry_out: run::begin },
-    Call { name: "go_on", carry_out: run::go_on },
-    Call { name: "states", carry_out: run::states },
-    Call { name: "view", carry_out: results::view },
-    Call { name: "digest", carry_out: results::digest },
-    Call { name: "series", carry_out: results::series },
-    Call { name: "report", carry_out: results::report },
-    Call { name: "load_family", carry_out: surrogates::load },
-    Call { name: "predict", carry_out: surrogates::predict },
-    Call { name: "digest_of_predictions", carry_out: surrogates::digest_of_predictions },
-    Call { name: "digest_of_training", carry_out: surrogates::digest_of_training },
+const fn call(name: &'static str, carry_out: fn(&mut Page, &Arguments) -> Result<Value, CallError>) -> Call {
+    Call { name, carry_out }
+}
+
+/// The calls of the laboratory: cases and their tests.
+pub const ENGINE: &[Call] = &[
+    call("about", about::about),
+    call("check", case::check),
+    call("begin", run::begin),
+    call("go_on", run::go_on),
+    call("states", run::states),
+    call("view", results::view),
+    call("digest", results::digest),
+    call("series", results::series),
+    call("result", results::result),
+];
+
+/// The calls of the surrogates, and those that make reports of results.
+pub const SURROGATES: &[Call] = &[
+    call("about", about::about),
+    call("load_family", surrogates::load),
+    call("predict", surrogates::predict),
+    call("report", reports::report),
+    call("digest_of_predictions", surrogates::digest_of_predictions),
+    call("digest_of_training", surrogates::digest_of_training),
 ];

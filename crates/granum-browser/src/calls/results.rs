@@ -3,7 +3,6 @@
 use granum_core::Parts;
 use granum_io::formats::csv;
 use granum_report::viewer::{View, data};
-use granum_report::{RoleInStudy, RunReport, run_report};
 use granum_run::laboratory::{END, SAMPLE};
 use granum_sensors::RecordedState;
 use serde_json::{Value, json};
@@ -34,15 +33,15 @@ pub(super) fn series(page: &mut Page, _: &Arguments) -> Result<Value, CallError>
     Ok(json!({ "csv": String::from_utf8_lossy(&text) }))
 }
 
-/// The report of the run as one page, and its figures by their names.
-pub(super) fn report(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+/// What a report of the run is made of ([`super::reports`]): case, record, states, and the first and last assembly.
+pub(super) fn result(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
     let run = page.run()?;
-    let name = arguments.text("name").unwrap_or("test");
-    let record = RecordedState::record(run.states());
-    let mut report =
-        RunReport::of_parts(name, run.case().clone(), run.record().clone(), record, RoleInStudy::Single);
-    report.start = run.snapshots().get(SAMPLE).cloned();
-    report.end = run.snapshots().get(END).cloned();
-    let document = run_report(&report);
-    Ok(json!({ "html": document.html, "figures": document.figures }))
+    Ok(json!({
+        "case": run.case().resolved_toml(),
+        "record": run.record(),
+        // A NaN has no number in JSON, but a place in these lines.
+        "states": run.states().iter().map(RecordedState::to_line).collect::<Vec<_>>(),
+        "start": run.snapshots().get(SAMPLE),
+        "end": run.snapshots().get(END),
+    }))
 }

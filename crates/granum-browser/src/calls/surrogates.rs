@@ -6,9 +6,9 @@ use granum_learn::dataset::{Dataset, RunStates};
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource};
 use granum_learn::surrogate::{FitSpec, SurrogateMethods, to_json};
 use granum_report::family::{Shown, svg};
-use granum_sensors::RecordedState;
 use serde_json::{Value, json};
 
+use super::reports::{measurements, received};
 use crate::answer::CallError;
 use crate::page::{Arguments, Page};
 
@@ -100,10 +100,9 @@ fn take_in(hash: &mut Digest, prediction: &FamilyPrediction) {
     }
 }
 
-/// Fits a `method` to the states of the run, stress ratio and volumetric strain over the deviator strain, and gives the digest of the
-/// file of the surrogate.
+/// Fits a `method` to the states of the `result` of a run, one column over another, and gives the digest of the file of the surrogate.
 pub(super) fn digest_of_training(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
-    let record = RecordedState::record(page.run()?.states());
+    let record = measurements(page, &received(arguments)?)?;
     let dataset = Dataset::new(vec![RunStates::of_record("run", record)?])?;
     let methods = SurrogateMethods::standard();
     let method = methods.by_name(arguments.text("method")?)?;

@@ -1,0 +1,126 @@
+//! What the modules answer, on this processor: the digests with which those of browsers are compared (`scripts/page`).
+
+use std::path::{Path, PathBuf};
+
+use granum_browser::{ENGINE, Page, SURROGATES};
+use serde_json::{Value, json};
+
+fn crates() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(name: &str) -> String {
+    std::fs::read_to_string(crates().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn call(page: &mut Page, message: Value) -> Value {
+    let answer: Value = serde_json::from_str(&page.answer(&message.to_string())).unwrap();
+    assert!(answer.get("error").is_none(), "{answer}");
+    answer
+}
+
+fn kept_case(name: &str) -> String {
+    read(&format!("granum/tests/end_to_end/sixteen_cases/{name}.toml"))
+}
+
+/// A page whose run of a kept case is complete.
+fn run_of(name: &str) -> Page {
+    let mut page = Page::new(ENGINE);
+    call(&mut page, json!({ "call": "begin", "case": kept_case(name) }));
+    let mut pieces = 0;
+    while call(&mut page, json!({ "call": "go_on", "milliseconds": 20 }))["status"] == "running" {
+        pieces += 1;
+    }
+    assert!(pieces > 1);
+    page
+}
+
+#[test]
+fn a_run_has_the_digest_of_the_program() {
+    for name in ["drained-triaxial", "grains-of-three-shapes"] {
+        let digest = call(&mut run_of(name), json!({ "call": "digest" }))["digest"].clone();
+        let line = format!("{}  {name}\n", digest.as_str().unwrap());
+        assert!(read("granum/tests/end_to_end/sixteen_cases/digests.txt").contains(&line), "{line}");
+    }
+}
+
+/// Keeps its digests in `digests.txt`, which a test of the modules in a browser reads as well.
+#[test]
+fn predictions_and_a_training_keep_their_bits() {
+    let mut digests = String::new();
+    let mut page = Page::new(SURROGATES);
+    for family in ["powder", "sand"] {
+        let folder = crates().join("granum/families").join(family);
+        let mut paths: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| name.ends_with(".json"))
+            .collect();
+        paths.sort();
+        for path in paths {
+            let name = format!("{family}/{path}");
+            let text = read(&format!("granum/families/{name}"));
+            let loaded = call(&mut page, json!({ "call": "load_family", "name": name, "text": text }));
+            assert_eq!(loaded["name"], family);
+            let digest = call(&mut page, json!({ "call": "digest_of_predictions", "name": name }));
+            digests += &format!("{}  {name}\n", digest["digest"].as_str().unwrap());
+        }
+    }
+    let result = call(&mut run_of("drained-triaxial"), json!({ "call": "result" }));
+    for method in ["feed-forward", "recurrent", "ridge"] {
+        let training = json!({
+            "call": "digest_of_training", "method": method, "result": result, "input": "deviator_strain",
+            "output": "stress_ratio",
+        });
+        let digest = call(&mut page, training);
+        digests += &format!("{}  {method}\n", digest["digest"].as_str().unwrap());
+    }
+    assert_eq!(digests, read("granum-browser/tests/digests.txt"), "digests.txt should be\n{digests}");
+}
+
+#[test]
+fn a_result_becomes_a_report() {
+    let mut engine = run_of("drained-triaxial");
+    let view = call(&mut engine, json!({ "call": "view", "strongest": 100 }));
+    assert_eq!(view["contacts"], 100);
+    let csv = call(&mut engine, json!({ "call": "series" }))["csv"].as_str().unwrap().to_string();
+    let states = call(&mut engine, json!({ "call": "states", "from": 2 }));
+    assert_eq!(states["rows"].as_array().unwrap().len() + 2, csv.trim().lines().count() - 1);
+    let result = call(&mut engine, json!({ "call": "result" }));
+    let mut surrogates = Page::new(SURROGATES);
+    let report = call(&mut surrogates, json!({ "call": "report", "result": result, "name": "drained" }));
+    assert!(report["html"].as_str().unwrap().contains("peak"));
+    assert!(!report["figures"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn mistakes_in_a_case_have_their_places() {
+    let mut page = Page::new(ENGINE);
+    let message = json!({ "call": "check", "case": "[grains]\ncount = 100\ndiametre = '1 mm'\n" });
+    let answer: Value = serde_json::from_str(&page.answer(&message.to_string())).unwrap();
+    let place = &answer["error"]["places"][0];
+    assert_eq!((place["line"].as_u64(), place["column"].as_u64()), (Some(3), Some(1)), "{answer}");
+    assert!(place["message"].as_str().unwrap().contains("diametre"), "{answer}");
+    let good = call(&mut page, json!({ "call": "check", "case": kept_case("simple-shear") }));
+    assert_eq!(good["digest"].as_str().unwrap().len(), 64);
+}
+
+#[test]
+fn a_message_that_is_none_is_refused_by_name() {
+    let mut page = Page::new(ENGINE);
+    for (message, said) in [
+        ("{", "no message in JSON"),
+        (r#"{"call": "fly"}"#, "there is no call \"fly\"; known are about"),
+        (r#"{"call": "begin"}"#, "needs a text \"case\""),
+        (r#"{"call": "go_on"}"#, "there is no run"),
+        (r#"{"call": "predict"}"#, "there is no call \"predict\""),
+    ] {
+        assert!(page.answer(message).contains("error"), "{message}");
+        let answer: Value = serde_json::from_str(&page.answer(message)).unwrap();
+        assert!(answer["error"]["message"].as_str().unwrap().contains(said), "{answer}");
+    }
+    let mut page = Page::new(SURROGATES);
+    assert!(page.answer(r#"{"call": "load_family", "name": "x", "text": "{}"}"#).contains("error"));
+    assert!(page.answer(r#"{"call": "predict", "name": "x"}"#).contains("is not loaded"));
+    assert!(page.answer(r#"{"call": "report", "result": 3}"#).contains("no result of a run"));
+}
