@@ -1,6 +1,7 @@
 //! A complete input deck for LAMMPS: the sample of a case and the script that tests it as the case does.
 
 mod bodies;
+mod bonds;
 mod check;
 mod deck;
 mod deck_error;
