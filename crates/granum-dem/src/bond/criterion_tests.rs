@@ -125,3 +125,13 @@ fn a_bond_that_ruptures_has_stored_the_least_energy_of_its_law() {
         assert!(nearest < 1.5, "{kind} {nearest}");
     }
 }
+
+/// Arms of pieces of two sizes: in the proportion of their radii, or alike.
+#[test]
+fn bonds_are_attached_where_pieces_touch_or_halfway() {
+    use super::bonding::BondAttachment::{Contact, Middle};
+    assert_eq!(Contact.arms(3.0, [1.0, 2.0]), [1.0, 2.0]);
+    assert_eq!(Contact.arms(3.6, [1.0, 2.0]), [1.2, 2.4]);
+    assert_eq!(Middle.arms(3.0, [1.0, 2.0]), [1.5, 1.5]);
+    assert_eq!(Contact.arms(2.1, [1.0; 2]), Middle.arms(2.1, [1.0; 2]));
+}

@@ -179,7 +179,7 @@ fn of<'a>(bondings: &'a [Bonding], bond: &Bond) -> Option<&'a Bonding> {
 }
 
 /// Refuses grains whose bonds LAMMPS would attach elsewhere, or not turn.
-fn check_sample(assembly: &Assembly, bondings: &[Bonding]) -> Result<(), DeckError> {
+pub(super) fn check_sample(assembly: &Assembly, bondings: &[Bonding]) -> Result<(), DeckError> {
     if !assembly.all_spheres() {
         let why = "some of its grains have several pieces, which `fix rigid/small` moves without the orientations of the pieces that bonds of LAMMPS \
                    (bpm/rotational) are strained by; leave [[bond]] out, or take spheres";

@@ -20,4 +20,6 @@ pub use deck_error::DeckError;
 pub use names::{CURVE, DATA, SCRIPT};
 
 #[cfg(test)]
+mod bonds_tests;
+#[cfg(test)]
 mod tests;
