@@ -32,6 +32,8 @@ const ENDLESS_STRETCH: f64 = 1.0;
 const ALIKE: f64 = 1e-9;
 /// Shortest width of the cell over the longest bond: at half of it LAMMPS could take another image of a sphere.
 const LEAST_WIDTH: f64 = 2.2;
+/// Parts of its length to which the distance of two centres is written.
+const DIGITS: f64 = 1e9;
 /// How far LAMMPS looks for the other end of a bond, over the longest bond.
 const REACH: f64 = 1.5;
 
@@ -79,7 +81,7 @@ impl Bonds {
         let (mut listed, mut coefficients) = (Vec::with_capacity(assembly.bonds.len()), String::new());
         let (mut stiffness, mut longest) = (0.0, 0.0f64);
         for bond in &assembly.bonds {
-            let Some(bonding) = of(&bondings, bond) else { continue };
+            let Some(bonding) = bonding_of(&bondings, bond) else { continue };
             let numbers = numbers(&assembly, bond, bonding);
             let square: f64 = bond.branch.iter().map(|x| x * x).sum();
             stiffness += numbers[0] * square;
@@ -174,7 +176,7 @@ fn can_rupture(bonding: &Bonding) -> bool {
 }
 
 /// The set of bonds by which a bond was made.
-fn of<'a>(bondings: &'a [Bonding], bond: &Bond) -> Option<&'a Bonding> {
+fn bonding_of<'a>(bondings: &'a [Bonding], bond: &Bond) -> Option<&'a Bonding> {
     bondings.get((bond.kind as usize).wrapping_sub(1))
 }
 
@@ -186,7 +188,8 @@ pub(super) fn check_sample(assembly: &Assembly, bondings: &[Bonding]) -> Result<
         return Err(DeckError::Sample(why.into()));
     }
     for bond in &assembly.bonds {
-        let at_contact = of(bondings, bond).is_some_and(|of| of.attachment == BondAttachment::Contact);
+        let at_contact =
+            bonding_of(bondings, bond).is_some_and(|of| of.attachment == BondAttachment::Contact);
         let [Some(one), Some(two)] = [bond.i, bond.j].map(|k| assembly.bodies.get(k)) else { continue };
         let [a, b] = [one, two].map(|grain| grain.equivalent_radius);
         if at_contact && (a - b).abs() > ALIKE * (a + b) {
@@ -229,6 +232,8 @@ fn numbers(assembly: &Assembly, bond: &Bond, bonding: &Bonding) -> [f64; 12] {
     let [tension, shear, bending, twisting] = std::array::from_fn(|n| limits[n].min(NO_LIMIT));
     let dashpots = bonding.dashpots(&k, [bond.i, bond.j].map(|end| mass_and_inertia(assembly, end)));
     let distance = bond.branch.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // Without the rounding of places, so that bonds that are alike are of one type.
+    let distance = (distance / bond.length * DIGITS).round() / DIGITS * bond.length;
     [
         k.normal,
         k.shear,

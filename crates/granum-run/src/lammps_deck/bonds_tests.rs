@@ -72,7 +72,7 @@ fn bonds_are_in_the_sample_and_are_made_where_the_test_begins() {
     let places = order.map(|text| script.find(text).unwrap_or_else(|| panic!("{text} in {script}")));
     assert!(places.is_sorted(), "{places:?}");
     assert!(script.contains(",mechanical_coordination_number,bonds\" file ${out}"), "{script}");
-    assert!(script.contains("+4") || script.contains("*v_bonds\n"), "{script}");
+    assert!(script.contains("*v_bonds\n"), "{script}");
     // Dashpots of newer versions: the coefficient of damping is lower by the root of two, the restitution higher.
     let plain = Case::parse(&format!("{HEAD}{STAGE}"), "case.toml").unwrap();
     let plain = deck(&plain, &packing()).unwrap().script().to_string();
@@ -88,7 +88,8 @@ fn bonds_are_in_the_sample_and_are_made_where_the_test_begins() {
 /// Dashpots as LAMMPS has them: those of the couples are doubled, that of bending over the distance of the centres.
 #[test]
 fn dashpots_and_strengths_without_limit_are_written() {
-    let [_, _, coefficients] = written(&case("law = 'beam'\ndamping = 0.2\n", STAGE));
+    let [_, sample, coefficients] = written(&case("law = 'beam'\ndamping = 0.2\n", STAGE));
+    assert!(sample.contains("\n81 bonds\n1 bond types\n"), "{sample}");
     let numbers: Vec<f64> =
         coefficients.split_whitespace().skip(2).map(|word| word.parse().unwrap()).collect();
     let [normal, shear, twisting, bending] = [0, 1, 2, 3].map(|k| numbers[k]);
@@ -120,7 +121,7 @@ fn each_strength_is_a_type_and_bonds_wait_for_rest() {
     assert!(count > 40 && count < 81, "{count}");
     assert!(sample.contains(&format!("\n{count} bonds\n{count} bond types\n")));
     let [rest, made, first] =
-        ["stage 0: rest", "bond_style bpm", "print \"stage 1"].map(|text| script.find(text).unwrap());
+        ["stage 0: rest", "\nbond_style bpm", "print \"stage 1"].map(|text| script.find(text).unwrap());
     assert!(rest < made && made < first, "{script}");
 }
 
@@ -135,7 +136,7 @@ fn bonds_that_lammps_has_not_are_refused_by_name() {
     let error = refused(&format!("{BOND}before_stage = 2\n"), &format!("{STAGE}{STAGE}"));
     assert!(error.contains("bond.before_stage = 2") && error.contains("make them before stage 1"), "{error}");
     let error = refused(&format!("{BOND}places = 'file'\n"), STAGE);
-    assert!(error.contains("lists no"), "{error}");
+    assert!(error.contains("places = \"file\" takes the pairs that a packing lists as bonded"), "{error}");
     // Without strengths the rule of rupture is the same.
     assert!(deck(&case("law = 'parallel'\n", STAGE), &packing()).is_ok());
 }
@@ -174,7 +175,7 @@ impl BondLaw for Thread {
 #[test]
 fn a_law_of_a_program_is_refused() {
     let vocabulary = Vocabulary::default().with_bond_law(BondKind::new(&Thread)).unwrap();
-    let reading = Reading { vocabulary, ..Reading::default() };
+    let reading = Reading::default().with_vocabulary(&vocabulary);
     let case =
         Case::parse_as(&format!("{HEAD}[[bond]]\nlaw = 'thread'\n{STAGE}"), "case.toml", reading).unwrap();
     let error = checked(&case).unwrap_err().to_string();
@@ -187,10 +188,7 @@ fn samples_that_lammps_would_bond_otherwise_are_refused() {
     let mut uneven = packing();
     uneven.grains[4].radius *= 1.01;
     let error = deck(&case(BOND, STAGE), &uneven).unwrap_err();
-    assert!(
-        error.contains("the bonded grains 2 and 5 have the radii") || error.contains("have the radii"),
-        "{error}"
-    );
+    assert!(error.contains("the bonded grains ") && error.contains(" have the radii "), "{error}");
     assert!(error.contains("attachment = \"middle\""), "{error}");
     assert!(deck(&case(&format!("{BOND}attachment = 'middle'\n"), STAGE), &uneven).is_ok());
     // A cell of two grains in x, each bonded with two images of the other.
