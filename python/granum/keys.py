@@ -18,6 +18,11 @@ Quantities: TypeAlias = Any
 class Bond(TypedDict, total=False):
     """A set of bonds that is made before a stage."""
 
+    attachment: Literal["contact", "middle"]
+    """Where a bond is attached to its two pieces: where they touch, unless it is given. For pieces of one size both
+    are the same. contact: where the pieces touch, at the distances of their radii from their centres; middle:
+    halfway between their centres, as LAMMPS attaches bonds
+    """
     before_stage: int
     """Number of the stage before which bonds are made; before the first the sample carries the stress of its
     preparation. Default: 1.0.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::law::bond_law::BondStiffness;
 use super::law::kind::BondKind;
 use super::strength::StrengthScatter;
 use crate::contact::LawParameter;
@@ -36,6 +37,28 @@ pub enum BondPlaces {
     Listed,
 }
 
+/// Where a bond is attached to its two pieces, on the line between their centres. For pieces of one size all are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BondAttachment {
+    /// Where they touch, or would: at distances `d R_i / (R_i + R_j)` and `d R_j / (R_i + R_j)` from the centres, which are d apart.
+    #[default]
+    Contact,
+    /// Halfway between the centres, as `bpm/rotational` of LAMMPS attaches bonds.
+    Middle,
+}
+
+impl BondAttachment {
+    /// Distances of the point of attachment from the centres of two pieces of given radii, m, that are a distance apart, m.
+    pub(super) fn arms(self, distance: f64, radii: [f64; 2]) -> [f64; 2] {
+        let arm = match self {
+            BondAttachment::Contact => distance * radii[0] / (radii[0] + radii[1]),
+            BondAttachment::Middle => 0.5 * distance,
+        };
+        [arm, distance - arm]
+    }
+}
+
 /// A set of bonds that is made at one moment. Bonds carry nothing when they are made, whatever forces there are: cement that sets under a load
 /// changes no force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +76,9 @@ pub struct Bonding {
     pub kind: Option<u32>,
     /// Largest distance of the surfaces of two pieces that are joined, over the mean diameter of the grains; 0: those that touch.
     pub largest_gap: f64,
+    /// Where bonds are attached to their pieces.
+    #[serde(default)]
+    pub attachment: BondAttachment,
     /// Damping ratio zeta of the four motions of a bond: dashpots `2 zeta sqrt(m* k)`.
     pub damping: f64,
     /// How the strengths scatter.
@@ -72,6 +98,7 @@ impl Default for Bonding {
             kind: None,
             radius: BondRadius::Share(0.5),
             largest_gap: 0.0,
+            attachment: BondAttachment::Contact,
             damping: 0.0,
             scatter: StrengthScatter::None,
             seed: 1,
@@ -95,14 +122,36 @@ impl Bonding {
     }
 
     /// The value of a parameter of the law: the given one, or its default.
-    fn value(&self, parameter: &LawParameter) -> f64 {
+    fn value_of(&self, parameter: &LawParameter) -> f64 {
         self.parameters.get(parameter.key).copied().unwrap_or(parameter.default)
     }
 
     /// The values of the law's parameters, in the order of its description.
-    pub(super) fn values(&self) -> Vec<f64> {
+    pub fn values(&self) -> Vec<f64> {
         let parameters = self.law.law().description().parameters;
-        parameters.iter().map(|p| self.value(p)).collect()
+        parameters.iter().map(|p| self.value_of(p)).collect()
+    }
+
+    /// The value of a parameter of the law by its key, in SI units; none if the law has no such parameter.
+    pub fn value(&self, key: &str) -> Option<f64> {
+        let parameters = self.law.law().description().parameters;
+        parameters.iter().find(|p| p.key == key).map(|p| self.value_of(p))
+    }
+
+    /// The dashpots of a bond, `2 zeta sqrt(m* k)` of its four stiffnesses, N s/m and N m s, from mass, kg, and moment of inertia, kg m2, of its two
+    /// pieces: m* is the mass `m_i m_j / (m_i + m_j)` of stretch and shear, and the same of the moments of inertia for bending and twist.
+    pub fn dashpots(&self, stiffness: &BondStiffness, pieces: [[f64; 2]; 2]) -> BondStiffness {
+        let [mass, moment] = std::array::from_fn(|k| {
+            let [x, y] = [pieces[0][k], pieces[1][k]];
+            x * y / (x + y)
+        });
+        let dashpot = |inertia: f64, stiffness: f64| 2.0 * self.damping * (inertia * stiffness).sqrt();
+        BondStiffness {
+            normal: dashpot(mass, stiffness.normal),
+            shear: dashpot(mass, stiffness.shear),
+            bending: dashpot(moment, stiffness.bending),
+            twisting: dashpot(moment, stiffness.twisting),
+        }
     }
 
     /// What is wrong with it, if anything.
@@ -113,7 +162,7 @@ impl Bonding {
             return Some(format!("the law {:?} has no parameter {key}", self.law.name()));
         }
         for parameter in parameters {
-            let value = self.value(parameter);
+            let value = self.value_of(parameter);
             let [low, high] = parameter.bounds;
             if !(low..=high).contains(&value) {
                 return Some(format!(

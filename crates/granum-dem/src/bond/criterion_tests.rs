@@ -1,11 +1,17 @@
 //! Bonds are judged alike one by one and eight at a time, on every instruction set, and none ruptures that is not judged.
 
+use granum_core::cell::Cell;
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 
+use super::bonding::Bonding;
+use super::bonds::column::ARMS;
 use super::law::additive::sum_of_ratios;
 use super::law::bond_law::{BondLaw, BondLoads, BondShape, BondStiffness, Criterion, Eight, LIMITS};
 use super::law::kind::BondKind;
 use super::law::parallel::stresses_over_strengths;
+use crate::config::{ContactModel, Material};
+use crate::properties::Properties;
+use crate::simulation::{InitialSphere, Simulation};
 
 struct Evaluate<'a>(Criterion, &'a BondLoads, &'a [Eight; LIMITS]);
 
@@ -123,5 +129,27 @@ fn a_bond_that_ruptures_has_stored_the_least_energy_of_its_law() {
         }
         // The bound is not idle: some rupture little above it.
         assert!(nearest < 1.5, "{kind} {nearest}");
+    }
+}
+
+/// Arms of pieces of two sizes: in the proportion of their radii, or alike.
+#[test]
+fn bonds_are_attached_where_pieces_touch_or_halfway() {
+    use super::bonding::BondAttachment::{Contact, Middle};
+    assert_eq!(Contact.arms(3.0, [1.0, 2.0]), [1.0, 2.0]);
+    assert_eq!(Contact.arms(4.5, [1.0, 2.0]), [1.5, 3.0]);
+    assert_eq!(Middle.arms(3.0, [1.0, 2.0]), [1.5, 1.5]);
+    assert_eq!(Contact.arms(2.1, [1.0; 2]), Middle.arms(2.1, [1.0; 2]));
+    // The same in a simulation: radii of 1 mm and 0.5 mm, 1.5 mm apart.
+    let sphere = |id, x, radius| InitialSphere { id, position: [x, 5e-3, 5e-3], radius };
+    let material = Material { interface_energy: 0.0, ..Material::default() };
+    let properties = Properties::new(material, ContactModel::default());
+    let spheres = [sphere(1, 3e-3, 1e-3), sphere(2, 4.5e-3, 0.5e-3)];
+    for (attachment, golden) in [(Contact, [1e-3, 0.5e-3]), (Middle, [0.75e-3; 2])] {
+        let mut s = Simulation::new(Cell::cuboid([10e-3; 3]), &spheres, properties.clone()).unwrap();
+        s.bond(&Bonding::default().with(|bonding| bonding.attachment = attachment)).unwrap();
+        let columns = s.integrator.state.bonds.columns_of(0);
+        let arms = [ARMS, ARMS + 1].map(|at| columns[at].0[0]);
+        assert!(arms.iter().zip(golden).all(|(arm, golden)| (arm - golden).abs() < 1e-15), "{arms:?}");
     }
 }

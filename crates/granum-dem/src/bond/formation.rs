@@ -11,7 +11,7 @@ use super::bonding::{BondPlaces, BondRadius, Bonding};
 use super::bonds::column::{ALIVE, ARMS, COLUMNS, DASHPOTS, FRAMES, LIMIT, STIFFNESS};
 use super::bonds::{BondRecord, Bonds};
 use super::cement::share_of_radius;
-use super::law::bond_law::{BondLaw, BondShape};
+use super::law::bond_law::{BondLaw, BondShape, BondStiffness};
 use super::motion::{frame_along, product};
 use super::work::BondWork;
 use crate::assembly::Vector;
@@ -287,8 +287,8 @@ impl Integrator {
         let shape = BondShape { radius: share * a.radius().min(b.radius()), length: sum.max(distance) };
         let constants = Constants::new(bonding, values, &shape, id)?;
         let mut columns = [0.0; COLUMNS];
-        let arm = distance * a.radius() / sum;
-        (columns[ARMS], columns[ARMS + 1], columns[ALIVE]) = (arm, distance - arm, 1.0);
+        let [of_first, of_second] = bonding.attachment.arms(distance, [a.radius(), b.radius()]);
+        (columns[ARMS], columns[ARMS + 1], columns[ALIVE]) = (of_first, of_second, 1.0);
         let frame = frame_along(&branch);
         for k in 0..2 {
             let Row4(q) = self.state.bonds.orientations[rows[k] as usize];
@@ -297,11 +297,10 @@ impl Integrator {
         columns[STIFFNESS..STIFFNESS + 4].copy_from_slice(&constants.stiffness);
         columns[LIMIT..ALIVE].copy_from_slice(&constants.limits);
         let inertia = |row: &granum_simd::Row8| 0.4 * row.mass() * row.radius() * row.radius();
-        let of_pair = |x: f64, y: f64| x * y / (x + y);
-        let (mass, moment) = (of_pair(a.mass(), b.mass()), of_pair(inertia(&a), inertia(&b)));
-        let effective = [mass, mass, moment, moment];
-        let dashpots: [f64; DASHPOTS] =
-            std::array::from_fn(|k| 2.0 * bonding.damping * (effective[k] * constants.stiffness[k]).sqrt());
+        let [normal, shear, bending, twisting] = constants.stiffness;
+        let springs = BondStiffness { normal, shear, bending, twisting };
+        let of = bonding.dashpots(&springs, [&a, &b].map(|row| [row.mass(), inertia(row)]));
+        let dashpots: [f64; DASHPOTS] = [of.normal, of.shear, of.bending, of.twisting];
         let shape = [shape.radius, shape.length];
         Ok(BondRecord { id, law, rows, shape, image: pair.1, columns, dashpots })
     }

@@ -38,7 +38,7 @@ mod turning;
 mod views;
 mod work;
 
-pub use bonding::{BondPlaces, BondRadius, Bonding};
+pub use bonding::{BondAttachment, BondPlaces, BondRadius, Bonding};
 pub use cement::cement_volume;
 pub use channels::BOND_CHANNELS;
 pub use granum_core::assembly::{Bond, BrokenBond, Rupture};

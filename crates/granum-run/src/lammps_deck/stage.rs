@@ -7,7 +7,7 @@ use super::deck_error::DeckError;
 use super::drive::{self, AXES, ENTRIES, Tilt, is_sheared};
 use super::ends::{self, REST_EVERY};
 use super::formula::number;
-use super::head::{AT_ENDS, COLUMNS, LOOK};
+use super::head::{COLUMNS, at_ends, look};
 use super::hooks::{self, Follow};
 use super::motion::Motion;
 
@@ -32,6 +32,8 @@ pub(super) struct Setting<'a> {
     pub(super) follow: Option<&'a Follow>,
     /// True if grains have several pieces.
     pub(super) bodies: bool,
+    /// True if grains are bonded.
+    pub(super) bonds: bool,
 }
 
 impl Setting<'_> {
@@ -139,7 +141,7 @@ fn begin(stage: &Stage, motion: &Motion, setting: &Setting) -> String {
     text += &drive::constants(&stage.control, motion, setting.unit_rate);
     text += &ends::constants(stage);
     text += &ends::turned(stage);
-    text + &length_of_row(stage, setting.follow)
+    text + &length_of_row(stage, setting)
 }
 
 /// The formulas and fixes of the stage.
@@ -182,7 +184,8 @@ fn rows(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String 
     if follow.is_some() {
         text += &hooks::reasons(stage);
     }
-    text += &format!("if \"$({pauses}) > 0.5\" then {}\n{LOOK}{}{WALK}", last_step(follow), row(false));
+    let (last, look, row) = (last_step(follow), look(setting.bonds), row(false, setting.bonds));
+    text += &format!("if \"$({pauses}) > 0.5\" then {last}\n{look}{row}{WALK}");
     if follow.is_some() {
         text += &drive::holds(motion);
         text += &hooks::observed();
@@ -217,8 +220,8 @@ fn turn(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String 
 }
 
 /// Number of steps of a row, and the row at the start of the stage.
-fn length_of_row(stage: &Stage, follow: Option<&Follow>) -> String {
-    let strain = match follow {
+fn length_of_row(stage: &Stage, setting: &Setting) -> String {
+    let strain = match setting.follow {
         Some(follow) => hooks::spacing(stage, follow.observations),
         None => ends::goal(stage).map(|strain| strain / ROWS).or(match stage.record.spacing {
             granum_dem::config::Spacing::Every(interval) => Some(interval),
@@ -232,18 +235,18 @@ fn length_of_row(stage: &Stage, follow: Option<&Follow>) -> String {
         "\n# Rows of the curve: means over so many steps.\n{}\
          variable steps equal $(ceil({}/(v_speed*v_step_now)))\n\
          variable every equal $((v_steps<{least})*{least}+(v_steps>={least})*(v_steps<={most})*v_steps+(v_steps>{most})*{most}:%.0f)\n",
-        row(true),
+        row(true, setting.bonds),
         number(strain),
     )
 }
 
 /// Prints a row, of present values or of means; of what is counted only now and then, the mean of the two ends.
-fn row(now: bool) -> String {
+fn row(now: bool, bonds: bool) -> String {
     let mut words = vec!["$(v_stage:%.0f)".to_string(), "$(step:%.0f)".to_string()];
     for (k, (_, what)) in COLUMNS.iter().enumerate() {
         words.push(if now { format!("$({what}:%.9g)") } else { format!("$(f_mean[{}]:%.9g)", k + 1) });
     }
-    words.extend(AT_ENDS.iter().map(|(_, [before, at_end])| {
+    words.extend(at_ends(bonds).iter().map(|(_, [before, at_end])| {
         let what = if now { (*at_end).to_string() } else { format!("0.5*({before}+{at_end})") };
         format!("$({what}:%.6g)")
     }));
@@ -287,11 +290,12 @@ fn start(at: usize, stage: &Stage, motion: &Motion, setting: &Setting) -> String
          variable left equal ceil((v_ease-v_elapsed)/dt-1e-6)\nvariable pre string yes\n\
          label start_{at}\nvariable part equal $((v_left<v_every)*v_left+(v_left>=v_every)*v_every:%.0f)\n\
          {due}run ${{part}} pre ${{pre}} post no\nvariable pre string no\nvariable ended equal $({over}||(v_left<1))\n\
-         if \"$(v_ended) > 0.5\" then {last}\n{LOOK}{row}{WALK}{observed}\
+         if \"$(v_ended) > 0.5\" then {last}\n{look}{row}{WALK}{observed}\
          if \"$(v_ended) <= 0.5\" then \"jump SELF start_{at}\"\nunfix push\n",
         from_here = drive::from_here(motion, setting.tilt),
         last = last_step(follow),
-        row = row(false)
+        look = look(setting.bonds),
+        row = row(false, setting.bonds)
     )
 }
 

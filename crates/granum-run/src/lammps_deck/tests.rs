@@ -8,7 +8,7 @@ use super::{Confinement, LammpsDeck};
 const LAWS: &str = "[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n";
 
 /// Grains of a simple cubic lattice that carry about 20 kPa.
-fn packing() -> Packing {
+pub(super) fn packing() -> Packing {
     let (radius, edge) = (5e-5, 2.0 * 5e-5 - 8.5e-9);
     let grains = (0..27u64).map(|k| {
         let at = |n: u64| (n as f64 + 0.5) * edge;

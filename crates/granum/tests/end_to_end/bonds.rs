@@ -140,5 +140,5 @@ fn a_bonded_run_has_the_same_digest_however_it_is_made() {
     let told = refused(here, 1, &["run", "twice.toml", "--out", "twice"]);
     assert!(told.contains("there is nothing to bond"), "{told}");
     let deck = refused(here, 1, &["export", "one", "--to", "lammps", "-o", "deck"]);
-    assert!(deck.contains("bond = 1 tables cannot be written for LAMMPS"), "{deck}");
+    assert!(deck.contains("bond.law = \"parallel\" cannot be written for LAMMPS"), "{deck}");
 }

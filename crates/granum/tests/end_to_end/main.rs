@@ -22,6 +22,7 @@ mod family_questions;
 mod further_sensors;
 mod hostile_plans;
 mod inputs;
+mod lammps_bonds;
 mod lammps_clumps;
 mod lammps_decks;
 mod lammps_engine;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use granum_core::quantity::{format_number, parse_quantity};
-use granum_dem::bond::{BondKind, BondPlaces, BondRadius, Bonding, StrengthScatter};
+use granum_dem::bond::{BondAttachment, BondKind, BondPlaces, BondRadius, Bonding, StrengthScatter};
 use granum_dem::contact::choice::registry::Laws;
 use serde::{Deserialize, Serialize};
 
@@ -112,6 +112,7 @@ impl CaseBond {
             "weibull_modulus" | "reference_volume" => self.word("scatter") == "weibull",
             "largest_gap" => self.word("places") == "between",
             "type" => self.word("places") == "file",
+            "attachment" => self.values.contains_key(key),
             "seed" => {
                 self.word("scatter") != "none" || self.number("left_out").is_some_and(|share| share > 0.0)
             }
@@ -187,6 +188,10 @@ impl CaseBond {
                 None => BondRadius::Share(given("radius")),
             };
             bonding.largest_gap = given("largest_gap");
+            bonding.attachment = match self.word("attachment") {
+                "middle" => BondAttachment::Middle,
+                _ => BondAttachment::Contact,
+            };
             bonding.damping = given("damping");
             bonding.scatter = match self.word("scatter") {
                 "normal" => StrengthScatter::Normal(given("strength_deviation")),

@@ -90,6 +90,16 @@ pub(super) const KEYS: &[BondKey] = &[
         "Largest distance of two surfaces that are joined, over the mean diameter; 0: those that touch.",
     ),
     key(
+        "attachment",
+        KeyKind::Word(&[
+            ["contact", "where the pieces touch, at the distances of their radii from their centres"],
+            ["middle", "halfway between their centres, as LAMMPS attaches bonds"],
+        ]),
+        // Not in use unless it is given, so that cases from before there was this key stay what they were.
+        None,
+        "Where a bond is attached to its two pieces: where they touch, unless it is given. For pieces of one size both are the same.",
+    ),
+    key(
         "damping",
         KeyKind::Number(NUMBER, [0.0, 1.0]),
         Some("0"),

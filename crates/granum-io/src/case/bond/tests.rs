@@ -77,6 +77,21 @@ fn pairs_of_a_file_are_asked_for_by_type() {
     assert_eq!(parse(&case.resolved_toml()).digest(), case.digest());
 }
 
+/// The attachment is in no resolved case that does not give it, so that cases from before there was the key keep their digests.
+#[test]
+fn an_attachment_is_written_where_it_is_given() {
+    use granum_dem::bond::BondAttachment;
+    let of = |line: &str| parse(&format!("[grains.material]\ninterface_energy = 0\n[[bond]]\n{line}"));
+    let bonding = |case: &Case| case.bonds[0].bonding(case.vocabulary.laws());
+    let (plain, middle) = (of(""), of("attachment = \"middle\"\n"));
+    assert_eq!(bonding(&plain).attachment, BondAttachment::Contact);
+    assert_eq!(bonding(&middle).attachment, BondAttachment::Middle);
+    assert!(!plain.resolved_toml().contains("attachment"), "{}", plain.resolved_toml());
+    assert!(middle.resolved_toml().contains("attachment = \"middle\"\n"), "{}", middle.resolved_toml());
+    assert_eq!(parse(&middle.resolved_toml()).digest(), middle.digest());
+    assert_ne!(plain.digest(), middle.digest());
+}
+
 #[test]
 fn mistakes_are_named_with_their_line_and_what_would_be_right() {
     let said = |lines: &str, text: &str| {
@@ -90,6 +105,7 @@ fn mistakes_are_named_with_their_line_and_what_would_be_right() {
     );
     said("modolus = 1\n", "case.toml:4:1: unknown key bond.1.modolus");
     said("modulus = \"1 m\"\n", "is a length; it must be a stress");
+    said("attachment = \"end\"\n", "bond.1.attachment = \"end\" must be \"contact\" or \"middle\"");
     said("radius = 2\n", "bond.1.radius = 2 is out of bounds; it must be from 0.001 to 1");
     said("radius = 0.4\ncement_content = 0.1\n", "bond.1.radius has no effect where cement_content is given");
     said("weibull_modulus = 3\n", "has no effect unless scatter = \"weibull\"");
