@@ -11,6 +11,7 @@ pub mod comparison;
 pub mod data;
 mod deviatoric_plane;
 mod energy;
+pub mod family;
 pub mod figure;
 mod forces;
 mod further;

@@ -1,12 +1,6 @@
 //! Numbers in messages.
 
-use granum_core::quantity::format_number;
-
-/// A number with at most so many significant digits, without zeros at its end; zero has no sign.
-pub fn rounded(value: f64, digits: usize) -> String {
-    let text = format!("{value:.*e}", digits.saturating_sub(1));
-    text.parse::<f64>().map_or(text, |value| format_number(value + 0.0))
-}
+pub use granum_report::numbers::rounded;
 
 /// A value and its limit, each with so many digits that different numbers are printed as different numbers: a limit of 1.05e-3 is not
 /// 1.0e-3, and a value that is beyond its limit does not look equal to it.

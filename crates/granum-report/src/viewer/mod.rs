@@ -14,7 +14,8 @@ pub use colour::{Colour, GrainColour};
 pub use view::View;
 
 const PAGE: &str = include_str!("page.html");
-const VIEWER: &str = include_str!("viewer.js");
+/// The module that draws, for a page that has the elements of `granum view` and gets [`data`] of its own accord.
+pub const VIEWER: &str = include_str!("viewer.js");
 
 /// The page that shows an assembly, of which these parts are known.
 ///
@@ -43,6 +44,11 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
         rest = &after[place.len()..];
     }
     page + rest
+}
+
+/// What the module [`VIEWER`] draws of an assembly, of which these parts are known, as JSON.
+pub fn data(assembly: &Assembly, parts: Parts, view: &View) -> serde_json::Value {
+    content::content(assembly, parts, view)
 }
 
 /// The most spheres that a report shows in its viewer (13 bytes each in the page), and the contacts beside them (21 bytes each).

@@ -6,10 +6,10 @@ use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::write_table;
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource};
+use granum_report::family::{Shown, svg};
 use serde_json::{Value, json};
 
 use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
-use super::family_figure::{Shown, svg};
 use super::family_flags;
 use super::family_rows::{Asked, plain_name};
 use super::prediction_input::LEVEL;

@@ -23,7 +23,6 @@ mod family_answer;
 mod family_card;
 mod family_chart;
 mod family_check;
-mod family_figure;
 mod family_flags;
 mod family_rows;
 mod family_several;
@@ -54,6 +53,7 @@ mod run_folders;
 mod run_report;
 mod schema;
 mod scores;
+mod serve;
 mod several_runs;
 mod shape;
 mod shape_quantities;
@@ -137,6 +137,7 @@ commands! {
     Stiffness(stiffness::MeasureStiffness),
     Export(export::Export),
     View(view::ViewGrains),
+    Serve(serve::Serve),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),

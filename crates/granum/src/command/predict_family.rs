@@ -6,13 +6,13 @@ use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, write_table};
 use granum_learn::family::{FamilyDefinition, FamilyModel, FamilyPrediction};
+use granum_report::family::{self as family_figure, Shown};
 use serde_json::{Value, json};
 
 use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
 use super::family_card;
 use super::family_chart::{ChartPoint, chart, short};
 use super::family_check::{self, Checked};
-use super::family_figure::{self, Shown};
 use super::family_flags::{self, FamilyFlags};
 use super::family_rows::Asked;
 use super::family_several;

@@ -1,10 +1,10 @@
-//! The predicted curves of tests as a figure.
+//! The predicted curves of the tests of a family as a figure.
 
+use super::figure::palette::{INK, color};
+use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource, UsedInput};
-use granum_report::figure::palette::{INK, color};
-use granum_report::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 
-use crate::numbers::rounded;
+use super::numbers::rounded;
 
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;
@@ -14,6 +14,7 @@ const EXTRAPOLATED: &str = "outside of the runs";
 
 /// A prediction that is drawn.
 pub struct Shown<'a> {
+    /// The prediction.
     pub prediction: &'a FamilyPrediction,
     /// What makes it differ from the others; empty for a single one.
     pub label: String,
