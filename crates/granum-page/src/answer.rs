@@ -20,7 +20,7 @@ const HEADS: [(&str, &str); 8] = [
     ("cross-origin-resource-policy", "same-origin"),
     ("cross-origin-opener-policy", "same-origin"),
     ("cache-control", "no-store"),
-    ("permissions-policy", "camera=(), microphone=(), geolocation=(), usb=(), serial=(), bluetooth=()"),
+    ("permissions-policy", "camera=(), microphone=(), geolocation=(), usb=(), serial=()"),
 ];
 
 /// The content of an answer.

@@ -10,6 +10,14 @@ pub fn line(what: &str, command: String) -> Value {
     json!({ "what": what, "command": command })
 }
 
+/// Adds what can be done next, unless it is there already.
+pub fn add_next(lines: &mut Vec<Value>, command: Option<String>) {
+    let Some(command) = command else { return };
+    if !lines.iter().any(|line| line["command"] == command.as_str()) {
+        lines.push(line("What can be done next", command));
+    }
+}
+
 /// Those of a run.
 pub fn of_run(named: &Path, is_test: bool, has_snapshots: bool) -> Vec<Value> {
     let name = quoted_path(named);

@@ -9,8 +9,9 @@ import { quantity, words } from "./numbers.js";
 /**
  * Command lines with what they are for, and buttons that copy them.
  * @param {Command[]} commands
+ * @param {string} [title]
  */
-export function commandLines(commands) {
+export function commandLines(commands, title = "The same in the terminal") {
   if (commands.length === 0) return null;
   const line = (/** @type {Command} */ { what, command }) => {
     const copy = async () => {
@@ -29,8 +30,8 @@ export function commandLines(commands) {
     const button = element("button", { type: "button", onclick: copy, "aria-label": `Copy: ${command}` }, "Copy");
     return element("li", {}, element("span", {}, what), text, button);
   };
-  return element("section", { "aria-label": "Command lines" },
-    element("h2", {}, "The same in the terminal"), element("ul", { class: "commands" }, commands.map(line)));
+  return element("section", {},
+    element("h2", {}, title), element("ul", { class: "commands" }, commands.map(line)));
 }
 
 /**

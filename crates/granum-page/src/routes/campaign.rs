@@ -48,7 +48,7 @@ pub fn campaign(site: &Site, query: &Query) -> Answered {
     let named = site.folder.as_named(path);
     let next = site.program.next(campaign.folder(), &named).unwrap_or_default();
     let mut lines = commands::of_campaign(&named);
-    lines.extend(next.command.iter().map(|command| commands::line("What can be done next", command.clone())));
+    commands::add_next(&mut lines, next.command);
     Ok(Answer::Json(json!({
         "path": path,
         "at_work": status.at_work,

@@ -125,7 +125,7 @@ pub fn predict(site: &Site, query: &Query) -> Answered {
         "curves": prediction.curves.iter().map(|curve| json!({
             "column": curve.column, "mean": numbers(&curve.mean), "lower": numbers(&curve.lower), "upper": numbers(&curve.upper),
         })).collect::<Vec<_>>(),
-        "commands": [commands::line("The same in the terminal", command)],
+        "commands": [commands::line("These curves as a figure", command)],
     })))
 }
 

@@ -35,9 +35,11 @@ pub fn list(site: &Site, query: &Query) -> Answered {
         about.insert("path".into(), json!(path));
         Ok(Value::Object(about))
     };
+    // The present folder has no name of its own.
     let named = site.folder.named();
+    let shown = if named == std::path::Path::new(".") { site.folder.root() } else { named };
     Ok(Answer::Json(json!({
-        "folder": named.shown(),
+        "folder": shown.shown(),
         "version": site.program.version(),
         "counts": counts,
         "is_cut": scan.is_cut,

@@ -31,7 +31,7 @@ pub fn run(site: &Site, query: &Query) -> Answered {
     let snapshots = run.snapshots().unwrap_or_default();
     let is_test = record.kind == RunKind::Test;
     let mut lines = commands::of_run(&named, is_test, !snapshots.is_empty());
-    lines.extend(next.command.iter().map(|command| commands::line("What can be done next", command.clone())));
+    commands::add_next(&mut lines, next.command);
     let columns = |table: &Table| -> Value {
         table.columns().iter().map(|column| json!({ "name": column.name, "unit": column.unit })).collect()
     };

@@ -148,7 +148,7 @@ pub fn predict(site: &Site, query: &Query) -> Answered {
         "level": LEVEL,
         "outputs": outputs.collect::<Vec<_>>(),
         "warnings": outside.chain(together).collect::<Vec<_>>(),
-        "commands": [commands::line("The same in the terminal", command(site, query, &model, &row)?)],
+        "commands": [commands::line("This prediction", command(site, query, &model, &row)?)],
     });
     if let Some(along) = query.get("along").filter(|_| !surrogate.has_memory()) {
         let figure = curves(surrogate, &row, along)?;

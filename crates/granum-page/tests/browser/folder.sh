@@ -36,7 +36,7 @@ key = "preparation.seed"
 values = [1, 2]
 PLAN
 "$granum" campaign plan.toml --out campaign > /dev/null
-"$granum" train runs --mixed --input void_ratio --output stress_ratio --coordinate deviator_strain --method ridge --out study > /dev/null
+"$granum" train runs/loose runs/other-seed --input solid_fraction --output stress_ratio --coordinate deviator_strain --method ridge --out study > /dev/null
 mkdir -p fit/figures
 "$granum" compare runs/loose runs/other-seed -o fit/figures/curves.svg > /dev/null
 # What `granum calibrate` writes in the end, in small.

@@ -1,6 +1,7 @@
 //! The server as strangers, other pages and slow clients meet it: by raw connections, since browsers and libraries tidy what they send.
 
 mod guarded;
+mod many;
 mod paths;
 mod program;
 mod reading;

@@ -13,6 +13,14 @@ const CASE: &str = "[grains]\ncount = 60\n[preparation]\nfriction = 0.1\nsolid_f
                     unbalanced_force = 2e-2\n[shear]\ndeviator_strain = 0.01\ninertial_number = 1e-2\n[recording]\nstates = 4\n\
                     observations_per_state = 2\n";
 
+/// A run of 60 grains, which takes a part of a second.
+pub fn small_run(place: &Path, seed: u64) {
+    let mut case = Case::parse(CASE, "case").unwrap();
+    case.preparation.seed = seed;
+    let folder = RunFolder::create(place, false).unwrap();
+    Laboratory::here().run(RunKind::Test, &case, &Source::Case, &folder, &mut NoObserver).unwrap();
+}
+
 /// Names, sizes, times and contents of all files and folders.
 fn tree(folder: &Path) -> BTreeMap<String, (SystemTime, Vec<u8>)> {
     let mut found = BTreeMap::new();
@@ -32,13 +40,8 @@ fn tree(folder: &Path) -> BTreeMap<String, (SystemTime, Vec<u8>)> {
 fn a_run_is_shown_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
-    let laboratory = Laboratory::here();
-    for (name, seed) in [("a run", 1), ("second", 2)] {
-        let mut case = Case::parse(CASE, "case").unwrap();
-        case.preparation.seed = seed;
-        let run = RunFolder::create(root.join(name), false).unwrap();
-        laboratory.run(RunKind::Test, &case, &Source::Case, &run, &mut NoObserver).unwrap();
-    }
+    small_run(&root.join("a run"), 1);
+    small_run(&root.join("second"), 2);
     let before = tree(root);
     let served = Served::new(root);
     let get = |target: &str| {

@@ -16,9 +16,9 @@ export async function family(main, query, signal) {
   const inputs = new Map();
   const field = (/** @type {any} */ property) => {
     const input = element("input", { type: "text", name: property.flag, autocomplete: "off", spellcheck: "false", value: query.get(property.flag) ?? "",
-      placeholder: property.unit ? `e.g. ${example(property.unit)}` : "" });
+      placeholder: property.unit ? `e.g. ${example(property)}` : "" });
     inputs.set(property.flag, input);
-    const range = property.range ? `the runs have ${quantity(property.range[0], property.unit)} to ${quantity(property.range[1], property.unit)}` : property.unit ? `with its unit, e.g. ${example(property.unit)}` : "";
+    const range = property.range ? `the runs have ${quantity(property.range[0], property.unit)} to ${quantity(property.range[1], property.unit)}` : property.unit ? `with its unit, e.g. ${example(property)}` : "";
     return element("label", { class: "field" }, words(property.name), input, element("small", {}, range));
   };
   const predict = async (/** @type {Event} */ event) => {
@@ -44,13 +44,13 @@ export async function family(main, query, signal) {
     answer, ranges(found.inputs),
     element("details", {}, element("summary", {}, "What it must not be used for"),
       element("ul", {}, found.limits.map((/** @type {string} */ text) => element("li", {}, text)))),
-    commandLines(found.commands));
+    commandLines(found.commands, "How good it is"));
   return title;
 }
 
-/** A value of a unit. @param {string} unit */
-function example(unit) {
-  return { Pa: "100 kPa", m: "10 um", "J/m2": "0.02 J/m2" }[unit] ?? unit;
+/** A value of a property. @param {{ flag: string, unit: string }} property */
+function example({ flag, unit }) {
+  return flag === "--youngs-modulus" ? "2 GPa" : { Pa: "100 kPa", m: "10 um", "J/m2": "0.02 J/m2" }[unit] ?? unit;
 }
 
 /**

@@ -24,9 +24,9 @@ export async function run(main, query, signal) {
     element("p", { class: "subtitle" }, [found.what, counted(found.grains, "grain"), `granum ${found.granum_version}`, found.engine === "granum" ? "" : `by ${found.engine}`,
       `${duration(found.seconds)} of work`].filter(Boolean).join(" · ")),
     progress, found.next && element("p", { class: "note" }, `${sentence(found.holds)}. Next: ${found.next}.`),
-    tiles(found.measures), figures,
+    tiles(found.measures), checks(found.checks), measures(found.measures), theCase(found),
     found.snapshots.length > 0 && grains(path, found.snapshots, signal),
-    checks(found.checks), measures(found.measures), theCase(found), commandLines(found.commands));
+    figures, commandLines(found.commands));
   void showFigures(figures, [path], signal);
   if (found.progress.at_work) follow(path, progress, figures, found.progress, signal);
   return found.name;
@@ -111,9 +111,8 @@ function checks(checks) {
   const line = (/** @type {any} */ check) => element("li", { class: check.passed ? "passed" : "missed" },
     `${words(check.name)}: ${quantity(check.value, "", 3)}, ${check.passed ? "within" : "beyond"} its limit of ${quantity(check.limit, "", 3)}`,
     !check.passed && check.advice && element("div", { class: "note" }, check.advice));
-  return element("section", { "aria-label": "Checks" }, element("h2", {}, "Can it be trusted?"),
-    element("p", {}, missed === 0 ? `All ${checks.length} checks are passed.` : `${missed} of ${counted(checks.length, "check")} not passed.`),
-    element("ul", { class: "checks" }, checks.map(line)));
+  const said = missed === 0 ? `All ${checks.length} checks are passed` : `${missed} of ${counted(checks.length, "check")} are not passed`;
+  return element("details", { open: missed > 0 }, element("summary", {}, `Can it be trusted? ${said}.`), element("ul", { class: "checks" }, checks.map(line)));
 }
 
 /** @param {any[]} measures */
