@@ -62,7 +62,6 @@ pub fn campaign(site: &Site, query: &Query) -> Answered {
         "runs": with_state.map(|(run, state)| row(site, &campaign, run, state)).collect::<Vec<_>>(),
         "plan": campaign.plan_text(),
         "next": site.without_root(next.text),
-        "quantities": quantities(&table(site, &campaign)?),
         "commands": lines,
     })))
 }
@@ -124,6 +123,12 @@ fn words(column: &Column, rows: usize) -> Vec<String> {
     words.sort();
     words.dedup();
     words
+}
+
+/// What a map can show: `path`. All runs are read for it, which takes a while where there are thousands.
+pub fn map_quantities(site: &Site, query: &Query) -> Answered {
+    let campaign = opened(site, query)?;
+    Ok(Answer::Json(json!({ "quantities": quantities(&table(site, &campaign)?) })))
 }
 
 /// A map: `x` and `y` are columns of the table of runs; each point is a run.

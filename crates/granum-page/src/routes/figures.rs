@@ -24,7 +24,11 @@ pub(super) fn places(site: &Site, query: &Query) -> Result<Vec<PathBuf>, Refused
 
 /// The figures of a report, with what stands below them.
 pub fn list(site: &Site, query: &Query) -> Answered {
-    let report = site.report(&places(site, query)?)?;
+    // A run that has not begun has nothing to draw, which is no mistake.
+    let report = match site.report(&places(site, query)?) {
+        Ok(report) => report,
+        Err(refused) => return Ok(Answer::Json(json!({ "figures": [], "remarks": [refused.reason] }))),
+    };
     let figure = |((name, svg), caption): (&(String, String), &String)| -> Value {
         json!({ "name": name, "title": title(svg), "caption": caption })
     };

@@ -40,6 +40,7 @@ pub fn router(guard: Guard, site: Arc<Site>) -> Router {
         .route("/api/compare", ask(compare::compare))
         .route("/api/grains", ask(grains::grains))
         .route("/api/campaign", ask(campaign::campaign))
+        .route("/api/quantities", ask(campaign::map_quantities))
         .route("/api/map", ask(campaign::map))
         .route("/api/families", ask(family::list))
         .route("/api/family", ask(family::family))

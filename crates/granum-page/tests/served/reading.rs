@@ -99,7 +99,12 @@ fn a_damaged_run_is_an_error_and_no_end_of_the_server() {
     let served = Served::new(folder.path());
     assert!(served.get("/api/folder").1.matches("damaged").count() == 3);
     for name in ["empty", "list", "deep"] {
-        for route in ["run", "progress", "figures", "compare"] {
+        let (status, content) = served.get(&format!("/api/figures?path={name}"));
+        assert!(
+            status == 200 && content.contains("\"figures\":[]") && content.contains("run.json"),
+            "{content}"
+        );
+        for route in ["run", "progress", "compare"] {
             let (status, content) = served.get(&format!("/api/{route}?path={name}"));
             assert_eq!(status, 422, "{route} {name}: {content}");
             let root = folder.path().canonicalize().unwrap();

@@ -96,7 +96,16 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     done(here, &["run", "case.toml", "--out", "all/runs/a run"]);
     done(here, &["run", "case.toml", "--set", "preparation.seed=2", "--out", "all/runs/b"]);
     done(here, &["campaign", "plan.toml", "--out", "all/campaign"]);
-    let study = ["--input", "solid_fraction", "--output", "stress_ratio", "--coordinate", "deviator_strain", "--method", "ridge"];
+    let study = [
+        "--input",
+        "solid_fraction",
+        "--output",
+        "stress_ratio",
+        "--coordinate",
+        "deviator_strain",
+        "--method",
+        "ridge",
+    ];
     done(here, &[&["train", "all/runs/a run", "all/runs/b", "--out", "all/study"], &study[..]].concat());
     let before = tree(&here.join("all"));
     let page = Page::new(here, &["all"]);
@@ -106,7 +115,10 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     let run = page.data("/api/run?path=runs/a%20run");
     assert_eq!(run["progress"]["status"], "finished");
     let commands = run["commands"].to_string();
-    assert!(commands.contains("granum report 'all/runs/a run'") && !commands.contains(base.path().to_str().unwrap()));
+    assert!(
+        commands.contains("granum report 'all/runs/a run'")
+            && !commands.contains(base.path().to_str().unwrap())
+    );
     for target in ["path=runs/a%20run", "path=runs/a%20run&path=runs/b", "path=campaign", "path=study"] {
         let figures = page.data(&format!("/api/figures?{target}"));
         let first = figures["figures"][0]["name"].as_str().unwrap_or_else(|| panic!("{target}: {figures}"));
@@ -114,8 +126,11 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     }
     let campaign = page.data("/api/campaign?path=campaign");
     assert_eq!((&campaign["total"], campaign["is_done"].as_bool()), (&Value::from(2), Some(true)));
-    let quantities = campaign["quantities"].to_string();
-    assert!(quantities.contains("grains.material.friction") && quantities.contains("peak_stress_ratio"), "{quantities}");
+    let quantities = page.data("/api/quantities?path=campaign").to_string();
+    assert!(
+        quantities.contains("grains.material.friction") && quantities.contains("peak_stress_ratio"),
+        "{quantities}"
+    );
     let map = page.data("/api/map?path=campaign&x=grains.material.friction&y=peak_stress_ratio");
     let point = &map["points"][1];
     assert!(point["left"].as_f64().unwrap() > map["points"][0]["left"].as_f64().unwrap(), "{map}");
@@ -125,18 +140,27 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     assert_eq!(asked["model"], "stress_ratio-ridge");
     let range = &asked["inputs"][0]["range"];
     assert!(range[0].as_f64().unwrap() < range[1].as_f64().unwrap(), "{asked}");
-    let names: Vec<&str> = asked["inputs"].as_array().unwrap().iter().map(|i| i["name"].as_str().unwrap()).collect();
+    let names: Vec<&str> =
+        asked["inputs"].as_array().unwrap().iter().map(|i| i["name"].as_str().unwrap()).collect();
     let set: Vec<String> = names.iter().map(|name| format!("set.{name}=0.01")).collect();
     let predicted = page.data(&format!("/api/predict?path=study&along=deviator_strain&{}", set.join("&")));
-    assert!(predicted["outputs"][0]["mean"].is_number() && predicted["svg"].as_str().unwrap().contains("<svg"));
+    assert!(
+        predicted["outputs"][0]["mean"].is_number() && predicted["svg"].as_str().unwrap().contains("<svg")
+    );
     let command = predicted["commands"][0]["command"].as_str().unwrap();
     let words: Vec<&str> = command.split(' ').skip(1).collect();
     assert!(done(here, &words).contains("stress_ratio = "), "{command}");
     assert!(!page.data("/api/families")["families"].as_array().unwrap().is_empty());
-    let curves = page.data("/api/predict-family?family=sand&along=drained-triaxial&--friction=0.4&--pressure=100+kPa");
-    assert!(curves["svg"].as_str().unwrap().contains("<svg") && curves["curves"].as_array().unwrap().len() > 3);
+    let curves =
+        page.data("/api/predict-family?family=sand&along=drained-triaxial&--friction=0.4&--pressure=100+kPa");
+    assert!(
+        curves["svg"].as_str().unwrap().contains("<svg") && curves["curves"].as_array().unwrap().len() > 3
+    );
     let command = curves["commands"][0]["command"].as_str().unwrap();
-    assert_eq!(command, "granum predict --family sand --path drained-triaxial --friction 0.4 --pressure '100 kPa' -o curves.svg");
+    assert_eq!(
+        command,
+        "granum predict --family sand --path drained-triaxial --friction 0.4 --pressure '100 kPa' -o curves.svg"
+    );
     let (status, told) = page.get("/api/predict-family?family=sand&--friction=0.4+kPa");
     assert!(status == 400 && told.contains("friction"), "{told}");
     let ended = page.end();
@@ -151,7 +175,9 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
 fn the_progress_of_a_run_is_live() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    let long = TINY.replace("deviator_strain = 0.02", "deviator_strain = 0.5").replace("states = 6", "states = 2000");
+    let long = TINY
+        .replace("deviator_strain = 0.02", "deviator_strain = 0.5")
+        .replace("states = 6", "states = 2000");
     std::fs::write(here.join("case.toml"), long.replace("[shear]\n", "[shear]\n")).unwrap();
     let page = Page::new(here, &[]);
     let run = Command::new(env!("CARGO_BIN_EXE_granum"))
@@ -174,7 +200,11 @@ fn the_progress_of_a_run_is_live() {
         }
     };
     let first = states(2);
-    assert_eq!((first["status"].as_str(), first["at_work"].as_bool()), (Some("running"), Some(true)), "{first}");
+    assert_eq!(
+        (first["status"].as_str(), first["at_work"].as_bool()),
+        (Some("running"), Some(true)),
+        "{first}"
+    );
     assert!(first["share"].as_f64().unwrap() < 1.0, "{first}");
     let later = states(first["states"].as_u64().unwrap() + 3);
     assert!(later["deviator_strain"].as_f64() > first["deviator_strain"].as_f64(), "{later}");

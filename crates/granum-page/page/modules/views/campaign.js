@@ -38,8 +38,8 @@ export async function campaign(main, query, signal) {
     theMap, element("h2", {}, "Runs"), runs, figures,
     element("details", {}, element("summary", {}, "The plan"), element("pre", { tabindex: "0", role: "region", "aria-label": "The plan" }, found.plan)),
     commandLines(found.commands));
-  void showMap(theMap, path, found.quantities, query, signal);
-  if (found.quantities.length > 0) {
+  void showMap(theMap, path, query, signal);
+  if (Object.keys(found.counts).some(word => word.startsWith("f"))) {
     const details = element("details", {}, element("summary", {}, "The figures of its report"), figures);
     runs.after(details);
     details.addEventListener("toggle", () => { if (details.open && figures.childElementCount === 0) void showFigures(figures, [path], signal); });
@@ -58,12 +58,20 @@ export async function campaign(main, query, signal) {
 /**
  * @param {Element} place
  * @param {string} path
- * @param {{ name: string, unit: string, is_number: boolean, kind: string }[]} quantities
  * @param {URLSearchParams} query
  * @param {AbortSignal} signal
  */
-async function showMap(place, path, quantities, query, signal) {
+async function showMap(place, path, query, signal) {
   const title = element("h2", {}, "Map");
+  replace(place, title, element("p", { class: "note" }, "Reading the runs …"));
+  /** @type {{ name: string, unit: string, is_number: boolean, kind: string }[]} */
+  let quantities = [];
+  try {
+    quantities = (await data("quantities", { path }, signal)).quantities;
+  } catch (error) {
+    if (!signal.aborted) replace(place, title, trouble(error));
+    return;
+  }
   const numbers = quantities.filter(quantity => quantity.is_number);
   if (quantities.length < 2 || numbers.length === 0) {
     replace(place, title, element("p", {}, "There is nothing to draw before runs are finished."));

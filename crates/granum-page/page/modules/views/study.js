@@ -16,9 +16,9 @@ export async function study(main, query, signal) {
   try {
     const found = await data("surrogate", { path }, signal);
     const link = (/** @type {string} */ model) => element("li", {}, element("a", { href: to("surrogate", { path, model }) }, model));
-    replace(models, element("h2", {}, "Its surrogates"), element("ul", {}, found.models.map(link)));
+    replace(models, element("h2", {}, "Its surrogates"),
+      found.models.length > 0 ? element("ul", {}, found.models.map(link)) : element("p", { class: "note" }, found.note));
   } catch (error) {
-    // A reproduction has its surrogates in a folder of its own; a training under way has none yet.
     if (!signal.aborted) replace(models, element("p", { class: "note" }, error instanceof Error ? error.message : String(error)));
   }
   return name;
