@@ -16,14 +16,17 @@ const SHOWN: [(&str, &str, &str); 4] = [
     ("solid_fraction", "solid fraction", ""),
 ];
 
-/// What a list tells of something, by name.
-pub(crate) fn told(found: &Found) -> Map<String, Value> {
+/// What a list tells of something, by name. Of what may not be read it tells its kind alone.
+pub(crate) fn told(found: &Found, is_readable: bool) -> Map<String, Value> {
     let seconds = found.modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
     let mut about = Map::from_iter([
         ("kind".to_string(), json!(found.kind.word())),
         ("modified".to_string(), seconds.map_or(Value::Null, |since| json!(since.as_secs()))),
     ]);
     match found.kind {
+        _ if !is_readable => {
+            about.insert("status".into(), json!("damaged"));
+        }
         Kind::Run => about.extend(of_run(found)),
         Kind::Campaign | Kind::Study if OutputFolder::is_in_use(&found.place) => {
             about.insert("status".into(), json!("running"));

@@ -31,7 +31,8 @@ pub fn list(site: &Site, query: &Query) -> Answered {
     let rows = &rows[..count.min(rows.len())];
     let row = |k: usize| -> Result<Value, Refused> {
         let (path, found) = &rows[k];
-        let mut about = told(found);
+        let mut about =
+            told(found, found.kind != Kind::Run || site.folder.check_content(&found.place).is_ok());
         about.insert("path".into(), json!(path));
         Ok(Value::Object(about))
     };

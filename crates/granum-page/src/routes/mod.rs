@@ -8,6 +8,7 @@ mod figures;
 mod folder;
 mod grains;
 mod run;
+mod study;
 mod surrogate;
 
 use std::sync::Arc;
@@ -45,6 +46,7 @@ pub fn router(guard: Guard, site: Arc<Site>) -> Router {
         .route("/api/families", ask(family::list))
         .route("/api/family", ask(family::family))
         .route("/api/predict-family", ask(family::predict))
+        .route("/api/study", ask(study::study))
         .route("/api/surrogate", ask(surrogate::surrogate))
         .route("/api/predict", ask(surrogate::predict))
         .route("/api/calibration", ask(calibration::calibration))

@@ -66,15 +66,7 @@ impl Model {
 
 /// Inputs with their ranges, and outputs: `path`, and `model` of a study.
 pub fn surrogate(site: &Site, query: &Query) -> Answered {
-    let (model, names) = match Model::read(site, query) {
-        // A training under way has none yet, a reproduction has them in a folder of its own: that is no mistake.
-        Err(refused)
-            if query.get("model").is_none() && site.folder.place(query.needed("path")?)?.is_dir() =>
-        {
-            return Ok(Answer::Json(json!({ "models": [], "note": refused.reason })));
-        }
-        read => read?,
-    };
+    let (model, names) = Model::read(site, query)?;
     let surrogate = model.surrogate()?;
     let columns = surrogate.columns();
     let ranges = ranges(surrogate);

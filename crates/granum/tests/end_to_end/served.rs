@@ -119,7 +119,7 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
         commands.contains("granum report 'all/runs/a run'")
             && !commands.contains(base.path().to_str().unwrap())
     );
-    for target in ["path=runs/a%20run", "path=runs/a%20run&path=runs/b", "path=campaign", "path=study"] {
+    for target in ["path=runs/a%20run", "path=runs/a%20run&path=runs/b", "path=campaign"] {
         let figures = page.data(&format!("/api/figures?{target}"));
         let first = figures["figures"][0]["name"].as_str().unwrap_or_else(|| panic!("{target}: {figures}"));
         assert!(page.get(&format!("/api/figure?{target}&name={first}")).1.contains("<svg"));
@@ -136,6 +136,12 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     assert!(point["left"].as_f64().unwrap() > map["points"][0]["left"].as_f64().unwrap(), "{map}");
     assert_eq!(page.get(&format!("/api/run?path={}", point["path"].as_str().unwrap())).0, 200);
     assert_eq!(page.get("/api/map?path=campaign&x=nothing&y=peak_stress_ratio").0, 404);
+    assert_eq!(page.data("/api/figures?path=study")["remarks"], Value::Array(Vec::new()));
+    let study = page.data("/api/study?path=study");
+    assert!(
+        study["scores"][0]["training"].is_number() && study["models"].as_array().unwrap().len() > 1,
+        "{study}"
+    );
     let asked = page.data("/api/surrogate?path=study");
     assert_eq!(asked["model"], "stress_ratio-ridge");
     let range = &asked["inputs"][0]["range"];

@@ -88,9 +88,13 @@ export async function showFigures(place, paths, signal) {
     const each = found.figures.map(async (/** @type {any} */ { name, title, caption }) =>
       figure(await drawn("figure", { path: paths, name }, signal), title, caption, signal));
     const figures = await Promise.all(each);
+    if (figures.length === 0 && found.remarks.length === 0) {
+      replace(place);
+      return;
+    }
     replace(place, element("h2", {}, "Figures"),
       found.remarks.map((/** @type {string} */ remark) => element("p", { class: "callout" }, remark)),
-      figures.length > 0 ? element("div", { class: "figures" }, figures) : element("p", {}, "There is nothing to draw yet."));
+      element("div", { class: "figures" }, figures));
   } catch (error) {
     if (!signal.aborted) replace(place, element("h2", {}, "Figures"), element("p", { class: "callout" }, error instanceof Error ? error.message : String(error)));
   }
