@@ -34,6 +34,9 @@ pub enum Answer {
     Asset(&'static str, &'static str),
 }
 
+/// An answer, or why there is none.
+pub type Answered = Result<Answer, Refused>;
+
 impl Answer {
     pub fn response(self) -> Response<Body> {
         match self {

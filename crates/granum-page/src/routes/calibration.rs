@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use granum_io::shell::quoted_path;
 use serde_json::{Map, Value, json};
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::query::Query;
 use crate::refused::Refused;

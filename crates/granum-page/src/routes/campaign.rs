@@ -10,9 +10,8 @@ use granum_report::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 use granum_run::runs_table::Selection;
 use serde_json::{Map, Value, json};
 
-use super::Answered;
 use super::compare::columns;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::numbers::number;
 use crate::query::Query;

@@ -4,9 +4,8 @@ use granum_core::Table;
 use granum_run::runs_table::{RunEntry, RunsTable, Selection};
 use serde_json::{Value, json};
 
-use super::Answered;
 use super::figures::places;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::numbers::number;
 use crate::query::Query;

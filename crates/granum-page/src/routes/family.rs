@@ -8,8 +8,7 @@ use granum_learn::family::{
 use granum_report::family::{Shown, svg};
 use serde_json::{Value, json};
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::numbers::{number, numbers};
 use crate::program::TestProperty;
@@ -143,7 +142,7 @@ fn used(input: &UsedInput) -> Value {
 
 /// What is said of a prediction for which there are no runs.
 fn warnings(prediction: &FamilyPrediction) -> Vec<String> {
-    let outside = prediction.outside.iter().map(|outside| super::surrogate::outside_text(outside));
+    let outside = prediction.outside.iter().map(super::surrogate::outside_text);
     let together = prediction.combination.iter().map(super::surrogate::combination_text);
     outside.chain(together).collect()
 }

@@ -6,8 +6,7 @@ use granum_core::parallel;
 use granum_io::shell::{ShowPath, quoted_path};
 use serde_json::{Map, Value, json};
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::listing::{Found, Kind, scan, told};
 use crate::query::Query;
 use crate::refused::Refused;

@@ -4,8 +4,7 @@ use granum_core::Parts;
 use granum_report::viewer::{Colour, GrainColour, View, data};
 use serde_json::json;
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::query::Query;
 use crate::refused::Refused;
 use crate::site::Site;

@@ -21,14 +21,12 @@ use axum::middleware::{self, Next};
 use axum::response::Response as AxumResponse;
 use axum::routing::{MethodRouter, get};
 
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::assets;
 use crate::guard::Guard;
 use crate::query::Query;
 use crate::refused::Refused;
 use crate::site::Site;
-
-type Answered = Result<Answer, Refused>;
 
 /// All addresses behind the guard.
 pub fn router(guard: Guard, site: Arc<Site>) -> Router {

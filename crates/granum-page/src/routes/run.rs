@@ -6,8 +6,7 @@ use granum_io::{OutputFolder, Run, RunKind, RunRecord, RunStatus};
 use granum_run::runs_table::{RunEntry, RunsTable, Selection};
 use serde_json::{Value, json};
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::listing::word;
 use crate::numbers::number;

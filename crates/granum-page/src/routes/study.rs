@@ -4,8 +4,7 @@ use granum_io::shell::quoted_path;
 use granum_learn::study::{self, MemberScores, PartScore};
 use serde_json::{Value, json};
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::numbers::number;
 use crate::query::Query;

@@ -9,8 +9,7 @@ use granum_report::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 use granum_report::numbers::rounded;
 use serde_json::json;
 
-use super::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::numbers::{number, numbers};
 use crate::query::Query;

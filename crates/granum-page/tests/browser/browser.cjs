@@ -77,7 +77,12 @@ async function byKeyboard(page) {
   await settled(page);
   await page.evaluate(() => { location.hash = "#/campaign?path=campaign"; });
   await settled(page);
-  if (await reach("a point of the map", `document.activeElement.className === "point"`)) await page.keyboard.press("Enter");
+  if (await reach("a point of the map", `document.activeElement.className === "point"`)) {
+    const first = await page.evaluate(() => document.activeElement.href);
+    await page.keyboard.press("ArrowRight");
+    if (await page.evaluate(() => document.activeElement.href) === first) problem("keyboard: the arrows do not go from point to point");
+    await page.keyboard.press("Enter");
+  }
   await page.waitForFunction(() => location.hash.startsWith("#/run"), null, { timeout: 5000 }).catch(() => problem("keyboard: a point of the map does not open its run"));
   await page.evaluate(() => { location.hash = "#/family?family=sand&along=drained-triaxial"; });
   await settled(page);

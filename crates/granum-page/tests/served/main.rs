@@ -21,17 +21,21 @@ use self::program::TestProgram;
 
 /// A folder that is served until this is dropped.
 pub struct Served {
+    /// Where it is served.
     pub address: SocketAddr,
+    /// The token of its addresses.
     pub token: String,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Served {
+    /// With the usual limits.
     pub fn new(folder: &Path) -> Served {
         Served::with_limits(folder, Limits::default())
     }
 
+    /// With other limits.
     pub fn with_limits(folder: &Path, limits: Limits) -> Served {
         let server = Server::bind("127.0.0.1:0".parse().unwrap(), folder, Arc::new(TestProgram::default()));
         let server = server.unwrap().with_limits(limits);
@@ -42,6 +46,7 @@ impl Served {
         Served { address, token, stop, thread: Some(thread) }
     }
 
+    /// A connection that says nothing yet.
     pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.address).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();

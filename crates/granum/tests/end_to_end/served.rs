@@ -86,7 +86,6 @@ fn tree(folder: &Path) -> BTreeMap<String, (SystemTime, Vec<u8>)> {
     found
 }
 
-#[cfg(unix)]
 #[test]
 fn everything_in_a_folder_is_shown_and_nothing_is_written() {
     let base = tempfile::tempdir().unwrap();
@@ -176,7 +175,6 @@ fn everything_in_a_folder_is_shown_and_nothing_is_written() {
 }
 
 /// A run that is under way is followed by `states.jsonl`, and its curves grow.
-#[cfg(unix)]
 #[test]
 fn the_progress_of_a_run_is_live() {
     let base = tempfile::tempdir().unwrap();
