@@ -34,7 +34,7 @@ export async function campaign(main, query, signal) {
     try { put(await data("campaign", { path, from, count: STEP }, signal)); } catch (error) { if (!signal.aborted) replace(runs, trouble(error)); }
   };
   put(found);
-  replace(main, element("h1", {}, name), element("p", { class: "subtitle" }, path), counts, found.next && element("p", { class: "note" }, `Next: ${found.next}.`),
+  replace(main, element("h1", {}, name), element("p", { class: "subtitle" }, path), counts, found.next && element("p", { class: "note" }, `Next: ${found.next}`),
     theMap, element("h2", {}, "Runs"), runs, figures,
     element("details", {}, element("summary", {}, "The plan"), element("pre", { tabindex: "0", role: "region", "aria-label": "The plan" }, found.plan)),
     commandLines(found.commands));

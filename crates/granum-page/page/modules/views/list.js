@@ -116,12 +116,12 @@ function table(rows, choose) {
       element("td", { class: "choice" }, box),
       element("th", { scope: "row", class: "word long" }, element("a", { href: to(found.kind, { path: found.path }) }, found.path || "this folder")),
       element("td", { class: "word" }, found.kind === "run" ? found.what ?? "run" : KINDS[found.kind]?.[0] ?? found.kind),
-      element("td", { class: "word" }, found.status ? state(found.status) : null, missed && element("span", { class: "note" }, missed)),
+      element("td", { class: "word" }, found.status ? state(found.status) : null, missed && element("span", { class: "note optional" }, missed)),
       element("td", { class: "optional" }, found.grains ? String(found.grains) : ""),
       element("td", { class: "optional" }, measure),
       element("td", { class: "optional" }, time && element("time", { datetime: time.toISOString() }, time.toLocaleString([], { dateStyle: "short", timeStyle: "short" }))));
   };
-  const heads = head.map((text, k) => element("th", { scope: "col", class: kinds[k] }, text));
+  const heads = head.map((text, k) => element("th", { scope: "col", class: kinds[k] }, element("span", {}, text)));
   return scrolling("What is in the folder", element("table", {},
     element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows.map(row))));
 }

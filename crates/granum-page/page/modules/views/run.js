@@ -23,7 +23,7 @@ export async function run(main, query, signal) {
     element("h1", {}, found.name),
     element("p", { class: "subtitle" }, [found.what, counted(found.grains, "grain"), `granum ${found.granum_version}`, found.engine === "granum" ? "" : `by ${found.engine}`,
       `${duration(found.seconds)} of work`].filter(Boolean).join(" · ")),
-    progress, found.next && element("p", { class: "note" }, `${sentence(found.holds)}. Next: ${found.next}.`),
+    progress, found.next && element("p", { class: "note" }, `${sentence(found.holds)}. Next: ${found.next}`),
     tiles(found.measures), checks(found.checks), measures(found.measures), theCase(found),
     found.snapshots.length > 0 && grains(path, found.snapshots, signal),
     figures, commandLines(found.commands));

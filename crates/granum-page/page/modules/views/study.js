@@ -15,7 +15,7 @@ export async function study(main, query, signal) {
   const name = path.split("/").pop() || "Study";
   const figures = element("div", {});
   replace(main, element("h1", {}, name), element("p", { class: "subtitle" }, [path, found.holds].filter(Boolean).join(" · ")),
-    found.next && element("p", { class: "note" }, `Next: ${found.next}.`),
+    found.next && element("p", { class: "note" }, `Next: ${found.next}`),
     element("h2", {}, "Its surrogates"),
     found.models.length > 0 ? scores(path, found) : element("p", {}, found.note ?? "It has none that are asked by their columns."),
     figures, commandLines(found.commands));
