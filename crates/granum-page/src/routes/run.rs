@@ -10,6 +10,7 @@ use crate::answer::{Answer, Answered};
 use crate::commands;
 use crate::listing::word;
 use crate::numbers::number;
+use crate::program::Next;
 use crate::query::Query;
 use crate::refused::Refused;
 use crate::site::Site;
@@ -26,7 +27,11 @@ pub fn run(site: &Site, query: &Query) -> Answered {
     let series = series(&run, &record);
     let end = case.test_definition().deviator_strain_end().filter(|_| record.kind != RunKind::Sample);
     let named = site.folder.as_named(path);
-    let next = site.program.next(run.path(), &named).unwrap_or_default();
+    // Of a run that is under way its record says as little as of one that was killed; there is nothing to do but to watch it.
+    let next = match OutputFolder::is_in_use(run.path()) {
+        true => Next::default(),
+        false => site.program.next(run.path(), &named).unwrap_or_default(),
+    };
     let snapshots = run.snapshots().unwrap_or_default();
     let is_test = record.kind == RunKind::Test;
     let mut lines = commands::of_run(&named, is_test, !snapshots.is_empty());

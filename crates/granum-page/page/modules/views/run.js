@@ -28,7 +28,7 @@ export async function run(main, query, signal) {
     found.snapshots.length > 0 && grains(path, found.snapshots, signal),
     figures, commandLines(found.commands));
   void showFigures(figures, [path], signal);
-  if (found.progress.at_work) follow(path, progress, figures, found.progress, signal);
+  if (found.progress.at_work) follow(path, progress, figures, found.progress, signal, () => { void run(main, query, signal); });
   return found.name;
 }
 
@@ -57,16 +57,22 @@ function put(place, progress) {
  * @param {Element} figures
  * @param {any} before
  * @param {AbortSignal} signal
+ * @param {() => void} ended what is done when it has ended, and has checks and results
  */
-function follow(path, place, figures, before, signal) {
+function follow(path, place, figures, before, signal, ended) {
   let last = before;
   const timer = setInterval(async () => {
     if (document.hidden) return;
     try {
       const now = await data("progress", { path }, signal);
       put(place, now);
-      if (now.states !== last.states || now.status !== last.status) void showFigures(figures, [path], signal);
-      if (!now.at_work) { clearInterval(timer); announce(`The run is ${now.status}`); }
+      if (!now.at_work) {
+        clearInterval(timer);
+        announce(`The run is ${now.status}`);
+        ended();
+        return;
+      }
+      if (now.states !== last.states) void showFigures(figures, [path], signal);
       last = now;
     } catch (error) {
       if (!signal.aborted) { clearInterval(timer); place.append(trouble(error)); }
