@@ -21,7 +21,7 @@ pub(super) fn places(site: &Site, query: &Query) -> Result<Vec<PathBuf>, Refused
     paths.into_iter().map(|path| site.place(path)).collect()
 }
 
-/// The figures of a report, with what stands below them.
+/// The figures of a report, with what stands below them: all at once, since those of a run under way change from one request to the next.
 pub fn list(site: &Site, query: &Query) -> Answered {
     // A run that has not begun has nothing to draw, which is no mistake.
     let report = match site.report(&places(site, query)?) {
@@ -29,7 +29,7 @@ pub fn list(site: &Site, query: &Query) -> Answered {
         Err(refused) => return Ok(Answer::Json(json!({ "figures": [], "remarks": [refused.reason] }))),
     };
     let figure = |((name, svg), caption): (&(String, String), &String)| -> Value {
-        json!({ "name": name, "title": title(svg), "caption": caption })
+        json!({ "name": name, "title": title(svg), "caption": caption, "svg": svg })
     };
     let document = &report.document;
     let figures: Vec<Value> = document.figures.iter().zip(&document.captions).map(figure).collect();

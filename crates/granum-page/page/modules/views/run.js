@@ -6,7 +6,7 @@ import { figure } from "../figure.js";
 import { grains } from "../grains.js";
 import { counted, duration, quantity, words } from "../numbers.js";
 import { commandLines, scrolling, state, trouble } from "../parts.js";
-import { data, figure as drawn } from "../server.js";
+import { data } from "../server.js";
 
 /** How often a run that is under way is asked, ms. */
 const AGAIN = 2000;
@@ -91,9 +91,7 @@ export async function showFigures(place, paths, signal) {
   if (place.childElementCount === 0) replace(place, element("p", { class: "note" }, "Drawing the figures …"));
   try {
     const found = await data("figures", { path: paths }, signal);
-    const each = found.figures.map(async (/** @type {any} */ { name, title, caption }) =>
-      figure(await drawn("figure", { path: paths, name }, signal), title, caption, signal));
-    const figures = await Promise.all(each);
+    const figures = found.figures.map((/** @type {any} */ { svg, title, caption }) => figure(svg, title, caption, signal));
     if (figures.length === 0 && found.remarks.length === 0) {
       replace(place);
       return;
