@@ -1,10 +1,10 @@
-//! The predicted curves of tests as a figure.
+//! The predicted curves of the tests of a family as a figure.
 
+use super::figure::palette::{INK, color};
+use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource, UsedInput};
 
-use crate::figure::palette::{INK, color};
-use crate::figure::{Axis, Figure, Layer, Legend, Panel, Plot, literal};
-use crate::numbers::rounded;
+use super::numbers::rounded;
 
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;

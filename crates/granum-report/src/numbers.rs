@@ -5,6 +5,12 @@ use granum_learn::student_t::PairedTest;
 
 use super::figure::ticks::{fixed, power_of_ten};
 
+/// A number with at most so many significant digits, without zeros at its end; zero has no sign.
+pub fn rounded(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*e}", digits.saturating_sub(1));
+    text.parse::<f64>().map_or(text, |value| format_number(value + 0.0))
+}
+
 /// Narrow no-break space between groups of digits and before units.
 const THIN: char = '\u{202f}';
 
@@ -132,12 +138,6 @@ fn grouped(text: &str) -> String {
         out.push_str(tail);
     }
     out
-}
-
-/// A number with at most so many significant digits, without zeros at its end; zero has no sign.
-pub fn rounded(value: f64, digits: usize) -> String {
-    let text = format!("{value:.*e}", digits.saturating_sub(1));
-    text.parse::<f64>().map_or(text, |value| format_number(value + 0.0))
 }
 
 #[cfg(test)]

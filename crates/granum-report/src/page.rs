@@ -14,6 +14,8 @@ pub struct Document {
     pub html: String,
     /// Names and contents of the figures.
     pub figures: Vec<(String, String)>,
+    /// What stands below each figure, as plain text.
+    pub captions: Vec<String>,
 }
 
 impl Document {
@@ -41,6 +43,7 @@ impl Document {
 pub struct Page {
     sections: Vec<Section>,
     files: Vec<(String, String)>,
+    captions: Vec<String>,
     figures: usize,
     tables: usize,
 }
@@ -71,6 +74,7 @@ impl Page {
     /// Adds a figure with the same label as in the paper, e.g. `Figure 3`.
     pub fn figure(&mut self, label: &str, file: &str, caption: &str, figure: &Figure) -> Markup {
         self.files.push((file.to_owned(), figure.to_svg()));
+        self.captions.push(format!("{label}. {}", Rich::new(caption).plain()));
         html! {
             figure {
                 div class="canvas" { (PreEscaped(figure.to_inline_svg())) }
@@ -127,7 +131,7 @@ impl Page {
                 }
             }
         };
-        Document { html: markup.into_string(), figures: self.files }
+        Document { html: markup.into_string(), figures: self.files, captions: self.captions }
     }
 }
 

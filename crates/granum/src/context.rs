@@ -97,6 +97,11 @@ impl Context {
         Context { force: true, ..self.clone() }
     }
 
+    /// The same options with warnings and remarks that are kept for themselves and not printed.
+    pub fn keeping_messages(&self) -> Context {
+        Context { json: true, warnings: Arc::default(), ..self.clone() }
+    }
+
     /// The same options without permission to replace anything.
     pub fn without_force(&self) -> Context {
         Context { force: false, ..self.clone() }

@@ -60,6 +60,7 @@ pub use granum_dem as dem;
 pub use granum_io as io;
 pub use granum_learn as learn;
 pub use granum_nets as nets;
+pub use granum_page as page;
 pub use granum_point as point;
 pub use granum_report as report;
 pub use granum_run as run;

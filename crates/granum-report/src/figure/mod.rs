@@ -10,6 +10,7 @@ pub mod layer;
 pub mod legend;
 pub mod marks;
 pub mod palette;
+mod places;
 pub mod plot;
 pub mod rich;
 pub mod rose;

@@ -176,7 +176,7 @@ impl Plot {
     }
 
     /// The scales for positions in the frame `frame`.
-    fn laid(&self, frame: &Rect) -> [Scale; 2] {
+    pub(super) fn laid(&self, frame: &Rect) -> [Scale; 2] {
         let [x, y] = self.scales();
         [x.laid(frame.left, frame.right), y.laid(frame.bottom, frame.top)]
     }

@@ -14,7 +14,8 @@ pub use colour::{Colour, GrainColour};
 pub use view::View;
 
 const PAGE: &str = include_str!("page.html");
-const VIEWER: &str = include_str!("viewer.js");
+/// The module that draws, for a page that has the elements of `granum view` and gets [`data`] of its own accord.
+pub const VIEWER: &str = include_str!("viewer.js");
 
 /// The page that shows an assembly, of which these parts are known.
 ///
@@ -45,13 +46,10 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
     page + rest
 }
 
-/// What the viewer draws of an assembly, of which these parts are known: the data of `show` in `viewer.js`.
+/// What the module [`VIEWER`] draws of an assembly, of which these parts are known, as JSON.
 pub fn data(assembly: &Assembly, parts: Parts, view: &View) -> serde_json::Value {
     content::content(assembly, parts, view)
 }
-
-/// The module of JavaScript that draws it.
-pub const MODULE: &str = VIEWER;
 
 /// The most spheres that a report shows in its viewer (13 bytes each in the page), and the contacts beside them (21 bytes each).
 const MOST_SPHERES: usize = 10_000;

@@ -107,6 +107,11 @@ impl FamilyFlags {
         ]
     }
 
+    /// The flags of numbers with their keys and dimensions.
+    pub fn properties() -> [Property; 11] {
+        FamilyFlags::default().numbers().map(|(flag, key, dimension, _)| (flag, key, dimension))
+    }
+
     /// The flag that gives a number; its key if there is none.
     pub fn flag_of(key: &str) -> String {
         let flags = FamilyFlags::default();
@@ -138,7 +143,7 @@ impl FamilyFlags {
             let case = Case::read_as(path, context.reading())?;
             known = of_case(context, family, &case)?;
         }
-        let properties = self.numbers().map(|(flag, key, dimension, _)| (flag, key, dimension));
+        let properties = FamilyFlags::properties();
         let mut values: Vec<(Property, Vec<f64>)> = Vec::new();
         for (flag, key, dimension, text) in self.numbers() {
             let Some(text) = text else { continue };

@@ -6,6 +6,7 @@ use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::write_table;
 use granum_learn::family::{FamilyModel, FamilyPrediction, InputSource};
+use granum_report::family::{Shown, svg};
 use serde_json::{Value, json};
 
 use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
@@ -16,7 +17,6 @@ use super::text_table;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use granum_report::family::{Shown, svg};
 
 /// Most tests that a figure can show apart.
 const MOST_CURVES: usize = 8;

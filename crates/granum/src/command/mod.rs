@@ -53,6 +53,7 @@ mod run_folders;
 mod run_report;
 mod schema;
 mod scores;
+mod serve;
 mod several_runs;
 mod shape;
 mod shape_quantities;
@@ -136,6 +137,7 @@ commands! {
     Stiffness(stiffness::MeasureStiffness),
     Export(export::Export),
     View(view::ViewGrains),
+    Serve(serve::Serve),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),

@@ -6,6 +6,7 @@ use granum_core::{Column, Table};
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, write_table};
 use granum_learn::family::{FamilyDefinition, FamilyModel, FamilyPrediction};
+use granum_report::family::{self as family_figure, Shown};
 use serde_json::{Value, json};
 
 use super::family_answer::{as_json, curve_columns, ending, flags_of, input_line, write_text, wrong_ending};
@@ -19,7 +20,6 @@ use super::prediction_input::LEVEL;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
-use granum_report::family::{self as family_figure, Shown};
 
 /// A density that is next to nothing.
 const NOTHING: f64 = 1e-6;

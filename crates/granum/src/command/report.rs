@@ -178,6 +178,13 @@ impl Report {
     }
 }
 
+/// The report of folders by itself, for whoever shows it elsewhere.
+pub fn document_of(context: &Context, folders: &[PathBuf]) -> Result<Document, Failure> {
+    let sources = SourceFlags::default();
+    let report = Report { data: folders.to_vec(), out: None, colour: None, sources };
+    Ok(report.document(context)?.0)
+}
+
 /// True for a folder that is no run itself and contains several.
 fn is_of_several(context: &Context, folder: &Path) -> Result<bool, Failure> {
     Ok(match Contents::read(folder, context.vocabulary())? {

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 const MOST_REMARKS: usize = 8;
 
 /// What files of results do not say.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct SourceFlags {
     /// Edges of the periodic cuboid cell of files that have none.
     #[arg(long, value_name = "A, B, C")]

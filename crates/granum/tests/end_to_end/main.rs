@@ -40,6 +40,8 @@ mod one_kind_of_test;
 mod packings;
 mod recordings;
 mod refusals;
+#[cfg(unix)]
+mod served;
 mod settings;
 mod several_runs;
 mod shapes;
