@@ -20,5 +20,5 @@ mod exports;
 mod pace;
 mod page;
 
-pub use calls::{Call, ENGINE, SURROGATES};
-pub use page::Page;
+pub use calls::{ENGINE, SURROGATES};
+pub use page::{Call, Page};

@@ -10,7 +10,13 @@ use granum_run::{Laboratory, Resources, RunRegistry};
 use serde_json::Value;
 
 use crate::answer::CallError;
-use crate::calls::Call;
+
+/// A call: its name, and what it does with its arguments.
+#[derive(Clone, Copy)]
+pub struct Call {
+    pub(crate) name: &'static str,
+    pub(crate) carry_out: fn(&mut Page, &Arguments) -> Result<Value, CallError>,
+}
 
 /// What a page has: at most one run, and the surrogates that it has loaded, by name and path.
 pub struct Page {

@@ -1,5 +1,5 @@
-// in-browsers.mjs FOLDER: compares the modules of a folder with the program's digests in Chromium, in Chromium without FMA3, and in Firefox,
-// as far as they are installed. The environment names the programs: CHROMIUM, FIREFOX.
+// in-browsers.mjs FOLDER [--speed]: compares the modules of a folder with the program's digests in Chromium, in Chromium without FMA3, and in Firefox,
+// which must be installed; with --speed the time of a step is measured instead. The environment names the programs: CHROMIUM, FIREFOX.
 
 import { spawn } from "node:child_process";
 import { mkdtemp, readFile, rm } from "node:fs/promises";
@@ -8,15 +8,15 @@ import { tmpdir } from "node:os";
 import { join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 
-const folder = process.argv[2];
+const folder = process.argv[2], asked = process.argv.includes("--speed") ? "speed" : "compare";
 const root = fileURLToPath(new URL("../../../", import.meta.url));
 const TYPES = { ".mjs": "text/javascript", ".wasm": "application/wasm", ".html": "text/html" };
 const PAGE = `<!doctype html><title>Comparison of digests</title><script type="module">
-import { compare } from "/crates/granum-browser/tools/compare.mjs";
+import { ${asked} as work } from "/crates/granum-browser/tools/${asked}.mjs";
 const tell = (kind, text) => fetch("/" + kind, { method: "POST", body: text });
 const read = async path => (await fetch("/" + path)).text();
 const load = async name => { const found = await fetch("/modules/" + name + ".wasm"); return found.ok ? found.arrayBuffer() : null; };
-try { await tell("ended", String(await compare(read, load, line => tell("said", line)))); } catch (error) { await tell("ended", String(error)); }
+try { await tell("ended", String(await work(read, load, line => tell("said", line)))); } catch (error) { await tell("ended", String(error)); }
 </script>`;
 
 let ended = () => {};

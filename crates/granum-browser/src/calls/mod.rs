@@ -10,14 +10,7 @@ mod surrogates;
 use serde_json::Value;
 
 use crate::answer::CallError;
-use crate::page::{Arguments, Page};
-
-/// A call: its name, and what it does with its arguments.
-#[derive(Clone, Copy)]
-pub struct Call {
-    pub(crate) name: &'static str,
-    pub(crate) carry_out: fn(&mut Page, &Arguments) -> Result<Value, CallError>,
-}
+use crate::page::{Arguments, Call, Page};
 
 const fn call(name: &'static str, carry_out: fn(&mut Page, &Arguments) -> Result<Value, CallError>) -> Call {
     Call { name, carry_out }

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 
+use super::exact::by_integers;
 use super::*;
 
 /// The ways to compute that this machine has.

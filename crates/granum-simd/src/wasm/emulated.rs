@@ -7,7 +7,7 @@
 
 use std::arch::wasm32::*;
 
-use crate::fused::exact;
+use crate::fused::exact::exact;
 
 /// `2^27 + 1`, which splits a double into two parts of at most 26 bits (Veltkamp).
 const SPLIT: f64 = 134_217_729.0;

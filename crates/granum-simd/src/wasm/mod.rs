@@ -7,6 +7,7 @@
 
 #[cfg(not(granum_relaxed))]
 mod emulated;
+pub(crate) mod fused;
 
 use std::arch::wasm32::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -14,6 +15,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
+use fused::two_fused;
 
 /// Eight lanes in four 128-bit registers.
 #[derive(Clone, Copy)]
@@ -23,15 +25,6 @@ pub struct Wasm([v128; 4]);
 #[derive(Clone, Copy)]
 pub struct WasmMask([v128; 4]);
 
-/// `a b + c` of two doubles, rounded once.
-#[inline(always)]
-fn two_fused(a: v128, b: v128, c: v128) -> v128 {
-    #[cfg(granum_relaxed)]
-    return granum_relaxed::relaxed_mul_add(a, b, c);
-    #[cfg(not(granum_relaxed))]
-    emulated::mul_add(a, b, c)
-}
-
 /// `yes` or `no` in both lanes of a mask.
 #[inline(always)]
 fn two_selected(mask: v128, yes: v128, no: v128) -> v128 {
@@ -39,12 +32,6 @@ fn two_selected(mask: v128, yes: v128, no: v128) -> v128 {
     return granum_relaxed::relaxed_select(yes, no, mask);
     #[cfg(not(granum_relaxed))]
     v128_bitselect(yes, no, mask)
-}
-
-/// `factor * other + term` of single numbers, rounded once.
-#[inline(always)]
-pub(crate) fn one_fused(factor: f64, other: f64, term: f64) -> f64 {
-    f64x2_extract_lane::<0>(two_fused(f64x2_splat(factor), f64x2_splat(other), f64x2_splat(term)))
 }
 
 impl Wasm {
