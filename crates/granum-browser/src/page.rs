@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use granum_dem::simulation::Hardware;
 use granum_io::run::OWN_ENGINE;
-use granum_learn::family::FamilyModel;
+use granum_learn::family::{FamilyModel, FamilyPrediction};
 use granum_run::laboratory::RunInPieces;
 use granum_run::{Laboratory, Resources, RunRegistry};
 use serde_json::Value;
@@ -23,6 +23,8 @@ pub struct Page {
     pub(crate) laboratory: Laboratory,
     pub(crate) run: Option<RunInPieces>,
     pub(crate) families: BTreeMap<String, FamilyModel>,
+    /// The last prediction, with the name of its family and what was asked: a page that draws a test over it asks again and again.
+    pub(crate) last: Option<(String, Vec<Option<f64>>, FamilyPrediction)>,
     calls: &'static [Call],
 }
 
@@ -39,6 +41,7 @@ impl Page {
             },
             run: None,
             families: BTreeMap::new(),
+            last: None,
             calls,
         }
     }

@@ -1,6 +1,6 @@
 // Compares what the modules compute with the digests that the program keeps. It runs in node and in browsers.
 
-import { CallFailed, Engine, kind } from "../page/engine.mjs";
+import { CallFailed, Engine, kind } from "../../granum-page/page/laboratory/engine.mjs";
 
 const CASES = "crates/granum/tests/end_to_end/sixteen_cases/";
 const FAMILIES = "crates/granum/families/";

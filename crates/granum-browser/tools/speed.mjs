@@ -1,6 +1,6 @@
 // The time of a step of a test in a browser; `in-browsers.mjs FOLDER --speed` prints it, and the case, for a run of the program beside it.
 
-import { Engine, kind } from "../page/engine.mjs";
+import { Engine, kind } from "../../granum-page/page/laboratory/engine.mjs";
 
 const testOf = (grains, strain) => `grains.count = ${grains}
 preparation.solid_fraction = "none"

@@ -27,6 +27,7 @@ const FILES: &[(&str, &str, &str)] = &files![
     "modules/numbers.js": MODULE,
     "modules/parts.js": MODULE,
     "modules/grains.js": MODULE,
+    "modules/stage.js": MODULE,
     "modules/views/list.js": MODULE,
     "modules/views/run.js": MODULE,
     "modules/views/compare.js": MODULE,

@@ -143,9 +143,13 @@ fn distribution(one: &Shown, columns: &[usize], number: usize, is_alone: bool) -
         layers.extend(at(last, number, ""));
     }
     if let Some((measured, _)) = &one.measured {
-        let bins = columns.iter().map(|column| [centre(*column), measured[*column][last]]);
-        let bins = bins.skip_while(|[_, density]| *density < NOTHING).collect();
-        layers.push(Layer::line(bins, INK));
+        // A test under way has not come to its end.
+        let at_end = |column: &usize| Some([centre(*column), *measured.get(*column)?.get(last)?]);
+        let bins: Vec<[f64; 2]> = columns.iter().filter_map(at_end).collect();
+        if !bins.is_empty() {
+            let bins = bins.into_iter().skip_while(|[_, density]| *density < NOTHING).collect();
+            layers.push(Layer::line(bins, INK));
+        }
     }
     layers
 }

@@ -22,3 +22,13 @@ pub(super) fn check(_: &mut Page, arguments: &Arguments) -> Result<Value, CallEr
         "resolved": case.resolved_toml(),
     }))
 }
+
+/// The text of a case with other `values` of some keys, all keys written out.
+pub(super) fn with(_: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+    let mut case = Case::parse(arguments.text("case")?, NAME)?;
+    for (key, value) in arguments.value("values").as_object().into_iter().flatten() {
+        let text = value.as_str().map_or_else(|| value.to_string(), str::to_string);
+        case.set(key, &text)?;
+    }
+    Ok(json!({ "case": case.resolved_toml() }))
+}

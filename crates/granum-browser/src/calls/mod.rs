@@ -2,6 +2,7 @@
 
 mod about;
 mod case;
+mod figures;
 mod reports;
 mod results;
 mod run;
@@ -20,6 +21,7 @@ const fn call(name: &'static str, carry_out: fn(&mut Page, &Arguments) -> Result
 pub const ENGINE: &[Call] = &[
     call("about", about::about),
     call("check", case::check),
+    call("with", case::with),
     call("begin", run::begin),
     call("go_on", run::go_on),
     call("states", run::states),
@@ -33,7 +35,9 @@ pub const ENGINE: &[Call] = &[
 pub const SURROGATES: &[Call] = &[
     call("about", about::about),
     call("load_family", surrogates::load),
+    call("case_of", surrogates::case_of),
     call("predict", surrogates::predict),
+    call("curves", figures::curves),
     call("report", reports::report),
     call("digest_of_predictions", surrogates::digest_of_predictions),
     call("digest_of_training", surrogates::digest_of_training),

@@ -21,6 +21,13 @@ pub(super) struct Received {
     end: Option<Assembly>,
 }
 
+impl Received {
+    /// The text of its case.
+    pub(super) fn case(&self) -> &str {
+        &self.case
+    }
+}
+
 /// The measurements of the states of a `result`.
 pub(super) fn measurements(page: &Page, result: &Received) -> Result<Record, CallError> {
     let sensors = page.laboratory.registry.vocabulary.sensors();

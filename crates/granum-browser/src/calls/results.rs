@@ -33,15 +33,16 @@ pub(super) fn series(page: &mut Page, _: &Arguments) -> Result<Value, CallError>
     Ok(json!({ "csv": String::from_utf8_lossy(&text) }))
 }
 
-/// What a report of the run is made of ([`super::reports`]): case, record, states, and the first and last assembly.
-pub(super) fn result(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
+/// What a report of the run is made of ([`super::reports`]): case, record, states, and unless `assemblies` is false the first and last assembly.
+pub(super) fn result(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
     let run = page.run()?;
+    let snapshot = |name: &str| run.snapshots().get(name).filter(|_| arguments.value("assemblies") != false);
     Ok(json!({
         "case": run.case().resolved_toml(),
         "record": run.record(),
         // A NaN has no number in JSON, but a place in these lines.
         "states": run.states().iter().map(RecordedState::to_line).collect::<Vec<_>>(),
-        "start": run.snapshots().get(SAMPLE),
-        "end": run.snapshots().get(END),
+        "start": snapshot(SAMPLE),
+        "end": snapshot(END),
     }))
 }

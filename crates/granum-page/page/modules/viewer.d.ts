@@ -1,2 +1,2 @@
 // The viewer of grains is a module of granum-report, which the server gives under this name.
-export function show(root: ParentNode, data: unknown): void;
+export function show(root: ParentNode, data: unknown): (next: unknown) => void;

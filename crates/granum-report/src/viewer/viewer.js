@@ -79,42 +79,40 @@ function vertices(gl, content, attributes) {
     gl.enableVertexAttribArray(location); gl.vertexAttribPointer(location, numbers, type, scaled, stride, offset);
     gl.vertexAttribDivisor(location, each ? 1 : 0);
   }
+  return buffer;
 }
-function start(root, by, data, canvas, gl) {
+function start(root, by, first, canvas, gl) {
   const programs = Object.fromEntries(Object.entries(SHADERS).map(([name, sources]) => [name, program(gl, sources)]));
   const arrays = {}, U = gl.UNSIGNED_SHORT, I = gl.SHORT, F = gl.FLOAT, SIDES = 10, ROUND = 20;
-  const array = (name, fill) => { arrays[name] = gl.createVertexArray(); gl.bindVertexArray(arrays[name]); fill(); };
-  array("grains", () => {
-    vertices(gl, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), [[0, 2, F, false, 8, 0, false]]);
-    vertices(gl, bytes(data.grains), [[1, 3, U, true, 10, 0, true], [2, 2, U, true, 10, 6, true]]);
-  });
-  array("forces", () => {
-    const ring = [];
-    for (let k = 0; k <= SIDES; k++) { const a = 2 * Math.PI * k / SIDES; for (const z of [0, 1]) ring.push(Math.cos(a), Math.sin(a), z); }
-    vertices(gl, new Float32Array(ring), [[0, 3, F, false, 12, 0, false]]);
-    vertices(gl, bytes(data.forces), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
-  });
-  array("bonds", () => {
-    const ring = [];
-    for (let k = 0; k <= SIDES; k++) { const a = 2 * Math.PI * k / SIDES; for (const z of [0, 1]) ring.push(Math.cos(a), Math.sin(a), z); }
-    vertices(gl, new Float32Array(ring), [[0, 3, F, false, 12, 0, false]]);
-    vertices(gl, bytes(data.bonds), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
-  });
-  array("cracks", () => {
-    const ring = [0, 0];
-    for (let k = 0; k <= ROUND; k++) { const a = 2 * Math.PI * k / ROUND; ring.push(Math.cos(a), Math.sin(a)); }
-    vertices(gl, new Float32Array(ring), [[0, 2, F, false, 8, 0, false]]);
-    vertices(gl, bytes(data.cracks), [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]]);
-  });
-  const [a, b, c] = data.cell, corner = (i, j, k) => a.map((x, n) => data.start[n] + i * x + j * b[n] + k * c[n]), ends = [];
-  for (let edge = 0; edge < 3; edge++) for (const [i, j] of [[0, 0], [0, 1], [1, 0], [1, 1]]) for (const k of [0, 1]) {
-    const at = [i, j];
-    at.splice(edge, 0, k);
-    ends.push(...corner(...at));
+  const tube = [], disc = [0, 0];
+  for (let k = 0; k <= SIDES; k++) { const a = 2 * Math.PI * k / SIDES; for (const z of [0, 1]) tube.push(Math.cos(a), Math.sin(a), z); }
+  for (let k = 0; k <= ROUND; k++) { const a = 2 * Math.PI * k / ROUND; disc.push(Math.cos(a), Math.sin(a)); }
+  // Each array has its own buffers, which go with it when other data come in its place.
+  const array = (name, ...parts) => {
+    if (arrays[name]) { gl.deleteVertexArray(arrays[name].made); arrays[name].buffers.forEach(buffer => gl.deleteBuffer(buffer)); }
+    const made = gl.createVertexArray();
+    gl.bindVertexArray(made);
+    arrays[name] = { made, buffers: parts.map(([content, attributes]) => vertices(gl, content, attributes)) };
+  };
+  const lines = [[1, 3, U, true, 16, 0, true], [2, 3, I, true, 16, 6, true], [3, 2, I, true, 16, 12, true]];
+  let data, middle, extent;
+  function fill(next) {
+    data = next;
+    array("grains", [new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), [[0, 2, F, false, 8, 0, false]]],
+      [bytes(data.grains), [[1, 3, U, true, 10, 0, true], [2, 2, U, true, 10, 6, true]]]);
+    array("forces", [new Float32Array(tube), [[0, 3, F, false, 12, 0, false]]], [bytes(data.forces), lines]);
+    array("bonds", [new Float32Array(tube), [[0, 3, F, false, 12, 0, false]]], [bytes(data.bonds), lines]);
+    array("cracks", [new Float32Array(disc), [[0, 2, F, false, 8, 0, false]]], [bytes(data.cracks), lines]);
+    const [a, b, c] = data.cell, corner = (i, j, k) => a.map((x, n) => data.start[n] + i * x + j * b[n] + k * c[n]), ends = [];
+    for (let edge = 0; edge < 3; edge++) for (const [i, j] of [[0, 0], [0, 1], [1, 0], [1, 1]]) for (const k of [0, 1]) {
+      const at = [i, j];
+      at.splice(edge, 0, k);
+      ends.push(...corner(...at));
+    }
+    array("lines", [new Float32Array(ends), [[0, 3, F, false, 12, 0, false]]]);
+    middle = corner(.5, .5, .5); extent = Math.hypot(...a.map((x, n) => x + b[n] + c[n]));
   }
-  array("lines", () => vertices(gl, new Float32Array(ends), [[0, 3, F, false, 12, 0, false]]));
-
-  const middle = corner(.5, .5, .5), extent = Math.hypot(...a.map((x, n) => x + b[n] + c[n]));
+  fill(first);
   const eye = { turn: .65, tilt: .35, far: 1.45 * extent };
   function draw() {
     const ratio = window.devicePixelRatio || 1, w = Math.max(1, Math.round(canvas.clientWidth * ratio)), h = Math.max(1, Math.round(canvas.clientHeight * ratio));
@@ -126,7 +124,7 @@ function start(root, by, data, canvas, gl) {
     const common = { view: lookAt(from, middle, [0, 0, 1]), projection: perspective(.7, w / h, .02 * extent, far + 2 * extent) };
     const use = (name, more, shown = name) => {
       const { made, places } = programs[name];
-      gl.useProgram(made); gl.bindVertexArray(arrays[shown]);
+      gl.useProgram(made); gl.bindVertexArray(arrays[shown].made);
       for (const [key, value] of Object.entries({ ...common, ...more })) {
         const at = places[key];
         if (at === undefined) continue;
@@ -185,15 +183,24 @@ function start(root, by, data, canvas, gl) {
   // At once, before a page of another size is shown: the picture would be stretched.
   new ResizeObserver(draw).observe(canvas);
   draw();
+  return next => { fill(next); soon(); };
 }
-// Shows what `data` holds in the elements of a page: `view` is the canvas, and the inputs of the panel have the names below.
+// Shows what `data` holds in the elements of a page: `view` is the canvas, and the inputs of the panel have the names below. What it returns shows other
+// data in its place, as of a run under way; the eye and what is switched on stay.
 export function show(root, data) {
   const by = id => root.querySelector(`#${id}`), say = text => { by("note").textContent = text; };
-  by("opacity").value = data.opacity; by("forces").checked = data.forces_shown; by("chains").checked = data.chains_alone;
-  by("bonds").parentElement.hidden = !data.bonds_shown; by("cracks").parentElement.hidden = !data.cracks_shown; by("cracks").checked = data.cracks_first;
-  by("low").textContent = data.low; by("high").textContent = data.high; by("name").textContent = data.colour;
+  const label = data => {
+    by("bonds").parentElement.hidden = !data.bonds_shown; by("cracks").parentElement.hidden = !data.cracks_shown;
+    by("low").textContent = data.low; by("high").textContent = data.high; by("name").textContent = data.colour;
+    say(data.note);
+  };
+  by("opacity").value = data.opacity; by("forces").checked = data.forces_shown; by("chains").checked = data.chains_alone; by("cracks").checked = data.cracks_first;
   by("scale").style.background = "linear-gradient(90deg, rgb(68,1,84), rgb(58,82,139), rgb(33,145,140), rgb(94,201,98), rgb(253,231,37))";
-  say(data.note);
+  label(data);
   const canvas = by("view"), gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-  if (!gl) say("This browser has no WebGL 2, which the view needs."); else try { start(root, by, data, canvas, gl); } catch (error) { say(String(error)); }
+  if (!gl) { say("This browser has no WebGL 2, which the view needs."); return () => {}; }
+  try {
+    const update = start(root, by, data, canvas, gl);
+    return next => { label(next); update(next); };
+  } catch (error) { say(String(error)); return () => {}; }
 }

@@ -56,6 +56,8 @@ export class Engine {
   /** @param {Exports} exports */
   constructor(exports) {
     this.exports = exports;
+    /** Why it has stopped for good; empty while it works. */
+    this.stopped = "";
   }
 
   /**
@@ -63,22 +65,27 @@ export class Engine {
    * @returns {Promise<Engine>}
    */
   static async from(source) {
-    /** @type {{ exports?: Exports }} */
+    /** @type {{ engine?: Engine }} */
     const made = {};
     const imports = {
       page: {
         milliseconds: () => performance.now(),
         /** @param {number} place @param {number} length */
         panicked: (place, length) => {
-          const memory = /** @type {Exports} */ (made.exports).memory;
-          console.error(new TextDecoder().decode(new Uint8Array(memory.buffer, place, length)));
+          const engine = made.engine;
+          if (engine) engine.stopped ||= new TextDecoder().decode(new Uint8Array(engine.exports.memory.buffer, place, length));
         },
       },
     };
     const module = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(source);
     const instance = await WebAssembly.instantiate(module, imports);
-    made.exports = /** @type {Exports} */ (/** @type {unknown} */ (instance.exports));
-    return new Engine(made.exports);
+    made.engine = new Engine(/** @type {Exports} */ (/** @type {unknown} */ (instance.exports)));
+    return made.engine;
+  }
+
+  /** A fault of granum, after which the module cannot go on. */
+  end() {
+    return new Error(`This is a fault of granum, and its module has stopped: ${this.stopped}. Load the page again, and please report it.`);
   }
 
   /**
@@ -88,10 +95,17 @@ export class Engine {
    * @returns {any}
    */
   call(name, more = {}) {
+    if (this.stopped) throw this.end();
     const message = new TextEncoder().encode(JSON.stringify({ ...more, call: name }));
     const place = this.exports.message(message.length);
     new Uint8Array(this.exports.memory.buffer, place, message.length).set(message);
-    const length = this.exports.call();
+    let length = 0;
+    try {
+      length = this.exports.call();
+    } catch (error) {
+      this.stopped ||= String(error);
+      throw this.end();
+    }
     const text = new TextDecoder().decode(new Uint8Array(this.exports.memory.buffer, this.exports.answer(), length));
     const answer = JSON.parse(text);
     if (answer && answer.error) throw new CallFailed(answer.error);

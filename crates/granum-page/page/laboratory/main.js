@@ -1,0 +1,257 @@
+// @ts-check
+// The laboratory: a surrogate that answers at once, a case, and its test with grains and curves while it is computed.
+
+import { announce, element, replace } from "../modules/dom.js";
+import { figure } from "../modules/figure.js";
+import { counted, quantity, words } from "../modules/numbers.js";
+import { choice, trouble } from "../modules/parts.js";
+import { stage } from "../modules/stage.js";
+import { show } from "../modules/viewer.js";
+import { CallFailed, Engine, kind } from "./engine.mjs";
+import { catalogue, compiled } from "./files.js";
+import { Run } from "./run.js";
+import { sliders } from "./sliders.js";
+
+/** Milliseconds between two drawings of the curves of a run under way. */
+const CURVES_EVERY = 250;
+/** The columns over which curves are drawn, the first that a test has. */
+const ALONG = ["axial_strain", "deviator_strain", "shear_strain", "deviatoric_strain", "volumetric_strain"];
+/** What is drawn over it, where a test has it. */
+const SHOWN = [["stress_ratio", "von_mises_ratio"], ["volumetric_strain", "void_ratio"], ["coordination_number"], ["mean_stress"]];
+
+const main = /** @type {HTMLElement} */ (document.getElementById("content"));
+
+/** The case that is shown, its runs, and the surrogate beside it. */
+const now = {
+  /** @type {Run[]} */ runs: [],
+  /** @type {{ name: string, values: Record<string, number> } | null} */ asked: null,
+  /** @type {((next: unknown) => void) | null} */ update: null,
+  /** @type {unknown} */ drawn: null,
+  paints: 0,
+  lastCurves: 0,
+  drawing: false,
+};
+
+async function start() {
+  replace(main, element("h1", {}, "A laboratory of grains"), element("p", { class: "note waits" }, "Loading the engine …"));
+  const which = await kind();
+  const [cases, module] = await Promise.all([catalogue(), compiled(`engine.${which}`)]);
+  const engine = await Engine.from(module);
+  /** @type {Promise<Engine> | null} */
+  let second = null;
+  const surrogates = () => (second ??= compiled(`surrogates.${which}`).then(code => Engine.from(code)));
+  page({ which, cases, module, engine, surrogates });
+}
+
+/** @typedef {{ which: string, cases: import("./files.js").Catalogue, module: WebAssembly.Module, engine: Engine, surrogates: () => Promise<Engine> }} Tools */
+
+/** @param {Tools} tools */
+function page(tools) {
+  const { engine } = tools;
+  const text = element("textarea", { id: "case", spellcheck: "false", autocomplete: "off", "aria-describedby": "mistakes", oninput: () => { now.asked = null; checked(); } });
+  const mistakes = element("ul", { class: "mistakes", id: "mistakes" });
+  const summary = element("p", { class: "note" });
+  const seeds = element("select", {}, ["1", "2", "4"].map(value => element("option", { value }, value)));
+  const grains = element("input", { type: "number", min: 50, max: 5000, step: 50, value: 300 });
+  const test = element("button", { type: "button", class: "main", onclick: () => void begin() }, "Test it");
+  const area = element("div", { class: "waits" }, element("p", { class: "note" }, "No test yet. Press “Test it”: grains are placed, compressed, and tested along the path of the case."));
+
+  /** Shows the mistakes of the text at their places. @returns {boolean} */
+  function checked() {
+    try {
+      const found = engine.call("check", { case: text.value });
+      replace(mistakes);
+      replace(summary, `The case has ${counted(found.grains, "grain")}${found.pieces > found.grains ? ` of ${found.pieces} spheres` : ""} and ${counted(found.stages.length, "stage")}: ${found.stages.join(", ")}. Here it is tested with the number of grains above, from seed ${found.seed} on.`);
+      test.disabled = false;
+      return true;
+    } catch (error) {
+      if (!(error instanceof CallFailed)) throw error;
+      const places = error.places.length ? error.places : [{ line: 0, column: 0, message: error.message, help: null, span: /** @type {[number, number]} */ ([0, 0]) }];
+      replace(mistakes, places.map(place => element("li", {}, element("button", { type: "button", onclick: () => goTo(place.span) },
+        place.line ? `Line ${place.line}: ${place.message}` : place.message, place.help ? ` (${place.help})` : ""))));
+      replace(summary, counted(places.length, "mistake"));
+      test.disabled = true;
+      return false;
+    }
+  }
+
+  /** Puts the cursor there. The places are bytes, those of a text area units of UTF-16. @param {[number, number]} span */
+  function goTo([from, to]) {
+    const bytes = new TextEncoder().encode(text.value), units = (/** @type {number} */ end) => new TextDecoder().decode(bytes.subarray(0, end)).length;
+    text.focus();
+    text.setSelectionRange(units(from), units(to));
+  }
+
+  /** @param {string} name */
+  function take(name) {
+    const ready = tools.cases.cases.find(one => one.name === name);
+    if (!ready) return;
+    now.asked = null;
+    text.value = ready.text;
+    checked();
+  }
+
+  async function begin() {
+    if (!checked()) return;
+    now.runs.forEach(run => run.stop());
+    now.update = null;
+    now.drawn = null;
+    const base = Number(engine.call("check", { case: text.value }).seed);
+    const count = Number(seeds.value);
+    const limit = Math.max(50, Math.min(5000, Number(grains.value) || 300));
+    try {
+      now.runs = Array.from({ length: count }, (_, k) => {
+        const values = { "grains.count": String(limit), "preparation.seed": String(base + k) };
+        return new Run(tools.module, engine.call("with", { case: text.value, values }).case, `seed ${base + k}`, () => paint(tools));
+      });
+    } catch (error) {
+      replace(area, trouble(error));
+      return;
+    }
+    frame(tools, area, restart);
+    now.runs.forEach(run => run.tell("go"));
+    announce("The test has begun");
+  }
+  const restart = () => void begin();
+
+  const surrogate = element("section", {}, element("h2", {}, "A surrogate answers at once"));
+  replace(main,
+    element("h1", {}, "A laboratory of grains"),
+    element("p", {}, "Choose a sand or a powder and see what a surrogate knows of its test, with intervals that should hold 90 % of new samples. Then test it: the grains move in this browser, with the bits of the program."),
+    surrogate,
+    element("div", { class: "columns" },
+      element("section", { "aria-label": "The case" }, element("h2", {}, "The case"),
+        element("div", { class: "tools" },
+          choice("Ready case", tools.cases.cases.map(one => ({ value: one.name, text: one.title })), "drained-dense", take),
+          element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
+        element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test),
+      element("section", { "aria-label": "The test" }, element("h2", {}, "The test"), area)),
+    element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
+  take("drained-dense");
+  sliders(surrogate, tools, (found, name, values) => {
+    text.value = found;
+    now.asked = { name, values };
+    if (checked()) { text.scrollIntoView({ block: "nearest" }); void begin(); }
+  });
+}
+
+/**
+ * The elements of a test that has begun.
+ * @param {Tools} tools
+ * @param {HTMLElement} area
+ * @param {() => void} restart
+ */
+function frame(tools, area, restart) {
+  const button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ onclick) => element("button", { type: "button", id, onclick }, label);
+  const each = (/** @type {"go" | "pause" | "piece"} */ what) => () => { now.runs.filter(run => !run.ended).forEach(run => run.tell(what)); paint(tools); };
+  replace(area,
+    element("div", { class: "tools" }, button("pause", "Pause", each("pause")), button("go", "Go on", each("go")), button("step", "One piece", each("piece")), button("again", "Begin again", restart)),
+    element("ul", { id: "states", class: "checks" }), element("div", { id: "curves", "aria-live": "off" }), stage("The grains of the first run"),
+    element("div", { id: "results" }));
+}
+
+/** @param {string} id */
+const by = id => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/**
+ * Shows what is new.
+ * @param {Tools} tools
+ */
+function paint(tools) {
+  if (!document.getElementById("states")) return;
+  const goes = now.runs.some(run => run.goes), ended = now.runs.every(run => run.ended);
+  /** @type {HTMLButtonElement} */ (by("pause")).disabled = !goes;
+  /** @type {HTMLButtonElement} */ (by("go")).disabled = goes || ended;
+  /** @type {HTMLButtonElement} */ (by("step")).disabled = ended;
+  replace(by("states"), now.runs.map(run => element("li", { class: run.fault ? "missed" : run.digest ? "passed" : null }, line(run))));
+  const first = now.runs[0];
+  if (first?.view && first.view !== now.drawn) {
+    now.drawn = first.view;
+    if (now.update) now.update(first.view);
+    else now.update = show(by("stage"), first.view);
+    now.paints += 1;
+    by("stage").dataset.pictures = String(now.paints);
+  }
+  if (ended) void curves(tools).then(() => results(tools));
+  else if (performance.now() - now.lastCurves > CURVES_EVERY) void curves(tools);
+}
+
+/** Where a run is, in a line. @param {Run} run */
+function line(run) {
+  if (run.fault) return `${run.name}: ${run.fault.message}`;
+  if (run.digest) return `${run.name}: complete after ${counted(run.answer.steps.test ?? 0, "step")} of the test, ${counted(run.rows.length, "state")}; digest ${run.digest.slice(0, 16)}…`;
+  const progress = run.answer?.progress;
+  if (!progress) return `${run.name}: the grains are placed`;
+  const share = progress.fraction === null || progress.fraction === undefined ? "" : `, ${Math.round(100 * progress.fraction)} %`;
+  const stage = progress.part ? `${progress.activity}, ${progress.part}` : progress.activity;
+  return `${run.name}: ${stage}${share}, ${counted(progress.done, "step")}, ${counted(run.rows.length, "state")}${run.goes ? "" : "; it waits"}`;
+}
+
+/** Draws the curves so far, with the prediction where a surrogate was asked. @param {Tools} tools */
+async function curves(tools) {
+  const shown = now.runs.filter(run => run.rows.length > 1);
+  if (now.drawing || shown.length === 0) return;
+  now.drawing = true;
+  now.lastCurves = performance.now();
+  try {
+    const surrogates = await tools.surrogates();
+    const place = by("curves"), gone = new AbortController();
+    /** @type {any} */ (place).gone?.abort();
+    /** @type {any} */ (place).gone = gone;
+    if (now.asked && shown[0]) {
+      const { result } = await shown[0].ask("result");
+      const { figure: svg, extrapolated } = surrogates.call("predict", { ...now.asked, result });
+      replace(place, figure(svg, "The test over its prediction", `${shown[0].name} in black over what the surrogate predicts${extrapolated ? "; these inputs are outside of its runs" : ""}; bands hold 90 % of new samples.`, gone.signal));
+      return;
+    }
+    const columns = /** @type {Run} */ (shown[0]).columns, has = (/** @type {string} */ name) => columns.some(column => column.name === name);
+    const x = ALONG.find(name => has(name) && moves(shown, name)) ?? "state";
+    const axis = (/** @type {string} */ name) => { const unit = columns.find(column => column.name === name)?.unit; return unit ? `${words(name)} (${unit})` : words(name); };
+    const panels = SHOWN.flatMap(names => names.find(name => has(name) && name !== x) ?? []).map(y => ({
+      x: axis(x), y: axis(y), curves: shown.map(run => ({ name: run.name, points: run.points(x, y) })),
+    }));
+    replace(place, figure(surrogates.call("curves", { panels }).figure, "Curves of the test", "Compression is positive; strains are logarithmic.", gone.signal));
+  } catch (error) {
+    replace(by("curves"), trouble(error));
+  } finally {
+    now.drawing = false;
+  }
+}
+
+/** True if a column changes in a run. @param {Run[]} runs @param {string} name */
+function moves(runs, name) {
+  return runs.some(run => { const values = run.points("state", name).map(point => point[1]); return Math.max(...values) - Math.min(...values) > 1e-6; });
+}
+
+/** What is offered once all runs have ended. @param {Tools} tools */
+function results(tools) {
+  const first = now.runs.find(run => run.digest);
+  const place = document.getElementById("results");
+  if (!first || !place || place.childElementCount) return;
+  const measures = first.answer.measures.filter((/** @type {any} */ one) => typeof one.value === "number").slice(0, 12);
+  const missed = (first.answer.quality ?? []).filter((/** @type {any} */ flag) => !flag.passed);
+  const report = async () => {
+    const [{ result }, surrogates] = [await first.ask("result", { assemblies: true }), await tools.surrogates()];
+    save("report.html", "text/html", surrogates.call("report", { result, name: first.name }).html);
+  };
+  const button = (/** @type {string} */ label, /** @type {() => unknown} */ onclick) => element("button", { type: "button", onclick }, label);
+  replace(place,
+    element("h3", {}, `What ${first.name} has shown`),
+    element("ul", { class: "tiles" }, measures.map((/** @type {any} */ one) => element("li", { class: "tile" }, element("b", {}, quantity(one.value, one.unit, 3)), element("span", {}, words(one.name))))),
+    missed.map((/** @type {any} */ flag) => element("p", { class: "callout bad" }, `${words(flag.name)} is ${quantity(flag.value, "", 3)} and should be at most ${quantity(flag.limit, "", 3)}. ${flag.advice}`)),
+    element("p", {}, `Its digest is ${first.digest}: granum run case.toml and granum digest give the same on any machine.`),
+    element("div", { class: "tools" },
+      button("Case", () => save("case.toml", "application/toml", first.text)),
+      button("Series (CSV)", async () => save("series.csv", "text/csv", (await first.ask("series")).csv)),
+      button("Report (HTML)", () => void report())));
+  announce("The test is complete");
+}
+
+/** Gives a file to the reader. @param {string} name @param {string} type @param {string} content */
+function save(name, type, content) {
+  const address = URL.createObjectURL(new Blob([content], { type }));
+  element("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
+
+start().catch(error => replace(main, element("h1", {}, "A laboratory of grains"), trouble(error)));
