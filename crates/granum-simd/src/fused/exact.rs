@@ -1,4 +1,8 @@
 //! A fused multiply-add of single numbers that needs no instruction for it.
+#![cfg_attr(
+    any(target_arch = "aarch64", granum_relaxed),
+    allow(dead_code, reason = "every processor of these targets has the instruction")
+)]
 
 /// `factor * other + term`, rounded once, on any processor.
 ///
@@ -7,10 +11,6 @@
 /// it were the only one: S. Boldo and G. Melquiond, Emulation of a FMA and correctly rounded sums: proved algorithms using
 /// rounding to odd, IEEE Transactions on Computers 57 (2008) 462. Elsewhere, integers are summed ([`by_integers`]).
 #[inline(never)]
-#[cfg_attr(
-    target_arch = "aarch64",
-    allow(dead_code, reason = "every processor of this architecture has the instruction")
-)]
 pub(crate) fn exact(factor: f64, other: f64, term: f64) -> f64 {
     // Magnitudes from 2^-480 to 2^480, and of the term from 2^-900 to 2^1000: no error of a product or sum is lost, and a result so
     // small that it has fewer bits is exact.
