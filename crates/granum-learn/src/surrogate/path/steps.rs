@@ -83,7 +83,8 @@ impl PathSteps {
     }
 
     /// The run that goes on from a memory: the row before, the place on the path, the sample, the last increments, and the state of each network.
-    fn resumed(&self, parts: &[Vec<f64>]) -> Result<Run> {
+    /// `known` are networks with any states, which saves making others.
+    fn resumed(&self, parts: &[Vec<f64>], known: Option<Vec<Box<dyn Stepper>>>) -> Result<Run> {
         let fitted = &self.fitted;
         let (widths, columns) = (fitted.channels.widths(), fitted.columns.inputs.len());
         let wrong = |what: &str| fitted.failed(format!("this is not a memory of it: {what}"));
@@ -106,7 +107,10 @@ impl PathSteps {
             return Err(wrong("it has other numbers of values"));
         };
         // The start values count for the states before the first row alone, which are replaced.
-        let mut steppers = self.steppers(&vec![0.0; self.rotations.len() * widths.starts()])?;
+        let mut steppers = match known {
+            Some(steppers) => steppers,
+            None => self.steppers(&vec![0.0; self.rotations.len() * widths.starts()])?,
+        };
         for (stepper, state) in steppers.iter_mut().zip(states) {
             stepper.set_state(state).map_err(|error| fitted.failed(error))?;
         }
@@ -228,9 +232,9 @@ impl RunSteps for PathSteps {
     }
 
     fn resume(&mut self, memory: &RunMemory) -> Result<()> {
-        self.restart();
+        let known = self.run.take().map(|run| run.steppers);
         if !memory.is_start() {
-            self.run = Some(self.resumed(memory.parts())?);
+            self.run = Some(self.resumed(memory.parts(), known)?);
         }
         Ok(())
     }
