@@ -23,7 +23,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         answer.stress()[2][2] / 1e3,
         answer.noise()[2][2] / 1e3,
         sheared.stress()[2][0] / 1e3,
-        sheared.state.void_ratio()
+        sheared.state.void_ratio().unwrap_or(f64::NAN)
     );
     // ANCHOR_END: point
 

@@ -205,7 +205,7 @@ impl PointState {
 
     /// Volume of the voids over that of the grains.
     #[getter]
-    fn void_ratio(&self) -> f64 {
+    fn void_ratio(&self) -> Option<f64> {
         self.inner.void_ratio()
     }
 
@@ -218,6 +218,7 @@ impl PointState {
     /// The values of every sensor of one state, by column.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measured = detached(py, || self.inner.measure(&Sensors::standard()))?;
+        let measured = measured.ok_or_else(|| errors::of_running(py, "this state has no grains"))?;
         answer(py, &measured)
     }
 }

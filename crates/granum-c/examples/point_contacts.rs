@@ -17,7 +17,7 @@ use granum_point::{State, Store};
 
 /// The rows of a state.
 fn rows(name: u64, state: &State, table: &mut String) -> Result<(), Box<dyn Error>> {
-    let assembly = state.observed().assembly();
+    let assembly = state.observed().ok_or("this point has no grains")?.assembly();
     let inverse = invert(&assembly.cell);
     let widths = [0, 1, 2].map(|k| assembly.cell[k][k]);
     let stress = state.stress();

@@ -16,7 +16,7 @@ use granum_point::{Recipe, Store};
 
 /// Everything that a state has, as bits.
 fn bits(state: &granum_point::State) -> Result<Vec<u8>, Box<dyn Error>> {
-    let mut bytes = state.simulation().checkpoint("")?;
+    let mut bytes = state.simulation().ok_or("this point has no grains")?.checkpoint("")?;
     bytes.extend(state.stress().iter().flatten().flat_map(|x| x.to_le_bytes()));
     Ok(bytes)
 }

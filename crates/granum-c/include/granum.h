@@ -238,18 +238,25 @@ void granum_state_free(struct granum_state *state);
 int granum_state_stress(const struct granum_state *state, double *stress);
 
 /*
- The standard deviation of the six components of the stress over the steps of their average, Pa, in the axes of the cell.
+ The standard deviation of the six components of the stress, Pa, in the axes of the cell: of grains that over the steps of their average, of a
+ surrogate that of its prediction for a new sample.
  */
 int granum_state_noise(const struct granum_state *state,
                        double *noise);
 
 /*
- The void ratio: volume of the voids over that of the grains.
+ The void ratio: volume of the voids over that of the grains. A surrogate may not know it.
  */
 int granum_state_void_ratio(const struct granum_state *state, double *void_ratio);
 
 /*
- A value of a sensor by the name of its column, for example "coordination_number" or "phi_d".
+ Number of the inputs and other quantities of a state that are outside of what its surrogate was trained on: its answer should not be trusted if there are
+ any. Zero for grains.
+ */
+int granum_state_outside(const struct granum_state *state, uint64_t *count);
+
+/*
+ A value of a sensor by the name of its column, for example "coordination_number" or "phi_d", or of an output of a surrogate.
  */
 int granum_state_sensor(const struct granum_state *state, const char *column, double *value);
 

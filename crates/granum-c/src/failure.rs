@@ -50,14 +50,14 @@ impl Failure {
     fn code(&self) -> i32 {
         match self {
             Failure::Argument(_) => GRANUM_ERROR_ARGUMENT,
-            Failure::File { .. } | Failure::Sample(_) | Failure::Point(PointError::Sample(_)) => {
-                GRANUM_ERROR_FILE
-            }
+            Failure::File { .. }
+            | Failure::Sample(_)
+            | Failure::Point(PointError::Sample(_) | PointError::NoMaterial { .. }) => GRANUM_ERROR_FILE,
             Failure::Store(StoreError::Read { .. } | StoreError::Write(_) | StoreError::File { .. }) => {
                 GRANUM_ERROR_FILE
             }
             Failure::Store(StoreError::NoPoint { .. } | StoreError::NoTicket { .. }) => GRANUM_ERROR_UNKNOWN,
-            Failure::Point(PointError::Control { .. }) => GRANUM_ERROR_ARGUMENT,
+            Failure::Point(PointError::Control { .. } | PointError::NoGrains { .. }) => GRANUM_ERROR_ARGUMENT,
             _ => GRANUM_ERROR_REFUSED,
         }
     }

@@ -45,19 +45,31 @@ pub unsafe extern "C" fn granum_state_stress(state: *const GranumState, stress: 
     guarded(|| unsafe { six(state, stress, "stress", |state| state.0.stress()) })
 }
 
-/// The standard deviation of the six components of the stress over the steps of their average, Pa, in the axes of the cell.
+/// The standard deviation of the six components of the stress, Pa, in the axes of the cell: of grains that over the steps of their average, of a
+/// surrogate that of its prediction for a new sample.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn granum_state_noise(state: *const GranumState, noise: *mut f64) -> c_int {
     guarded(|| unsafe { six(state, noise, "noise", |state| *state.0.noise()) })
 }
 
-/// The void ratio: volume of the voids over that of the grains.
+/// The void ratio: volume of the voids over that of the grains. A surrogate may not know it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn granum_state_void_ratio(state: *const GranumState, void_ratio: *mut f64) -> c_int {
-    guarded(|| unsafe { write(void_ratio, reference(state, "state")?.0.void_ratio(), "void ratio") })
+    guarded(|| unsafe {
+        let found = reference(state, "state")?.0.void_ratio();
+        let missing = || Failure::Argument("the surrogate of this point knows no void ratio".to_string());
+        write(void_ratio, found.ok_or_else(missing)?, "void ratio")
+    })
 }
 
-/// A value of a sensor by the name of its column, for example "coordination_number" or "phi_d".
+/// Number of the inputs and other quantities of a state that are outside of what its surrogate was trained on: its answer should not be trusted if there are
+/// any. Zero for grains.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn granum_state_outside(state: *const GranumState, count: *mut u64) -> c_int {
+    guarded(|| unsafe { write(count, reference(state, "state")?.0.outside().len() as u64, "number") })
+}
+
+/// A value of a sensor by the name of its column, for example "coordination_number" or "phi_d", or of an output of a surrogate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn granum_state_sensor(
     state: *const GranumState,
@@ -66,10 +78,10 @@ pub unsafe extern "C" fn granum_state_sensor(
 ) -> c_int {
     guarded(|| unsafe {
         let column = text(column, "name of the column")?;
-        let measurement = reference(state, "state")?.0.measure(&Sensors::standard());
+        let found = reference(state, "state")?.0.value(column, &Sensors::standard());
         let missing =
-            || Failure::Argument(format!("no sensor gives the column {column:?} of a single state"));
-        write(value, measurement.value(column).ok_or_else(missing)?, "value")
+            || Failure::Argument(format!("no sensor or surrogate gives the column {column:?} of this state"));
+        write(value, found.ok_or_else(missing)?, "value")
     })
 }
 

@@ -211,7 +211,11 @@ pub(crate) fn write_answer(
     }
     let noise = answer.state.noise().iter().flatten().fold(0.0f64, |most, x| most.max(*x));
     let state = &answer.state;
-    let values = [answer.ticket as f64, state.void_ratio(), state.coordination_number(), noise / unit];
+    // Neither can be negative: minus one where a surrogate does not know it.
+    let known = |value: Option<f64>| value.unwrap_or(-1.0);
+    let (void_ratio, contacts) = (known(state.void_ratio()), known(state.coordination_number()));
+    let outside = state.outside().len() as f64;
+    let values = [answer.ticket as f64, void_ratio, contacts, noise / unit, outside];
     for (place, value) in statev.iter_mut().skip(1).zip(values) {
         *place = value;
     }

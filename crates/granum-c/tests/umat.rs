@@ -412,3 +412,74 @@ fn a_user_mod_gives_what_a_umat_gives() {
     let (_, _, _, _, abort) = model.call(2, dstran, 0);
     assert_eq!(abort, 0);
 }
+
+/// A tensor network of an elastic body, hardly trained: it is saved where the configuration finds it.
+fn save_a_surrogate() {
+    use granum_core::observer::NoObserver;
+    use granum_core::{Column, Table};
+    use granum_learn::surrogate::{FitSpec, PathCell, PathNetworks, SurrogateMethod, save};
+    use granum_learn::{Dataset, RunStates};
+
+    let normal = ["axial_strain", "lateral_strain_2", "lateral_strain_3"];
+    let strains = normal.into_iter().chain(["shear_strain_yz", "shear_strain_zx", "shear_strain_xy"]);
+    let stresses = ["stress_11", "stress_22", "stress_33", "stress_23", "stress_13", "stress_12"];
+    let run = |seed: u32| {
+        let strain = |k: u32| (0..20).map(move |i| 1e-4 * f64::from(i) * (f64::from(7 * seed + k)).sin());
+        let columns = strains.clone().zip(0..).map(|(name, k)| Column::new(name, "1", strain(k).collect()));
+        let at = |k: u32, x: f64| if k < 3 { 1e5 + 4e7 * x } else { 2e7 * x };
+        let stress = |k: u32| strain(k).map(|strain| at(k, strain)).collect();
+        let answers = stresses.into_iter().zip(0..).map(|(name, k)| Column::new(name, "Pa", stress(k)));
+        let table = Table::new(columns.chain(answers).collect())?;
+        RunStates::new(&format!("run-{seed}"), table)?.with_parameter("sample.void_ratio", "1", 0.6)
+    };
+    let dataset = Dataset::new((0..8).map(run).collect::<granum_learn::Result<_>>().unwrap()).unwrap();
+    let mut method = PathNetworks::new(PathCell::TensorStateSpace);
+    (method.hidden, method.networks) = (8, 1);
+    method.trainer = granum_nets::trainer::Adam {
+        epochs: 200,
+        learning_rate: 0.02,
+        batch_sequences: 4,
+        ..Default::default()
+    }
+    .into();
+    let spec = FitSpec::new(strains.clone().chain(["sample.void_ratio"]), stresses).with_threads(1);
+    let fitted = method.fit(&dataset, &spec, &mut NoObserver).unwrap();
+    save(&folder().join("sand.json"), fitted.as_ref()).unwrap();
+}
+
+/// A surrogate of the configuration answers a host as a case does.
+#[test]
+fn a_surrogate_stands_for_a_case() {
+    save_a_surrogate();
+    let lines = "[[material]]\nsurrogate = 'sand.json'\ninputs = { 'sample.void_ratio' = 0.6 }\ninitial_stress = 'sample'\n\
+                 tangent = 'probes'";
+    let _alone = open("abaqus", lines);
+    let mut named = Point::new(41.0, 6);
+    named.statev.push(0.0);
+    let ask = |from: &Point, dstran: &[f64]| from.call(dstran, 3, true, null(), 2.0);
+    let start = ask(&named, &[0.0; 6]).0;
+    assert!((start.stress[0] + 1e5).abs() < 3e4, "{:?}", start.stress);
+    // A zero increment changes no bit; the stress that comes back is that of the state.
+    assert_eq!(ask(&start, &[0.0; 6]).0.stress, start.stress);
+    let sheared = ask(&start, &[0.0, 0.0, 0.0, 0.0, 0.0, 5e-4]).0;
+    assert!(sheared.stress[5] - start.stress[5] > 2e3, "{:?} {:?}", sheared.stress, start.stress);
+    assert!(sheared.ddsdde[35] > 2e6 && sheared.ddsdde[0] > 5e6, "{:?}", sheared.ddsdde);
+    // The void ratio follows the strain, contacts are not known, and nothing is outside.
+    assert!((sheared.statev[2] - 0.6).abs() < 1e-12 && sheared.statev[3] == -1.0, "{:?}", sheared.statev);
+    let far = ask(&sheared, &[-0.02, 0.0, 0.0, 0.0, 0.0, 0.0]).0;
+    assert_eq!(sheared.statev[5], 0.0);
+    assert!(far.statev[5] > 0.0, "what is outside is told: {:?}", far.statev);
+    // What cannot be answered is NaN with a shorter step, and says why.
+    let (absurd, shorter) = ask(&sheared, &[-3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert!(
+        absurd.stress[0].is_nan() && shorter == 0.5 && message().contains("take a smaller step"),
+        "{}",
+        message()
+    );
+    let mut edited = sheared.clone();
+    edited.stress[0] -= 5e4;
+    let (refused, _) = ask(&edited, &[0.0; 6]);
+    assert!(refused.stress[0].is_nan() && message().contains("needs grains"), "{}", message());
+    // The point is where it was.
+    assert_eq!(ask(&sheared, &[0.0; 6]).0.stress, sheared.stress);
+}

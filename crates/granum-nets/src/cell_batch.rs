@@ -90,10 +90,10 @@ impl<C: CellKernel> CellBatch<C> {
         self.pass(number, weights, true);
     }
 
-    /// A pass over a group, which begins with the first state or with the state that is there.
-    fn pass(&mut self, number: usize, weights: &[f64], begins: bool) {
-        let CellBatch { isa, cell, groups, work, .. } = self;
-        let group = &mut groups[number];
+    /// Makes room for the intermediate results of a group; what is there stays.
+    fn fit(&mut self, number: usize) {
+        let CellBatch { cell, groups, work, .. } = self;
+        let group = &groups[number];
         let (sizes, stride) = (cell.sizes(), group.layout.stride);
         work.outputs.resize(sizes.outputs * stride, Row8::default());
         work.output_deltas.resize(sizes.outputs * stride, Row8::default());
@@ -103,6 +103,13 @@ impl<C: CellKernel> CellBatch<C> {
         for (matrix, rows) in work.own.iter_mut().zip(own) {
             matrix.resize(rows * stride, Row8::default());
         }
+    }
+
+    /// A pass over a group, which begins with the first state or with the state that is there.
+    fn pass(&mut self, number: usize, weights: &[f64], begins: bool) {
+        self.fit(number);
+        let CellBatch { isa, cell, groups, work, .. } = self;
+        let group = &mut groups[number];
         let (isa, cell) = (*isa, *cell);
         if begins {
             dispatch(isa, Start { cell, weights, group, work });
@@ -130,6 +137,39 @@ impl<C: CellKernel> NextRows for CellBatch<C> {
         Group::carry(layout, below, first);
         for place in cell.carried() {
             Group::carry(layout, &mut work.own[*place], 0);
+        }
+    }
+
+    fn state_values(&self) -> usize {
+        let own = self.cell.own();
+        self.cell.sizes().state + self.cell.carried().iter().map(|place| own[*place]).sum::<usize>()
+    }
+
+    fn state(&self) -> Vec<f64> {
+        let CellBatch { cell, groups, work, .. } = self;
+        let Group { layout, below, .. } = &groups[0];
+        let mut states = Group::values(layout, below, cell.sizes().inputs + 1);
+        for place in cell.carried() {
+            let further = Group::values(layout, &work.own[*place], 0);
+            states.iter_mut().zip(further).for_each(|(state, further)| state.extend(further));
+        }
+        states.concat()
+    }
+
+    fn set_state(&mut self, state: &[f64]) {
+        self.fit(0);
+        let width = self.state_values();
+        let CellBatch { cell, groups, work, .. } = self;
+        let Group { layout, below, .. } = &mut groups[0];
+        let (sizes, own) = (cell.sizes(), cell.own());
+        for (lane, values) in state.chunks_exact(width).enumerate() {
+            let (first, mut further) = values.split_at(sizes.state);
+            Group::set_values(layout, below, sizes.inputs + 1, lane, first);
+            for place in cell.carried() {
+                let (part, rest) = further.split_at(own[*place]);
+                Group::set_values(layout, &mut work.own[*place], 0, lane, part);
+                further = rest;
+            }
         }
     }
 }

@@ -121,6 +121,22 @@ impl NextRows for GruBatch {
         let Group { layout, below, .. } = &mut self.groups[0];
         Group::carry(layout, below, self.shape.inputs + 1);
     }
+
+    fn state_values(&self) -> usize {
+        self.shape.hidden
+    }
+
+    fn state(&self) -> Vec<f64> {
+        let Group { layout, below, .. } = &self.groups[0];
+        Group::values(layout, below, self.shape.inputs + 1).concat()
+    }
+
+    fn set_state(&mut self, state: &[f64]) {
+        let Group { layout, below, .. } = &mut self.groups[0];
+        for (lane, values) in state.chunks_exact(self.shape.hidden).enumerate() {
+            Group::set_values(layout, below, self.shape.inputs + 1, lane, values);
+        }
+    }
 }
 
 fn cell_sizes(shape: &GruShape) -> CellSizes {

@@ -159,6 +159,21 @@ impl Group {
         }
     }
 
+    /// The values before the first step, sequence by sequence, in the rows from `first` on of a matrix over all steps.
+    pub fn values(layout: &Layout, matrix: &[Row8], first: usize) -> Vec<Vec<f64>> {
+        let value = |lane: usize, row: &[Row8]| row[lane / LANES].0[lane % LANES];
+        let rows = || matrix[first * layout.stride..].chunks_exact(layout.stride);
+        (0..layout.lanes.len()).map(|lane| rows().map(|row| value(lane, row)).collect()).collect()
+    }
+
+    /// Sets the values before the first step of a sequence, as [`Group::values`] gave them.
+    pub fn set_values(layout: &Layout, matrix: &mut [Row8], first: usize, lane: usize, values: &[f64]) {
+        let rows = matrix[first * layout.stride..].chunks_exact_mut(layout.stride);
+        for (row, value) in rows.zip(values) {
+            row[lane / LANES].0[lane % LANES] = *value;
+        }
+    }
+
     fn new(sizes: &CellSizes, rows: &SequenceRows, members: &[(usize, usize, usize)], ahead: usize) -> Group {
         let layout = Layout::new(members, ahead);
         let CellSizes { inputs, starts, outputs, .. } = *sizes;

@@ -88,4 +88,17 @@ impl SequenceSteps {
     pub fn accept(&mut self) {
         self.stepper.accept();
     }
+
+    /// The state before the next row as a value; empty before the first row was accepted.
+    pub fn state(&self) -> Vec<f64> {
+        self.stepper.state()
+    }
+
+    /// Goes on from a state that [`SequenceSteps::state`] gave, of any sequence of the same model, with the same bits.
+    ///
+    /// # Errors
+    /// If it is not the state of such a model.
+    pub fn set_state(&mut self, state: &[f64]) -> Result<(), ModelError> {
+        Ok(self.stepper.set_state(state)?)
+    }
 }

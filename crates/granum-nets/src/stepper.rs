@@ -32,6 +32,17 @@ pub trait Stepper: Send + Sync {
 
     /// The state after the rows that were predicted last becomes that before the next ones.
     fn accept(&mut self);
+
+    /// The state before the next rows as a value, sequence by sequence; empty before the first rows were accepted.
+    fn state(&self) -> Vec<f64>;
+
+    /// Goes on from a state that [`Stepper::state`] gave, of this stepper or of another one of the same network with as many sequences. The rows
+    /// after it have the same bits as those after it in its own sequence. An empty state is that before the first rows, with the start values of
+    /// this stepper.
+    ///
+    /// # Errors
+    /// If there are not so many values as this network's state has, or one is not finite.
+    fn set_state(&mut self, state: &[f64]) -> Result<(), TrainingError>;
 }
 
 /// The batches of a kind of network, for sequences of one row after which others follow.
@@ -43,6 +54,15 @@ pub(crate) trait NextRows: Send + Sync {
 
     /// The state after these rows becomes that before the next ones.
     fn carry(&mut self);
+
+    /// Number of values of the state of a sequence.
+    fn state_values(&self) -> usize;
+
+    /// The state before the next rows, sequence by sequence.
+    fn state(&self) -> Vec<f64>;
+
+    /// Sets the state before the next rows.
+    fn set_state(&mut self, state: &[f64]);
 }
 
 /// A network with the states of sequences.
@@ -82,6 +102,26 @@ impl<B: NextRows> Stepper for Steps<B> {
             self.begins = false;
         }
     }
+
+    fn state(&self) -> Vec<f64> {
+        if self.begins { Vec::new() } else { self.rows.state() }
+    }
+
+    fn set_state(&mut self, state: &[f64]) -> Result<(), TrainingError> {
+        let needed = self.sequences * self.rows.state_values();
+        if !state.is_empty() && state.len() != needed {
+            let found = state.len();
+            return Err(TrainingError::Rows(format!("the state has {needed} values, not {found}")));
+        }
+        if let Some(value) = state.iter().find(|value| !value.is_finite()) {
+            return Err(TrainingError::Rows(format!("a value of the state is {value}, not a finite number")));
+        }
+        (self.begins, self.predicted) = (state.is_empty(), false);
+        if !self.begins {
+            self.rows.set_state(state);
+        }
+        Ok(())
+    }
 }
 
 /// Puts the outputs of rows in the order of their sequences.
@@ -111,6 +151,9 @@ mod tests {
             for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
                 let together = network.evaluate(isa, &inputs, Some(&sequences)).unwrap();
                 let mut stepper = network.stepper(isa, count, &first).unwrap();
+                // Another one, which has advanced in its own way, goes on from the states of the first.
+                let mut other = network.stepper(isa, count, &vec![0.3; first.len()]).unwrap();
+                let mut states: Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> = Vec::new();
                 for step in 0..steps {
                     let of_step = |values: &[f64], width: usize| -> Vec<f64> {
                         let rows = values.chunks_exact(width).skip(step).step_by(steps);
@@ -119,12 +162,28 @@ mod tests {
                     let mut outputs = vec![0.0; count * width];
                     stepper.predict(&vec![0.7; count * columns], &mut outputs).unwrap();
                     stepper.predict(&of_step(&inputs, columns), &mut outputs).unwrap();
+                    let before = stepper.state();
                     stepper.accept();
                     stepper.accept();
+                    states.push((before, of_step(&inputs, columns), outputs.clone()));
                     let expected = of_step(&together, width);
                     let same = outputs.iter().zip(&expected).all(|(a, b)| a.to_bits() == b.to_bits());
                     assert!(same, "{} {count} {step} {isa:?}: {outputs:?} {expected:?}", network.name());
                 }
+                assert!(states[0].0.is_empty(), "before the first rows there is no state");
+                for (state, rows, expected) in states.iter().skip(1).rev() {
+                    other.set_state(state).unwrap();
+                    let mut outputs = vec![0.0; count * width];
+                    other.predict(rows, &mut outputs).unwrap();
+                    let same = outputs.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits());
+                    assert!(same, "{} {count} {isa:?}: {outputs:?} {expected:?}", network.name());
+                    assert_eq!(&other.state(), state, "a prediction that was not accepted leaves no trace");
+                    other.accept();
+                }
+                stepper.set_state(&[]).unwrap();
+                let mut outputs = vec![0.0; count * width];
+                stepper.predict(&states[0].1, &mut outputs).unwrap();
+                assert_eq!(outputs, states[0].2, "an empty state is the beginning");
             }
         }
     }
@@ -158,6 +217,12 @@ mod tests {
         assert!(
             stepper.predict(&[0.0; 2], &mut [0.0; 2]).unwrap_err().to_string().contains("needs 3 inputs")
         );
+        let error = |state: &[f64]| {
+            let mut stepper = gru.stepper(Isa::detect(), 1, &[0.0; 2]).unwrap();
+            stepper.set_state(state).err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert!(error(&[0.0; 8]).contains("has 9 values, not 8"), "{}", error(&[0.0; 8]));
+        assert!(error(&[f64::NAN; 9]).contains("not a finite number"), "{}", error(&[f64::NAN; 9]));
         let network = Network::new(&[3, 4, 1], 1).unwrap();
         let error = network.stepper(Isa::detect(), 1, &[]).err().unwrap().to_string();
         assert!(error.contains("no state"), "{error}");

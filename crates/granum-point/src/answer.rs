@@ -9,7 +9,7 @@ use crate::state::State;
 pub struct Answer {
     /// The state after the increment.
     pub state: State,
-    /// Number of steps of the engine that it took when it was computed; an answer that is remembered costs none.
+    /// Number of steps of the engine, or of a surrogate, that it took when it was computed; an answer that is remembered costs none.
     pub steps: u64,
 }
 
@@ -19,7 +19,7 @@ impl Answer {
         self.state.stress()
     }
 
-    /// Standard deviation of each component of the stress over the steps of the average, Pa.
+    /// Standard deviation of each component of the stress, Pa ([`State::noise`]).
     pub fn noise(&self) -> &Matrix {
         self.state.noise()
     }

@@ -3,6 +3,7 @@
 use granum_dem::checkpoint::CheckpointError;
 use granum_dem::loading::ControlError;
 use granum_dem::simulation::SimulationError;
+use granum_learn::LearnError;
 use granum_run::LaboratoryError;
 use granum_run::stiffness::StiffnessError;
 
@@ -95,6 +96,37 @@ pub enum PointError {
         /// Mean stress that is imposed, Pa.
         mean_stress: f64,
     },
+    /// A surrogate is not that of a material point.
+    #[error(
+        "a surrogate of the method {method} cannot stand for a material point: {reason}; it must have a memory, the six strains (axial_strain, \
+         lateral_strain_2, lateral_strain_3, shear_strain_yz, shear_strain_zx, shear_strain_xy) among its inputs and the six stresses (stress_11, \
+         stress_22, stress_33, stress_23, stress_13, stress_12) among its outputs"
+    )]
+    NoMaterial {
+        /// Its method.
+        method: String,
+        /// The reason.
+        reason: String,
+    },
+    /// A surrogate is asked for what only grains can do.
+    #[error("{what} needs grains, and the stress of this point is predicted by a surrogate: {instead}")]
+    NoGrains {
+        /// What was asked.
+        what: &'static str,
+        /// What can be asked instead.
+        instead: &'static str,
+    },
+    /// A state is of the other kind than the point.
+    #[error("the state is of a point of {state}, and this is a point of {point}")]
+    OtherKind {
+        /// What the state consists of.
+        state: &'static str,
+        /// What the point consists of.
+        point: &'static str,
+    },
+    /// The surrogate has no answer.
+    #[error(transparent)]
+    Surrogate(#[from] LearnError),
     /// The caller stopped it.
     #[error("the increment was stopped by its caller; no state was made of it")]
     Stopped,

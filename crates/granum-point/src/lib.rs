@@ -1,4 +1,4 @@
-//! A material point: a sample of grains that a program strains step by step, and that answers with stress, stiffness and sensors.
+//! A material point: a sample of grains, or a surrogate of one, that a program strains step by step, and that answers with stress, stiffness and sensors.
 //!
 //! ```text
 //! State + Increment --> MaterialPoint --> Answer { State, stress, noise }
@@ -7,6 +7,9 @@
 //! States are values ([`State`]): [`MaterialPoint::advance`] makes a new one and leaves the old one as it was. The same increment from
 //! the same state gives the same bits, whatever was asked in between and on any number of threads. A [`Store`] keeps the states of many
 //! points under numbers that a finite-element program can carry in its state variables, and writes all of them to one file.
+//!
+//! Behind a point is a live cell of the engine, or a surrogate with memory from six strains to six stresses ([`MaterialPoint::from_surrogate`]), which answers in
+//! microseconds. Stores, tickets, refusals and everything else that a program sees of a point are the same for both.
 //!
 //! Compression is positive and the unit is the pascal, as in all of granum. Programs with tension positive convert once, at their border.
 //!
@@ -41,6 +44,8 @@ mod store;
 mod store_error;
 mod store_file;
 mod straining;
+mod surrogate_model;
+mod surrogate_state;
 mod tangent;
 
 pub use answer::Answer;

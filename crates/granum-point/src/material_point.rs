@@ -1,4 +1,7 @@
-//! A material point whose sample is a live cell of the engine.
+//! A material point: a live cell of the engine, or a surrogate in its place.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use granum_core::digest::Digest;
 use granum_core::geometry::{Matrix, multiply};
@@ -8,6 +11,7 @@ use granum_dem::observer::NoObserver;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunKind};
+use granum_learn::surrogate::Surrogate;
 use granum_run::stiffness::Tensor;
 use granum_run::{Laboratory, Source};
 
@@ -17,13 +21,14 @@ use crate::controls::{BeyondLargest, Controls};
 use crate::error::PointError;
 use crate::identity::Identity;
 use crate::imposed_stress::{impose, largest_difference};
-use crate::increment::Increment;
+use crate::increment::{Increment, Pace};
 use crate::matrix_functions::{UNIT, transposed};
 use crate::recipe::Recipe;
 use crate::rotated::{stiffness_to_space, to_cell};
 use crate::secant;
-use crate::state::{Content, State};
-use crate::straining::{relax, strain};
+use crate::state::{Content, Matter, State};
+use crate::straining::{AveragedStress, relax, strain};
+use crate::surrogate_model::SurrogateModel;
 use crate::tangent::{self, Tangent};
 
 /// Number of answers that are remembered.
@@ -35,11 +40,22 @@ const LEAST_SHARE: f64 = 0.01;
 /// Difference from an imposed stress, over its scale, up to which a state counts as having it.
 const SAME_STRESS: f64 = 1e-6;
 
-/// A material point: a sample of grains, and how it is strained.
+/// Strain of the differences from which the first secant stiffness of a surrogate follows.
+const FIRST_PROBE: f64 = 1e-4;
+
+/// What answers.
+enum Model {
+    /// The grains of the states.
+    Grains,
+    Surrogate(SurrogateModel),
+}
+
+/// A material point: a sample of grains, or a surrogate of one, and how it is strained.
 ///
 /// It has no state of its own: states are values that the caller holds. It can be asked from any number of threads at the same time,
 /// and answers with the same bits on each.
 pub struct MaterialPoint {
+    model: Model,
     controls: Controls,
     least_mean_stress: f64,
     start: State,
@@ -67,23 +83,93 @@ impl MaterialPoint {
         controls.digest(&mut digest);
         digest.bytes(&simulation.checkpoint("")?);
         let secant = tangent::affine(&simulation)?;
-        let start = State::new(Content {
+        let start = Content {
             identity: Identity::new(digest),
-            simulation,
+            matter: Matter::Grains(Box::new(simulation)),
             rotation: UNIT,
             stress: averaged.mean,
             noise: averaged.deviation,
             secant,
-        });
+        };
+        Ok(MaterialPoint::from_start(Model::Grains, controls, start, mean_stress))
+    }
+
+    /// A material point whose stress a surrogate with memory predicts from strains, for example one of the methods `path-...`. `sample` has the values of its
+    /// inputs that are no strains, by name. Its inputs are the six logarithmic strains since the start, of which the first row has none, in axes that rotate
+    /// with the sample; its outputs are the six stresses, Pa, and any others ([`State::value`]).
+    ///
+    /// Of the controls the largest and the absurd increment and the least mean stress count. A surrogate knows no time, so that the pace of an increment
+    /// changes nothing. Its answer depends on how a path is cut: increments should be about as long as those between its training states.
+    ///
+    /// ```
+    /// use granum_core::observer::NoObserver;
+    /// use granum_core::{Column, Table};
+    /// use granum_learn::surrogate::{FitSpec, Recurrent, SurrogateMethod};
+    /// use granum_learn::{Dataset, RunStates};
+    /// use granum_nets::trainer::Adam;
+    /// use granum_point::{Controls, Increment, MaterialPoint, Tangent};
+    ///
+    /// // An elastic body, for want of grains.
+    /// let strains = ["axial_strain", "lateral_strain_2", "lateral_strain_3", "shear_strain_yz", "shear_strain_zx", "shear_strain_xy"];
+    /// let stresses = ["stress_11", "stress_22", "stress_33", "stress_23", "stress_13", "stress_12"];
+    /// let run = |seed: u32| {
+    ///     let strain = |k: u32| (0..20).map(move |i| 1e-3 * f64::from(i) * (f64::from(7 * seed + k)).sin());
+    ///     let columns = strains.into_iter().zip(0..).map(|(name, k)| Column::new(name, "1", strain(k).collect()));
+    ///     let stress = |k: u32| strain(k).map(|strain| 1e5 + 1e7 * strain).collect();
+    ///     let columns = columns.chain(stresses.into_iter().zip(0..).map(|(name, k)| Column::new(name, "Pa", stress(k))));
+    ///     RunStates::new(&format!("run-{seed}"), Table::new(columns.collect())?)
+    /// };
+    /// let dataset = Dataset::new((0..6).map(run).collect::<granum_learn::Result<_>>()?)?;
+    /// let mut method = Recurrent::default();
+    /// (method.hidden, method.networks, method.trainer) = (6, 1, Adam { epochs: 20, ..Adam::default() }.into());
+    /// let surrogate = method.fit(&dataset, &FitSpec::new(strains, stresses), &mut NoObserver)?;
+    ///
+    /// let point = MaterialPoint::from_surrogate(surrogate.into(), &Default::default(), Controls::default())?;
+    /// let compressed = point.advance(&point.start(), &Increment::from_components([1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]))?;
+    /// let stiffness = point.tangent(&compressed.state, Tangent::Probes { strain: 1e-5 })?;
+    /// assert!(stiffness.0[0][0].is_finite() && compressed.state.simulation().is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`PointError::Control`], [`PointError::NoMaterial`] if it is not a surrogate of this kind, and [`PointError::Surrogate`] if it has no answer without strain.
+    pub fn from_surrogate(
+        surrogate: Arc<dyn Surrogate>,
+        sample: &BTreeMap<String, f64>,
+        controls: Controls,
+    ) -> Result<MaterialPoint, PointError> {
+        controls.check()?;
+        let model = SurrogateModel::new(surrogate, sample)?;
+        let mut digest = Digest::new();
+        digest.text(concat!("granum-point ", env!("CARGO_PKG_VERSION")));
+        controls.digest(&mut digest);
+        model.digest(&mut digest)?;
+        let (state, AveragedStress { mean, deviation }) = model.start()?;
+        let secant = tangent::probed_surrogate(&model, &state, FIRST_PROBE)?;
+        let start = Content {
+            identity: Identity::new(digest),
+            matter: Matter::Surrogate(state),
+            rotation: UNIT,
+            stress: mean,
+            noise: deviation,
+            secant,
+        };
+        let mean_stress = (mean[0][0] + mean[1][1] + mean[2][2]) / 3.0;
+        Ok(MaterialPoint::from_start(Model::Surrogate(model), controls, start, mean_stress))
+    }
+
+    /// A point whose first state has a mean stress, Pa.
+    fn from_start(model: Model, controls: Controls, start: Content, mean_stress: f64) -> MaterialPoint {
         let least = controls.least_mean_stress.unwrap_or(LEAST_SHARE * mean_stress);
-        Ok(MaterialPoint {
+        MaterialPoint {
+            model,
             controls,
             // A sample without any stress gets a strain rate that is small for sand under its own weight.
             least_mean_stress: if least > 0.0 { least } else { 1.0 },
-            start,
+            start: State::new(start),
             answers: AnswerCache::new(ANSWERS),
             stiffnesses: AnswerCache::new(STIFFNESSES),
-        })
+        }
     }
 
     /// A material point whose sample is prepared as a case says, with the bonds that the case makes before its first stage; its test is not used.
@@ -182,7 +268,11 @@ impl MaterialPoint {
         if let Some(answer) = self.answers.get(&identity) {
             return Ok(answer);
         }
-        let mut simulation = content.simulation.clone();
+        let Matter::Grains(before) = self.own_matter(content)? else {
+            let instead = "its stress follows from its strain alone, so that it begins with that of its start and goes on with its own";
+            return Err(PointError::NoGrains { what: "another stress than that of the state", instead });
+        };
+        let mut simulation = Simulation::clone(before);
         let before = simulation.state().step();
         let averaged = impose(&mut simulation, &target, self.least_mean_stress, &self.controls)?;
         let steps = simulation.state().step() - before;
@@ -190,7 +280,7 @@ impl MaterialPoint {
         let answer = Answer {
             state: State::new(Content {
                 identity,
-                simulation,
+                matter: Matter::Grains(Box::new(simulation)),
                 rotation: content.rotation,
                 stress: averaged.mean,
                 noise: averaged.deviation,
@@ -213,12 +303,20 @@ impl MaterialPoint {
         if let Some(stiffness) = self.stiffnesses.get(&key) {
             return Ok(stiffness);
         }
-        let in_cell = match tangent {
-            Tangent::Secant => content.secant,
-            Tangent::Affine => tangent::affine(&content.simulation)?,
-            Tangent::Elastic => tangent::elastic(&content.simulation)?,
-            Tangent::Probes { strain } => {
-                tangent::probed(&content.simulation, strain, self.least_mean_stress, &self.controls)?
+        let in_cell = match (tangent, self.own_matter(content)?) {
+            (Tangent::Secant, _) => content.secant,
+            (Tangent::Affine, Matter::Grains(simulation)) => tangent::affine(simulation)?,
+            (Tangent::Elastic, Matter::Grains(simulation)) => tangent::elastic(simulation)?,
+            (Tangent::Probes { strain }, Matter::Grains(simulation)) => {
+                tangent::probed(simulation, strain, self.least_mean_stress, &self.controls)?
+            }
+            (Tangent::Probes { strain }, Matter::Surrogate(state)) => match &self.model {
+                Model::Surrogate(model) => tangent::probed_surrogate(model, state, strain)?,
+                Model::Grains => return Err(other_kind(&self.model)),
+            },
+            (Tangent::Affine | Tangent::Elastic, Matter::Surrogate(_)) => {
+                let what = "the affine or elastic stiffness";
+                return Err(PointError::NoGrains { what, instead: "ask for probes or for the secant" });
             }
         };
         let stiffness = stiffness_to_space(&content.rotation, &in_cell);
@@ -242,6 +340,16 @@ impl MaterialPoint {
         }
     }
 
+    /// What a state consists of, if it is of the kind of this point.
+    fn own_matter<'a>(&self, content: &'a Content) -> Result<&'a Matter, PointError> {
+        match (&self.model, &content.matter) {
+            (Model::Grains, Matter::Grains(_)) | (Model::Surrogate(_), Matter::Surrogate(_)) => {
+                Ok(&content.matter)
+            }
+            _ => Err(other_kind(&self.model)),
+        }
+    }
+
     fn compute(
         &self,
         state: &State,
@@ -251,30 +359,52 @@ impl MaterialPoint {
         watch: &mut dyn FnMut(f64) -> Flow,
     ) -> Result<Answer, PointError> {
         let from = state.content();
-        let rotation = followed(&increment.rotation, &from.rotation);
         let mut content = Content {
             identity,
-            simulation: from.simulation.clone(),
-            rotation,
+            matter: self.own_matter(from)?.clone(),
+            rotation: followed(&increment.rotation, &from.rotation),
             stress: from.stress,
             noise: from.noise,
             secant: from.secant,
         };
-        let before = content.simulation.state().step();
+        let mut steps = 0;
         if increment.strain != [[0.0; 3]; 3] {
             let count = f64::from(parts);
-            let part = to_cell(&rotation, &increment.strain.map(|row| row.map(|x| x / count)));
+            let part = to_cell(&content.rotation, &increment.strain.map(|row| row.map(|x| x / count)));
             for k in 0..parts {
                 let mut watch_part = |share: f64| watch((f64::from(k) + share) / count);
-                let (least, controls) = (self.least_mean_stress, &self.controls);
-                strain(&mut content.simulation, &part, increment.pace, least, controls, &mut watch_part)?;
-                let averaged = relax(&mut content.simulation, controls)?;
+                let (averaged, made) =
+                    self.follow_part(&mut content.matter, &part, increment.pace, &mut watch_part)?;
+                steps += made;
                 content.secant = secant::updated(&content.secant, &part, &content.stress, &averaged.mean);
                 (content.stress, content.noise) = (averaged.mean, averaged.deviation);
             }
         }
-        let steps = content.simulation.state().step() - before;
         Ok(Answer { state: State::new(content), steps })
+    }
+
+    /// Strains grains or a surrogate by a part of an increment, in the axes of the cell: the stress after it, and the number of steps.
+    fn follow_part(
+        &self,
+        matter: &mut Matter,
+        part: &Matrix,
+        pace: Pace,
+        watch: &mut dyn FnMut(f64) -> Flow,
+    ) -> Result<(AveragedStress, u64), PointError> {
+        match (&self.model, matter) {
+            (Model::Grains, Matter::Grains(simulation)) => {
+                let before = simulation.state().step();
+                strain(simulation, part, pace, self.least_mean_stress, &self.controls, watch)?;
+                let averaged = relax(simulation, &self.controls)?;
+                Ok((averaged, simulation.state().step() - before))
+            }
+            (Model::Surrogate(model), Matter::Surrogate(state)) => {
+                let (next, stress) = model.strained(state, part)?;
+                *state = next;
+                if watch(1.0) == Flow::Stop { Err(PointError::Stopped) } else { Ok((stress, 1)) }
+            }
+            _ => Err(other_kind(&self.model)),
+        }
     }
 
     /// Carries out a recipe, for example of the path that a store remembers.
@@ -286,6 +416,14 @@ impl MaterialPoint {
             Recipe::Advance(increment) => self.advance(state, increment),
             Recipe::Impose(stress) => self.at_stress(state, stress),
         }
+    }
+}
+
+/// Why a state cannot be that of a point.
+fn other_kind(model: &Model) -> PointError {
+    match model {
+        Model::Grains => PointError::OtherKind { state: "a surrogate", point: "grains" },
+        Model::Surrogate(_) => PointError::OtherKind { state: "grains", point: "a surrogate" },
     }
 }
 

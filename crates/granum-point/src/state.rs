@@ -5,11 +5,13 @@ use std::sync::Arc;
 use granum_core::ObservedState;
 use granum_core::geometry::Matrix;
 use granum_dem::simulation::Simulation;
+use granum_learn::surrogate::Outside;
 use granum_run::stiffness::Tensor;
 use granum_sensors::{Measurement, Sensors};
 
 use crate::identity::Identity;
 use crate::rotated::{stiffness_to_space, to_space};
+use crate::surrogate_state::SurrogateState;
 
 /// A state of a material point: a value that is never changed. A copy is a reference, and costs nothing.
 #[derive(Clone)]
@@ -17,10 +19,17 @@ pub struct State {
     content: Arc<Content>,
 }
 
+/// What is in a state: grains, or what a surrogate keeps in their place.
+#[derive(Clone)]
+pub(crate) enum Matter {
+    Grains(Box<Simulation>),
+    Surrogate(SurrogateState),
+}
+
 /// What a state consists of. Stress and stiffness are in the axes of the cell, which does not rotate.
 pub(crate) struct Content {
     pub(crate) identity: Identity,
-    pub(crate) simulation: Simulation,
+    pub(crate) matter: Matter,
     /// Rotation of the cell since the start.
     pub(crate) rotation: Matrix,
     /// Stress, averaged as the controls say, Pa.
@@ -50,8 +59,9 @@ impl State {
         to_space(&self.content.rotation, &self.content.stress)
     }
 
-    /// Standard deviation of each component of the stress over the steps of the average, Pa, in the axes of the cell: what is left of
-    /// the motion of the grains. It says nothing of how far another sample of the same material would be.
+    /// Standard deviation of each component of the stress, Pa, in the axes of the cell. Of grains it is that over the steps of the average: what is left of
+    /// their motion, which says nothing of how far another sample of the same material would be. Of a surrogate it is that of its prediction for a new
+    /// sample; zero if it does not know it.
     pub fn noise(&self) -> &Matrix {
         &self.content.noise
     }
@@ -67,20 +77,37 @@ impl State {
         (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0
     }
 
-    /// Edges of the periodic cell as the columns of a matrix, m, without the rotation of the sample.
-    pub fn cell(&self) -> &Matrix {
-        &self.content.simulation.state().cell().edges
+    /// Edges of the periodic cell as the columns of a matrix, m, without the rotation of the sample; `None` for a surrogate.
+    pub fn cell(&self) -> Option<&Matrix> {
+        Some(&self.simulation()?.state().cell().edges)
     }
 
-    /// Void ratio: volume of the voids over that of the grains.
-    pub fn void_ratio(&self) -> f64 {
-        1.0 / self.content.simulation.state().solid_fraction() - 1.0
+    /// Void ratio: volume of the voids over that of the grains; `None` for a surrogate that neither predicts it nor has it as an input.
+    pub fn void_ratio(&self) -> Option<f64> {
+        match &self.content.matter {
+            Matter::Grains(simulation) => Some(1.0 / simulation.state().solid_fraction() - 1.0),
+            Matter::Surrogate(state) => state.void_ratio(),
+        }
     }
 
-    /// Mean number of contacts of a grain.
-    pub fn coordination_number(&self) -> f64 {
-        let state = self.content.simulation.state();
-        2.0 * state.contacts() as f64 / state.grains() as f64
+    /// Mean number of contacts of a grain; `None` for a surrogate that does not predict it.
+    pub fn coordination_number(&self) -> Option<f64> {
+        match &self.content.matter {
+            Matter::Grains(simulation) => {
+                let state = simulation.state();
+                Some(2.0 * state.contacts() as f64 / state.grains() as f64)
+            }
+            Matter::Surrogate(state) => state.value("coordination_number"),
+        }
+    }
+
+    /// What of this state is outside of what its surrogate was trained on, and then not to be trusted: inputs, and the length and turns of the path. Nothing
+    /// for grains.
+    pub fn outside(&self) -> &[Outside] {
+        match &self.content.matter {
+            Matter::Grains(_) => &[],
+            Matter::Surrogate(state) => &state.outside,
+        }
     }
 
     /// The secant stiffness in the axes of space, Pa: from the affine stiffness of the sample at its start by Broyden's updates along the
@@ -89,20 +116,32 @@ impl State {
         stiffness_to_space(&self.content.rotation, &self.content.secant)
     }
 
-    /// The values of all sensors that can be measured on one state. Directions are those of the cell, without its rotation.
-    pub fn measure(&self, sensors: &Sensors) -> Measurement {
-        let sensors = sensors.for_clumps(self.content.simulation.state().has_clumps());
-        sensors.measure_state(&self.content.simulation)
+    /// The values of all sensors that can be measured on one state; `None` for a surrogate. Directions are those of the cell, without its rotation.
+    pub fn measure(&self, sensors: &Sensors) -> Option<Measurement> {
+        let simulation = self.simulation()?;
+        let sensors = sensors.for_clumps(simulation.state().has_clumps());
+        Some(sensors.measure_state(simulation))
     }
 
-    /// The grains, which can be observed, or copied and continued by a program of one's own.
-    pub fn simulation(&self) -> &Simulation {
-        &self.content.simulation
+    /// The value of a column: of the sensors that can be measured on one state, or of the outputs of a surrogate; `None` if there is none of that name.
+    pub fn value(&self, column: &str, sensors: &Sensors) -> Option<f64> {
+        match &self.content.matter {
+            Matter::Grains(_) => self.measure(sensors)?.value(column),
+            Matter::Surrogate(state) => state.value(column),
+        }
     }
 
-    /// The grains for observers that work with any engine.
-    pub fn observed(&self) -> &dyn ObservedState {
-        &self.content.simulation
+    /// The grains, which can be observed, or copied and continued by a program of one's own; `None` for a surrogate.
+    pub fn simulation(&self) -> Option<&Simulation> {
+        match &self.content.matter {
+            Matter::Grains(simulation) => Some(simulation),
+            Matter::Surrogate(_) => None,
+        }
+    }
+
+    /// The grains for observers that work with any engine; `None` for a surrogate.
+    pub fn observed(&self) -> Option<&dyn ObservedState> {
+        Some(self.simulation()?)
     }
 
     /// True if both are the same value in memory.

@@ -1,7 +1,7 @@
 //! The states of all points in one file.
 //!
 //! Layout: `GRANUMPT`, version (u32), length of the body (u64), SHA-256 of the body (32 bytes), body; little endian. The body has each
-//! state once, though several points may share it, with the checkpoint of its grains; and of each point the accepted state and the trials.
+//! state once, though several points may share it, with the checkpoint of its grains or what its surrogate keeps; and of each point the accepted state and the trials.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -13,18 +13,22 @@ use granum_core::input::{self, LARGEST_INPUT};
 use granum_dem::contact::choice::registry::Laws;
 use granum_dem::simulation::Simulation;
 use granum_io::atomic::write_atomically;
+use granum_learn::surrogate::{Outside, RunMemory};
 use granum_run::stiffness::Tensor;
 use serde::{Deserialize, Serialize};
 
 use crate::identity::Identity;
 use crate::increment::{Increment, Pace};
 use crate::recipe::Recipe;
-use crate::state::{Content, State};
+use crate::state::{Content, Matter, State};
 use crate::store::{Store, StoredPoint, Trial};
 use crate::store_error::StoreError;
+use crate::surrogate_state::SurrogateState;
 
 const MAGIC: &[u8; 8] = b"GRANUMPT";
 const HEADER: usize = 52;
+/// What the checkpoint of a state begins with that has no grains. Files of grains alone are as they always were.
+const SURROGATE: &[u8; 8] = b"GRANUMSU";
 /// The version of the file that this granum reads and writes.
 const VERSION: u32 = 1;
 
@@ -39,11 +43,23 @@ struct Body {
 #[derive(Serialize, Deserialize)]
 struct SavedState {
     identity: Identity,
+    /// Of the grains, or [`SURROGATE`] and a [`SavedSurrogate`].
     checkpoint: Vec<u8>,
     rotation: Matrix,
     stress: Matrix,
     noise: Matrix,
     secant: [[f64; 6]; 6],
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedSurrogate {
+    memory: RunMemory,
+    strain: [f64; 6],
+    void_ratio: Option<f64>,
+    outputs: Vec<String>,
+    values: Vec<f64>,
+    /// Name, value and trained range.
+    outside: Vec<(String, f64, [f64; 2])>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -181,7 +197,7 @@ impl States {
             return Ok(*place);
         }
         let content = state.content();
-        let checkpoint = content.simulation.checkpoint("");
+        let checkpoint = saved_matter(&content.matter);
         let checkpoint = checkpoint.map_err(|error| wrong(path, format!("cannot be written: {error}")))?;
         let Content { identity, rotation, stress, noise, secant, .. } = *content;
         self.saved.push(SavedState { identity, checkpoint, rotation, stress, noise, secant: secant.0 });
@@ -197,8 +213,46 @@ fn restored(saved: SavedState, laws: &Laws) -> Result<State, String> {
     if !numbers.copied().all(f64::is_finite) {
         return Err("a stress or a rotation is not finite".to_string());
     }
-    let (simulation, _) = Simulation::restore_among(&checkpoint, laws).map_err(|error| error.to_string())?;
-    Ok(State::new(Content { identity, simulation, rotation, stress, noise, secant: Tensor(secant) }))
+    let matter = match checkpoint.strip_prefix(SURROGATE) {
+        Some(saved) => Matter::Surrogate(restored_surrogate(saved)?),
+        None => {
+            let restored = Simulation::restore_among(&checkpoint, laws);
+            Matter::Grains(Box::new(restored.map_err(|error| error.to_string())?.0))
+        }
+    };
+    Ok(State::new(Content { identity, matter, rotation, stress, noise, secant: Tensor(secant) }))
+}
+
+/// The bytes of grains, or of what a surrogate keeps.
+fn saved_matter(matter: &Matter) -> Result<Vec<u8>, String> {
+    let state = match matter {
+        Matter::Grains(simulation) => return simulation.checkpoint("").map_err(|error| error.to_string()),
+        Matter::Surrogate(state) => state,
+    };
+    let outside = state.outside.iter().map(|own| (own.name.clone(), own.value, own.range));
+    let saved = SavedSurrogate {
+        memory: state.memory.clone(),
+        strain: state.strain,
+        void_ratio: state.void_ratio,
+        outputs: state.outputs.to_vec(),
+        values: state.values.clone(),
+        outside: outside.collect(),
+    };
+    let bytes = postcard::to_allocvec(&saved).map_err(|error| error.to_string())?;
+    Ok([SURROGATE.as_slice(), &bytes].concat())
+}
+
+/// What a surrogate keeps. Whether the memory is that of the surrogate of a point is seen when the point goes on from it.
+fn restored_surrogate(bytes: &[u8]) -> Result<SurrogateState, String> {
+    let (saved, rest): (SavedSurrogate, &[u8]) =
+        postcard::take_from_bytes(bytes).map_err(|error| error.to_string())?;
+    let SavedSurrogate { memory, strain, void_ratio, outputs, values, outside } = saved;
+    let finite = strain.iter().chain(&void_ratio).chain(&values).all(|value| value.is_finite());
+    if !rest.is_empty() || !finite || outputs.len() != values.len() {
+        return Err("the state of a surrogate is not whole".to_string());
+    }
+    let outside = outside.into_iter().map(|(name, value, range)| Outside { name, value, range }).collect();
+    Ok(SurrogateState { memory, strain, void_ratio, outputs: outputs.into(), values, outside })
 }
 
 fn saved_recipe(recipe: &Recipe) -> SavedRecipe {

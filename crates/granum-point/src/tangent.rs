@@ -10,11 +10,13 @@ use crate::controls::Controls;
 use crate::error::PointError;
 use crate::increment::Pace;
 use crate::straining::{relax, strain};
+use crate::surrogate_model::SurrogateModel;
+use crate::surrogate_state::SurrogateState;
 
 /// Strain of the single step from which the affine stiffness follows.
 const AFFINE_STRAIN: f64 = 1e-7;
 
-/// How a stiffness is found. The chapter on finite elements has a table of cost and error.
+/// How a stiffness is found. The chapter on finite elements has a table of cost and error. Of a surrogate there are probes and the secant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Tangent {
@@ -71,10 +73,7 @@ pub(crate) fn probed(
     least_mean_stress: f64,
     controls: &Controls,
 ) -> Result<Tensor, PointError> {
-    if !(1e-9..=1e-2).contains(&size) {
-        let wanted = "from 1e-9 to 0.01";
-        return Err(PointError::Control { name: "strain of the probes", value: size, wanted });
-    }
+    check_size(size)?;
     let strained = |direction: &Matrix, sign: f64| -> Result<Matrix, PointError> {
         let mut copy = simulation.clone();
         let by = direction.map(|row| row.map(|x| sign * size * x));
@@ -82,6 +81,27 @@ pub(crate) fn probed(
         Ok(relax(&mut copy, controls)?.mean)
     };
     columns(2.0 * size, strained)
+}
+
+/// The same of a surrogate.
+pub(crate) fn probed_surrogate(
+    model: &SurrogateModel,
+    state: &SurrogateState,
+    size: f64,
+) -> Result<Tensor, PointError> {
+    check_size(size)?;
+    let strained = |direction: &Matrix, sign: f64| {
+        Ok(model.strained(state, &direction.map(|row| row.map(|x| sign * size * x)))?.1.mean)
+    };
+    columns(2.0 * size, strained)
+}
+
+/// Refuses probes that are too small or too large for a difference.
+fn check_size(size: f64) -> Result<(), PointError> {
+    if (1e-9..=1e-2).contains(&size) {
+        return Ok(());
+    }
+    Err(PointError::Control { name: "strain of the probes", value: size, wanted: "from 1e-9 to 0.01" })
 }
 
 /// The tensor whose columns are differences of stresses over a strain: forward minus backward in each of the six directions.

@@ -1,5 +1,6 @@
-//! The configuration of user materials: a small TOML file that names cases and samples.
+//! The configuration of user materials: a small TOML file that names cases, samples and surrogates.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use granum_core::input::{self, LARGEST_INPUT};
@@ -16,6 +17,11 @@ use crate::failure::Failure;
 ///
 /// [[material]]               # PROPS(1) = 1 is the first one
 /// case = "sand.toml"         # beside this file; or `sample`, a folder that `granum prepare` made
+///
+/// [[material]]               # a surrogate that `granum train` made, in place of grains
+/// surrogate = "sand.json"
+/// inputs = { "sample.void_ratio" = 0.62 }
+/// initial_stress = "sample"
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -73,6 +79,12 @@ pub struct MaterialConfiguration {
     /// Folder of a sample that was prepared, instead.
     #[serde(default)]
     pub sample: Option<PathBuf>,
+    /// File of a surrogate, instead.
+    #[serde(default)]
+    pub surrogate: Option<PathBuf>,
+    /// The values of those inputs of the surrogate that are no strains.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, f64>,
     /// Number of samples of a case, which differ in their seed: the name of a point modulo this number chooses one.
     #[serde(default = "one_sample")]
     pub samples: u64,
@@ -113,6 +125,33 @@ fn usual_probe() -> f64 {
 }
 
 impl MaterialConfiguration {
+    /// What is wrong with its keys.
+    fn check(&self) -> Result<(), String> {
+        let named = [&self.case, &self.sample, &self.surrogate].into_iter().flatten().count();
+        if named != 1 {
+            return Err("must have either a case or a sample or a surrogate".to_string());
+        }
+        if self.samples == 0 || (self.samples > 1 && self.case.is_none()) {
+            return Err(": samples must be at least 1, and 1 for what is no case".to_string());
+        }
+        let Some(_) = &self.surrogate else {
+            return match self.inputs.keys().next() {
+                Some(name) => Err(format!("has the input {name} without a surrogate")),
+                None => Ok(()),
+            };
+        };
+        if self.initial_stress != InitialStress::Sample {
+            return Err(
+                "has a surrogate, whose stress follows from its strain: set initial_stress = \"sample\""
+                    .to_string(),
+            );
+        }
+        if matches!(self.tangent, TangentKind::Affine | TangentKind::Elastic) {
+            return Err("has a surrogate, whose tangent is \"probes\" or \"secant\"".to_string());
+        }
+        Ok(())
+    }
+
     /// The controls of its points.
     pub fn controls(&self) -> Controls {
         Controls::default().with(|controls| {
@@ -156,13 +195,7 @@ impl Configuration {
         }
         for (k, material) in configuration.materials.iter().enumerate() {
             let number = k + 1;
-            if material.case.is_some() == material.sample.is_some() {
-                return Err(wrong(format!("material {number} must have either a case or a sample")));
-            }
-            if material.samples == 0 || (material.samples > 1 && material.sample.is_some()) {
-                let what = "samples must be at least 1, and 1 for a sample that was prepared";
-                return Err(wrong(format!("material {number}: {what}")));
-            }
+            material.check().map_err(|what| wrong(format!("material {number} {what}")))?;
             material.controls().check().map_err(|error| wrong(format!("material {number}: {error}")))?;
         }
         if configuration.materials.is_empty() {
@@ -199,5 +232,14 @@ mod tests {
         refused("host = 'kratos'\n[[material]]\ncase = 'a'\ninertial_number = 3.0", "inertial number");
         refused("host = 'kratos'\npascals_per_unit = -1.0\n[[material]]\ncase = 'a'", "pascals_per_unit");
         refused("host = 'kratos'\n[[material]]\nsample = 'a'\nsamples = 3", "samples");
+        refused("host = 'kratos'\n[[material]]\ncase = 'a'\nsurrogate = 'b'", "either");
+        refused("host = 'kratos'\n[[material]]\nsurrogate = 'b'", "initial_stress");
+        let surrogate = "host = 'kratos'\n[[material]]\nsurrogate = 'b'\ninitial_stress = 'sample'";
+        assert!(read(surrogate).is_ok());
+        refused(&format!("{surrogate}\ntangent = 'affine'"), "probes");
+        refused(
+            "host = 'kratos'\n[[material]]\ncase = 'a'\ninputs = { 'sample.void_ratio' = 0.6 }",
+            "sample.void_ratio",
+        );
     }
 }

@@ -5,13 +5,14 @@ use std::sync::{Arc, OnceLock};
 
 use granum_core::geometry::Matrix;
 use granum_io::Case;
+use granum_learn::SurrogateMethods;
 use granum_point::{Increment, MaterialPoint, PointError, State, Store, Tangent};
 use granum_run::Laboratory;
 
 use super::configuration::{Configuration, InitialStress, TangentKind};
 use crate::failure::Failure;
 
-/// Share of the affine stiffness of the sample at its start that stands for the stiffness of a sample without load.
+/// Share of the first stiffness of the sample that stands for the stiffness of a sample without load.
 const UNLOADED: f64 = 0.01;
 
 /// A sample, or why it cannot be made, once it was asked for.
@@ -119,6 +120,12 @@ impl Session {
     fn prepared(&self, material: usize, which: u64) -> Result<MaterialPoint, Failure> {
         let configuration = &self.configuration.materials[material - 1];
         let controls = configuration.controls();
+        if let Some(surrogate) = &configuration.surrogate {
+            let path = self.folder.join(surrogate);
+            let loaded = SurrogateMethods::standard().load(&path);
+            let loaded = loaded.map_err(|error| Failure::File { path, what: error.to_string() })?;
+            return Ok(MaterialPoint::from_surrogate(loaded.into(), &configuration.inputs, controls)?);
+        }
         if let Some(sample) = &configuration.sample {
             let folder = self.folder.join(sample);
             let state = Laboratory::here().last_state(&folder);
@@ -180,7 +187,8 @@ impl Session {
 
 /// The stiffness of a state; of one that carries no load a small share of that of the sample, so that a host can go on.
 fn stiffness(point: &MaterialPoint, state: &State, tangent: Tangent) -> Result<[[f64; 6]; 6], Failure> {
-    let floor = || Ok(point.tangent(&point.start(), Tangent::Affine)?.0.map(|row| row.map(|x| UNLOADED * x)));
+    // The secant of the first state is its affine stiffness, and the probed one of a surrogate.
+    let floor = || Ok(point.tangent(&point.start(), Tangent::Secant)?.0.map(|row| row.map(|x| UNLOADED * x)));
     if state.mean_stress() <= point.least_mean_stress() {
         return floor();
     }

@@ -9,6 +9,8 @@
 //! part no longer falls. The prediction is the mean of these networks; `scatter_of_networks.rs` has its intervals. With a single run there is one
 //! network without intervals.
 
+use std::sync::Arc;
+
 use granum_core::observer::Observer;
 use granum_nets::trainer::{Adam, Options, SharedTrainer};
 use granum_nets::{Data, ModelColumn, SequenceDefinition, SequenceModel, Sequences};
@@ -137,12 +139,12 @@ impl SurrogateMethod for Recurrent {
             Ok((model, report.termination))
         })?;
         let ranges = ranges(&inputs);
-        let mut fitted = FittedRecurrent { columns, networks, ranges, run_variances: None };
+        let mut fitted = FittedRecurrent { columns, networks: networks.into(), ranges, run_variances: None };
         if count > 1 {
             let (means, outputs) = (fitted.outputs_of_networks(&inputs)?, fitted.columns.outputs.len());
             fitted.run_variances = Some(RunVariances::new(&means, &targets, outputs, inputs.lengths()));
         }
-        Ok(Box::new(fitted))
+        Ok(Box::new(Arc::new(fitted)))
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
@@ -165,7 +167,7 @@ impl SurrogateMethod for Recurrent {
             return Err(failed("the networks are not those of its columns"));
         }
         let Kept { ranges, run_variances, .. } = kept;
-        Ok(Box::new(FittedRecurrent { columns, networks, ranges, run_variances }))
+        Ok(Box::new(Arc::new(FittedRecurrent { columns, networks: networks.into(), ranges, run_variances })))
     }
 }
 
@@ -195,7 +197,7 @@ struct Kept {
 /// Recurrent networks and what is known of their errors.
 struct FittedRecurrent {
     columns: Columns,
-    networks: Vec<SequenceModel>,
+    networks: Arc<[SequenceModel]>,
     ranges: Vec<[f64; 2]>,
     run_variances: Option<RunVariances>,
 }
@@ -208,7 +210,8 @@ impl FittedRecurrent {
     }
 }
 
-impl Surrogate for FittedRecurrent {
+/// Shared, so that a run can own what it needs of it.
+impl Surrogate for Arc<FittedRecurrent> {
     fn method(&self) -> &str {
         NAME
     }
@@ -230,14 +233,16 @@ impl Surrogate for FittedRecurrent {
         Ok(predictions(&means, known, (&self.columns, &self.ranges), inputs, level))
     }
 
-    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
-        let (outputs, known) = (self.columns.outputs.len(), self.run_variances.as_ref());
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps>>> {
+        let fitted = Arc::clone(self);
         let predict = move |means: &[Vec<f64>], row: &[f64]| {
             let inputs = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
-            let all = predictions(means, known, (&self.columns, &self.ranges), &inputs, level);
+            let known = fitted.run_variances.as_ref();
+            let all = predictions(means, known, (&fitted.columns, &fitted.ranges), &inputs, level);
             Ok(all.into_iter().next().unwrap_or_default())
         };
-        Ok(Some(Box::new(RecurrentSteps::new(&self.networks, outputs, Box::new(predict), failed))))
+        let (networks, outputs) = (Arc::clone(&self.networks), self.columns.outputs.len());
+        Ok(Some(Box::new(RecurrentSteps::new(networks, outputs, Box::new(predict), failed))))
     }
 
     fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {

@@ -1,8 +1,11 @@
 //! Predictions of a surrogate for states that come one after the other, as from the sensors of a test that is running.
 
+use std::sync::Arc;
+
 use super::possible_values::cut_to_possible;
 use super::prediction::Prediction;
 use super::run_inputs::RunInputs;
+use super::run_memory::RunMemory;
 use super::run_steps::RunSteps;
 use super::surrogate_trait::{Surrogate, check_finite, check_inputs, check_level};
 use crate::error::{LearnError, Result};
@@ -35,10 +38,36 @@ use crate::error::{LearnError, Result};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct PredictionStream<'a> {
-    surrogate: &'a dyn Surrogate,
+    surrogate: Whose<'a>,
     level: f64,
     /// `None` for a surrogate without memory.
-    steps: Option<Box<dyn RunSteps + 'a>>,
+    steps: Option<Box<dyn RunSteps>>,
+}
+
+/// A surrogate of the caller, or one that is shared.
+enum Whose<'a> {
+    Borrowed(&'a dyn Surrogate),
+    Shared(Arc<dyn Surrogate>),
+}
+
+impl Whose<'_> {
+    fn surrogate(&self) -> &dyn Surrogate {
+        match self {
+            Whose::Borrowed(surrogate) => *surrogate,
+            Whose::Shared(surrogate) => surrogate.as_ref(),
+        }
+    }
+}
+
+impl PredictionStream<'static> {
+    /// As [`PredictionStream::new`], for a surrogate that is shared: the stream can be kept with it.
+    ///
+    /// # Errors
+    /// As [`PredictionStream::new`].
+    pub fn of_shared(surrogate: Arc<dyn Surrogate>, level: f64) -> Result<PredictionStream<'static>> {
+        let steps = steps_of(surrogate.as_ref(), level)?;
+        Ok(PredictionStream { surrogate: Whose::Shared(surrogate), level, steps })
+    }
 }
 
 impl<'a> PredictionStream<'a> {
@@ -47,18 +76,8 @@ impl<'a> PredictionStream<'a> {
     /// # Errors
     /// If the level is not between 0 and 1, or the surrogate has a memory and does not say what it keeps of a run.
     pub fn new(surrogate: &'a dyn Surrogate, level: f64) -> Result<PredictionStream<'a>> {
-        check_level(surrogate.method(), level)?;
-        let steps = surrogate.steps(level)?;
-        if steps.is_none() && surrogate.has_memory() {
-            let reason = "it has a memory, but not one that can be carried from state to state (Surrogate::steps): predict whole runs";
-            return Err(LearnError::Surrogate { method: surrogate.method().into(), reason: reason.into() });
-        }
-        if steps.is_none() {
-            // What a surrogate computes once, such as the curvature of a network, is there before the first state comes; this answer is not used.
-            let columns = surrogate.columns().inputs.len();
-            let _ = surrogate.evaluate(&RunInputs::separate(vec![0.0; columns], columns)?, level);
-        }
-        Ok(PredictionStream { surrogate, level, steps })
+        let steps = steps_of(surrogate, level)?;
+        Ok(PredictionStream { surrogate: Whose::Borrowed(surrogate), level, steps })
     }
 
     /// The prediction for the next state of the run, with a value for every input in order.
@@ -66,7 +85,8 @@ impl<'a> PredictionStream<'a> {
     /// # Errors
     /// If the state does not have a finite value for every input, or its prediction is not finite. The memory is then what it was before the state.
     pub fn next_state(&mut self, row: &[f64]) -> Result<Prediction> {
-        let (surrogate, columns) = (self.surrogate, self.surrogate.columns());
+        let surrogate = self.surrogate.surrogate();
+        let columns = surrogate.columns();
         let inputs = RunInputs::new(row.to_vec(), columns.inputs.len(), vec![1])?;
         check_inputs(surrogate.method(), columns, &inputs)?;
         let predictions = match &mut self.steps {
@@ -88,4 +108,67 @@ impl<'a> PredictionStream<'a> {
             steps.restart();
         }
     }
+
+    /// The memory before the next state, as a value; that of a surrogate without memory is always that before a first state.
+    pub fn memory(&self) -> RunMemory {
+        self.steps.as_ref().map_or_else(RunMemory::default, |steps| steps.memory())
+    }
+
+    /// Goes on from a memory of any stream of the same surrogate, with the same bits as that stream.
+    ///
+    /// ```
+    /// # use granum_core::observer::NoObserver;
+    /// # use granum_core::{Column, Table};
+    /// # use granum_learn::surrogate::{FitSpec, PredictionStream, Recurrent, RunInputs, SurrogateMethod};
+    /// # use granum_learn::{Dataset, RunStates};
+    /// # let run = |k: u32| {
+    /// #     let x: Vec<f64> = (0..12).map(|i| (f64::from(i * (1 + k % 4)) + f64::from(k)).sin()).collect();
+    /// #     let table = Table::new(vec![Column::new("x", "", x.clone()), Column::new("y", "", x)])?;
+    /// #     RunStates::new(&format!("run-{k}"), table)
+    /// # };
+    /// # let dataset = Dataset::new((0..4).map(run).collect::<granum_learn::Result<_>>()?)?;
+    /// # let mut method = Recurrent::default();
+    /// # (method.hidden, method.networks) = (4, 2);
+    /// # let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
+    /// let mut stream = PredictionStream::new(fitted.as_ref(), 0.9)?;
+    /// stream.next_state(&[-0.5])?;
+    /// // A trial from here, and what the other choice would have been.
+    /// let here = stream.memory();
+    /// let there = stream.next_state(&[0.9])?;
+    /// stream.resume(&here)?;
+    /// assert_ne!(stream.next_state(&[0.1])?, there);
+    /// stream.resume(&here)?;
+    /// assert_eq!(stream.next_state(&[0.9])?, there);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If it is not a memory of this surrogate; the next state is then the first of a new run.
+    pub fn resume(&mut self, memory: &RunMemory) -> Result<()> {
+        match &mut self.steps {
+            Some(steps) => steps.resume(memory),
+            None if memory.is_start() => Ok(()),
+            None => {
+                let method = self.surrogate.surrogate().method().into();
+                let reason = "it has no memory, and a memory of a run is that of another one".into();
+                Err(LearnError::Surrogate { method, reason })
+            }
+        }
+    }
+}
+
+/// The steps of a surrogate with memory.
+fn steps_of(surrogate: &dyn Surrogate, level: f64) -> Result<Option<Box<dyn RunSteps>>> {
+    check_level(surrogate.method(), level)?;
+    let steps = surrogate.steps(level)?;
+    if steps.is_none() && surrogate.has_memory() {
+        let reason = "it has a memory, but not one that can be carried from state to state (Surrogate::steps): predict whole runs";
+        return Err(LearnError::Surrogate { method: surrogate.method().into(), reason: reason.into() });
+    }
+    if steps.is_none() {
+        // What a surrogate computes once, such as the curvature of a network, is there before the first state comes; this answer is not used.
+        let columns = surrogate.columns().inputs.len();
+        let _ = surrogate.evaluate(&RunInputs::separate(vec![0.0; columns], columns)?, level);
+    }
+    Ok(steps)
 }

@@ -124,12 +124,12 @@ pub trait Surrogate: Any + Send + Sync {
     /// If a row cannot be predicted.
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
 
-    /// For a surrogate with memory a run whose states come one after the other, with intervals of a level; `None` for one without, and for one that can
+    /// For a surrogate with memory a run whose states come one after the other, with intervals of a level, which owns what it needs; `None` for one without, and for one that can
     /// only predict whole runs.
     ///
     /// # Errors
     /// If the surrogate cannot be evaluated.
-    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps>>> {
         let _ = level;
         Ok(None)
     }

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use granum_point::Controls;
+use granum_point::{Controls, State};
 
 use crate::sand::{isochoric, point, q_and_p};
 
@@ -36,7 +36,8 @@ pub fn table() -> Result<(), Box<dyn Error>> {
                 }
             }
             let (q, p) = q_and_p(&state);
-            let length = state.cell()[0][0] / point.start().cell()[0][0];
+            let edge = |state: &State| state.cell().map_or(f64::NAN, |edges| edges[0][0]);
+            let length = edge(&state) / edge(&point.start());
             println!(
                 "| {relaxation} | {parts} | {length:.13} | {early:.4} | {:.4} | {:.2} | {steps} | {:.2} |",
                 q / p,

@@ -28,7 +28,8 @@ pub fn table() -> Result<(), Box<dyn Error>> {
     let (mut axial, mut lateral) = (vec![Vec::new(); AT.len()], vec![Vec::new(); AT.len()]);
     for k in 0..10 {
         let nudge = Increment::from_components([0.0, 0.0, 1e-10 * f64::from(k) + 1e-16, 0.0, 0.0, 0.0]);
-        let mut simulation = point.advance(&start, &nudge)?.state.simulation().clone();
+        let nudged = point.advance(&start, &nudge)?.state;
+        let mut simulation = nudged.simulation().ok_or("the point has no grains")?.clone();
         simulation.fix_time_step(None);
         simulation.reset_phase(0.0);
         let (held, none) = (Drive::Stress(Target::held(PRESSURE)), Drive::Stress(Target::held(0.0)));

@@ -2,7 +2,7 @@
 //! output.
 //!
 //! ```sh
-//! cargo run --release -p granum-point --example measure_a_point -- [parts|growth|objectivity|stiffness|size|drained]
+//! cargo run --release -p granum-point --example measure_a_point -- [parts|growth|objectivity|stiffness|size|drained|surrogate]
 //! ```
 
 mod cuts;
@@ -11,6 +11,7 @@ mod growth;
 mod objectivity;
 mod sand;
 mod stiffness;
+mod surrogate;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let names: Vec<String> = std::env::args().skip(1).collect();
@@ -29,6 +30,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     if is_asked("drained") {
         drained::table()?;
+    }
+    if is_asked("surrogate") {
+        surrogate::table()?;
     }
     if is_asked("size") {
         sand::scatter()?;

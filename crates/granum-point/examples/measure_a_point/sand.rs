@@ -54,7 +54,7 @@ pub fn scatter() -> Result<(), Box<dyn Error>> {
             }
             seconds += 0.1 * start.elapsed().as_secs_f64();
             noises += 0.1 * state.noise()[0][0];
-            bytes = state.simulation().checkpoint("")?.len();
+            bytes = state.simulation().ok_or("the point has no grains")?.checkpoint("")?.len();
             let (q, p) = q_and_p(&state);
             ratios.push(q / p);
             pressures.push(1e-3 * p);

@@ -1,8 +1,9 @@
-//! A material point as a finite-element program sees it: values, cuts of a path, trials, imposed stresses, rotations.
+//! A material point as a finite-element program sees it: values, cuts of a path, trials, imposed stresses, rotations; of grains and of surrogates.
 
 mod imposed;
 mod objectivity;
 mod sample;
 mod stiffness;
 mod stored;
+mod surrogate;
 mod values;

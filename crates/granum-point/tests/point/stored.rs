@@ -97,7 +97,10 @@ fn a_file_keeps_everything() {
     let end = store.state(1, tickets[0], &fresh).unwrap();
     assert_eq!(end.identity(), straight.identity());
     assert_eq!(end.stress(), straight.stress());
-    assert_eq!(end.simulation().checkpoint("").unwrap(), straight.simulation().checkpoint("").unwrap());
+    assert_eq!(
+        end.simulation().unwrap().checkpoint("").unwrap(),
+        straight.simulation().unwrap().checkpoint("").unwrap()
+    );
     // The path that was accepted, with its first half from the file, can be carried out again.
     store.accept(1, tickets[0], &fresh).unwrap();
     let (_, path) = store.accepted(1).unwrap();

@@ -33,8 +33,10 @@ pub fn processors() -> usize {
 
 /// The instruction set of a given name, if this computer supports it.
 pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
-    let isa = Isa::from_name(name).ok_or_else(|| {
-        let known = Isa::ALL.map(Isa::name);
+    // That of WebAssembly is no choice: its modules have no other.
+    let choices = || Isa::ALL.into_iter().filter(|isa| *isa != Isa::Wasm);
+    let isa = choices().find(|isa| isa.name() == name).ok_or_else(|| {
+        let known: Vec<&str> = choices().map(Isa::name).collect();
         let (last, others) = known.split_last().unwrap_or((&"portable", &[]));
         let known = format!("{} or {last}", others.join(", "));
         Failure::new(format!("--isa {name}: granum has no such instruction set; choose {known}"))

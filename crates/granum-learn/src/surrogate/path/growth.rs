@@ -55,6 +55,18 @@ impl PathPlace {
         self.length += norm(increment);
         self.farthest = f64::max(self.farthest, norm(&self.sum));
     }
+
+    /// Length, largest distance, and the components of the sum of all increments.
+    pub fn numbers(&self) -> Vec<f64> {
+        [self.length, self.farthest].into_iter().chain(self.sum.iter().copied()).collect()
+    }
+
+    /// From the result of [`PathPlace::numbers`] for increments of so many components; `None` for other numbers.
+    pub fn from_numbers(numbers: &[f64], components: usize) -> Option<PathPlace> {
+        let (&[length, farthest], sum) = numbers.split_first_chunk::<2>()?;
+        let is_whole = sum.len() == components && length >= 0.0 && farthest >= 0.0;
+        is_whole.then(|| PathPlace { length, farthest, sum: sum.to_vec() })
+    }
 }
 
 pub(super) fn norm(values: &[f64]) -> f64 {

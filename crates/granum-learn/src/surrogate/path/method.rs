@@ -1,5 +1,7 @@
 //! The methods that fit networks with a state to paths.
 
+use std::sync::Arc;
+
 use granum_core::observer::Observer;
 use granum_nets::DataError;
 use granum_nets::trainer::{Adam, Options, SharedTrainer};
@@ -184,7 +186,7 @@ impl SurrogateMethod for PathNetworks {
             let path = fitted.channels.path(&inputs);
             fitted.errors = PathErrors::new(&means, &targets, outputs, &path);
         }
-        Ok(Box::new(fitted))
+        Ok(Box::new(Arc::new(fitted)))
     }
 
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
@@ -205,6 +207,7 @@ impl SurrogateMethod for PathNetworks {
         };
         let networks = kept.networks.into_iter().map(network).collect::<Result<_>>()?;
         let Kept { channels, sizes, is_mean, ranges, errors, .. } = kept;
-        Ok(Box::new(FittedPath { columns, channels, sizes, is_mean, networks, ranges, errors }))
+        let fitted = FittedPath { columns, channels, sizes, is_mean, networks, ranges, errors };
+        Ok(Box::new(Arc::new(fitted)))
     }
 }

@@ -1,5 +1,7 @@
 //! Fitted networks with a state as a surrogate.
 
+use std::sync::Arc;
+
 use super::fitted::{FittedPath, Kept};
 use super::steps::PathSteps;
 use crate::error::Result;
@@ -10,7 +12,8 @@ use crate::surrogate::run_steps::RunSteps;
 use crate::surrogate::spec::Columns;
 use crate::surrogate::surrogate_trait::Surrogate;
 
-impl Surrogate for FittedPath {
+/// Shared, so that a run can own what it needs of it.
+impl Surrogate for Arc<FittedPath> {
     fn method(&self) -> &str {
         self.sizes.cell.name()
     }
@@ -34,8 +37,8 @@ impl Surrogate for FittedPath {
         Ok(inputs.rows().enumerate().map(|row| self.prediction(&networks, &path, known, row)).collect())
     }
 
-    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps + '_>>> {
-        Ok(Some(Box::new(PathSteps::new(self, level))))
+    fn steps(&self, level: f64) -> Result<Option<Box<dyn RunSteps>>> {
+        Ok(Some(Box::new(PathSteps::new(Arc::clone(self), level))))
     }
 
     fn content(&self) -> Result<Content> {

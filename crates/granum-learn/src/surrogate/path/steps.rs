@@ -1,6 +1,7 @@
 //! Networks with a state along a path whose rows come one after the other.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use granum_nets::{Differentiable, Isa, Stepper};
 
@@ -11,11 +12,12 @@ use super::runs::PathRuns;
 use crate::error::Result;
 use crate::surrogate::prediction::Prediction;
 use crate::surrogate::run_inputs::RunInputs;
+use crate::surrogate::run_memory::RunMemory;
 use crate::surrogate::run_steps::RunSteps;
 
 /// The networks with their states, in each of the rotations, and how far the path is.
-pub(super) struct PathSteps<'a> {
-    fitted: &'a FittedPath,
+pub(super) struct PathSteps {
+    fitted: Arc<FittedPath>,
     /// The factors of intervals for each output, if there are intervals.
     factors: Option<Vec<f64>>,
     /// `None` leaves the axes as they are.
@@ -40,10 +42,11 @@ struct Run {
     next: Option<(Vec<f64>, Vec<f64>, PathPlace)>,
 }
 
-impl<'a> PathSteps<'a> {
-    pub fn new(fitted: &'a FittedPath, level: f64) -> PathSteps<'a> {
+impl PathSteps {
+    pub fn new(fitted: Arc<FittedPath>, level: f64) -> PathSteps {
         let factors = fitted.errors.as_ref().map(|errors| errors.factors(level));
-        PathSteps { fitted, factors, rotations: fitted.rotations(), run: None }
+        let rotations = fitted.rotations();
+        PathSteps { fitted, factors, rotations, run: None }
     }
 
     /// The states before the first row of a run.
@@ -52,22 +55,72 @@ impl<'a> PathSteps<'a> {
         let first = RunInputs::new(row.to_vec(), row.len(), vec![1])?;
         let runs = self.runs(Vec::new(), channels.starts(&first), 0);
         let starts: Vec<f64> = self.turned(&runs).into_iter().flat_map(|runs| runs.starts).collect();
-        let stepper = |network: &dyn Differentiable| {
-            network
-                .stepper(Isa::detect(), self.rotations.len(), &starts)
-                .map_err(|error| self.fitted.failed(error))
-        };
-        let steppers =
-            self.fitted.networks.iter().map(|network| stepper(network.as_ref())).collect::<Result<_>>()?;
-        let samples = channels.samples(&first);
-        let sizes = self.fitted.errors.as_ref().map_or(Vec::new(), |errors| errors.sizes(&samples));
+        let sample = channels.samples(&first).concat();
         Ok(Run {
-            steppers,
-            sample: samples.concat(),
-            sizes,
+            steppers: self.steppers(&starts)?,
+            sizes: self.error_sizes(&sample),
+            sample,
             before: None,
             place: PathPlace::default(),
             increments: VecDeque::new(),
+            next: None,
+        })
+    }
+
+    /// The networks with their states before the first row, from the start values in all rotations.
+    fn steppers(&self, starts: &[f64]) -> Result<Vec<Box<dyn Stepper>>> {
+        let stepper = |network: &dyn Differentiable| {
+            let stepper = network.stepper(Isa::detect(), self.rotations.len(), starts);
+            stepper.map_err(|error| self.fitted.failed(error))
+        };
+        self.fitted.networks.iter().map(|network| stepper(network.as_ref())).collect()
+    }
+
+    /// How large errors are for a sample.
+    fn error_sizes(&self, sample: &[f64]) -> Vec<Vec<f64>> {
+        let errors = self.fitted.errors.as_ref();
+        errors.map_or(Vec::new(), |errors| errors.sizes(&[sample.to_vec()]))
+    }
+
+    /// The run that goes on from a memory: the row before, the place on the path, the sample, the last increments, and the state of each network.
+    /// `known` are networks with any states, which saves making others.
+    fn resumed(&self, parts: &[Vec<f64>], known: Option<Vec<Box<dyn Stepper>>>) -> Result<Run> {
+        let fitted = &self.fitted;
+        let (widths, columns) = (fitted.channels.widths(), fitted.columns.inputs.len());
+        let wrong = |what: &str| fitted.failed(format!("this is not a memory of it: {what}"));
+        let Some(([before, place, sample, increments], states)) = parts.split_first_chunk::<4>() else {
+            return Err(wrong("parts are missing"));
+        };
+        if !parts[..4].iter().flatten().all(|value| value.is_finite()) {
+            return Err(wrong("a number is not finite"));
+        }
+        let width = widths.increment();
+        let kept = increments.len() / width;
+        let is_whole = before.len() == columns
+            && sample.len() == widths.start_scalars
+            && increments.len() == kept * width
+            && kept < fitted.sizes.increments_seen()
+            && states.len() == fitted.networks.len()
+            && states.iter().all(|state| !state.is_empty());
+        let place = PathPlace::from_numbers(place, width - 1);
+        let Some(place) = place.filter(|_| is_whole) else {
+            return Err(wrong("it has other numbers of values"));
+        };
+        // The start values count for the states before the first row alone, which are replaced.
+        let mut steppers = match known {
+            Some(steppers) => steppers,
+            None => self.steppers(&vec![0.0; self.rotations.len() * widths.starts()])?,
+        };
+        for (stepper, state) in steppers.iter_mut().zip(states) {
+            stepper.set_state(state).map_err(|error| fitted.failed(error))?;
+        }
+        Ok(Run {
+            steppers,
+            sizes: self.error_sizes(sample),
+            sample: sample.clone(),
+            before: Some(before.clone()),
+            place,
+            increments: increments.chunks_exact(width).map(<[f64]>::to_vec).collect(),
             next: None,
         })
     }
@@ -141,7 +194,7 @@ impl<'a> PathSteps<'a> {
     }
 }
 
-impl RunSteps for PathSteps<'_> {
+impl RunSteps for PathSteps {
     fn predict(&mut self, row: &[f64]) -> Result<Prediction> {
         let mut run = match self.run.take() {
             Some(run) if run.before.is_some() => run,
@@ -167,5 +220,22 @@ impl RunSteps for PathSteps<'_> {
 
     fn restart(&mut self) {
         self.run = None;
+    }
+
+    fn memory(&self) -> RunMemory {
+        let Some(run) = &self.run else { return RunMemory::default() };
+        let Some(before) = &run.before else { return RunMemory::default() };
+        let increments = run.increments.iter().flatten().copied().collect();
+        let parts = [before.clone(), run.place.numbers(), run.sample.clone(), increments];
+        let states = run.steppers.iter().map(|stepper| stepper.state());
+        RunMemory::new(parts.into_iter().chain(states).collect())
+    }
+
+    fn resume(&mut self, memory: &RunMemory) -> Result<()> {
+        let known = self.run.take().map(|run| run.steppers);
+        if !memory.is_start() {
+            self.run = Some(self.resumed(memory.parts(), known)?);
+        }
+        Ok(())
     }
 }
