@@ -124,3 +124,53 @@ fn a_message_that_is_none_is_refused_by_name() {
     assert!(page.answer(r#"{"call": "predict", "name": "x"}"#).contains("is not loaded"));
     assert!(page.answer(r#"{"call": "report", "result": 3}"#).contains("no result of a run"));
 }
+
+#[test]
+fn the_case_of_a_family_is_tested_over_its_prediction() {
+    let mut surrogates = Page::new(SURROGATES);
+    let name = "powder/oedometer.json";
+    let text = read(&format!("granum/families/{name}"));
+    let family = call(&mut surrogates, json!({ "call": "load_family", "name": name, "text": text }));
+    let values: serde_json::Map<String, Value> = (family["inputs"].as_array().unwrap().iter())
+        .filter(|input| input["required"] == true)
+        .map(|input| {
+            let range: Vec<f64> =
+                input["range"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+            (input["name"].as_str().unwrap().to_string(), json!(0.5 * (range[0] + range[1])))
+        })
+        .collect();
+    let ready = read(&format!("granum/gallery/{}.toml", family["case"].as_str().unwrap()));
+    let case =
+        call(&mut surrogates, json!({ "call": "case_of", "name": name, "values": values, "ready": ready }));
+    let mut engine = Page::new(ENGINE);
+    let fewer = json!({ "call": "with", "case": case["case"], "values": { "grains.count": "60" } });
+    let fewer = call(&mut engine, fewer);
+    assert_eq!(call(&mut engine, json!({ "call": "check", "case": fewer["case"] }))["grains"], 60);
+    call(&mut engine, json!({ "call": "begin", "case": fewer["case"] }));
+    // A test under way, whose curves end before those of the prediction.
+    while call(&mut engine, json!({ "call": "go_on", "milliseconds": 20 }))["states"].as_u64().unwrap() < 4 {}
+    let result = call(&mut engine, json!({ "call": "result", "assemblies": false }));
+    assert!(result["start"].is_null() && result["states"].as_array().unwrap().len() >= 4);
+    let asked = json!({ "call": "predict", "name": name, "values": values });
+    let alone = call(&mut surrogates, asked.clone());
+    let mut over = asked;
+    over["result"] = result;
+    let over = call(&mut surrogates, over);
+    assert_eq!(alone["curves"], over["curves"]);
+    let drawn = |answer: &Value| answer["figure"].as_str().unwrap().contains("this test");
+    assert!(drawn(&over) && !drawn(&alone));
+}
+
+#[test]
+fn curves_of_runs_are_a_figure() {
+    let mut page = Page::new(SURROGATES);
+    let curve = |name: &str| json!({ "name": name, "points": [[0.0, 0.0], [0.1, 1.2]] });
+    let panels =
+        json!([{ "x": "axial strain", "y": "stress ratio", "curves": [curve("seed 1"), curve("seed 2")] }]);
+    let figure = call(&mut page, json!({ "call": "curves", "panels": panels }));
+    let svg = figure["figure"].as_str().unwrap();
+    assert!(
+        ["<svg", "axial strain", "stress ratio", "seed 1", "seed 2"].iter().all(|word| svg.contains(word))
+    );
+    assert!(page.answer(r#"{"call": "curves", "panels": 3}"#).contains("no panels of a figure"));
+}

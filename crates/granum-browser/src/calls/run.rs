@@ -73,7 +73,30 @@ pub(super) fn states(page: &mut Page, arguments: &Arguments) -> Result<Value, Ca
     let columns: Vec<Value> = states.first().map_or_else(Vec::new, |state| {
         state.values.iter().map(|value| json!({ "name": value.name, "unit": value.unit })).collect()
     });
-    let rows: Vec<Vec<f64>> =
-        states[from..].iter().map(|state| state.values.iter().map(|value| value.value).collect()).collect();
+    let rows: Vec<Vec<Value>> = states[from..]
+        .iter()
+        .map(|state| state.values.iter().map(|value| number(value.value)).collect())
+        .collect();
     Ok(json!({ "columns": columns, "rows": rows }))
+}
+
+/// A number in JSON, which has none for NaN and infinity: null is what is not known, and a word what is infinite.
+fn number(value: f64) -> Value {
+    match value {
+        f64::INFINITY => json!("inf"),
+        f64::NEG_INFINITY => json!("-inf"),
+        value => json!(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_finite_number_is_told_apart() {
+        let row: Vec<Value> =
+            [1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY].into_iter().map(number).collect();
+        assert_eq!(json!(row).to_string(), r#"[1.0,null,"inf","-inf"]"#);
+    }
 }

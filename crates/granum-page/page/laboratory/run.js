@@ -17,7 +17,7 @@ export class Run {
     this.changed = changed;
     /** @type {Column[]} */
     this.columns = [];
-    /** @type {number[][]} */
+    /** Numbers; what is not known is null, what is infinite a word. @type {(number | "inf" | "-inf" | null)[][]} */
     this.rows = [];
     /** @type {any} */
     this.answer = null;
@@ -84,8 +84,8 @@ export class Run {
     const at = (/** @type {string} */ name) => this.columns.findIndex(column => column.name === name);
     const [a, b] = [at(x), at(y)];
     if (a < 0 || b < 0) return [];
-    const points = this.rows.map(row => /** @type {[number, number]} */ ([row[a] ?? NaN, row[b] ?? NaN]));
-    return points.filter(([p, q]) => Number.isFinite(p) && Number.isFinite(q));
+    const points = this.rows.map(row => [row[a], row[b]]);
+    return /** @type {[number, number][]} */ (points.filter(point => point.every(Number.isFinite)));
   }
 
   /** Ends the worker. */
