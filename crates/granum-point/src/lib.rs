@@ -9,7 +9,7 @@
 //! points under numbers that a finite-element program can carry in its state variables, and writes all of them to one file.
 //!
 //! Behind a point is a live cell of the engine, or a surrogate with memory from six strains to six stresses ([`MaterialPoint::from_surrogate`]), which answers in
-//! microseconds. Stores, tickets, refusals and everything else that a program sees of a point are the same for both.
+//! 20 to 400 microseconds where a cell of 300 grains takes 2 milliseconds. Stores, tickets, refusals and everything else that a program sees of a point are the same for both.
 //!
 //! Compression is positive and the unit is the pascal, as in all of granum. Programs with tension positive convert once, at their border.
 //!
