@@ -253,12 +253,15 @@ int granum_state_void_ratio(const struct granum_state *state, double *void_ratio
  Number of the inputs and other quantities of a state that are outside of what its surrogate was trained on: its answer should not be trusted if there are
  any. Zero for grains.
  */
-int granum_state_outside(const struct granum_state *state, uint64_t *count);
+int granum_state_outside(const struct granum_state *state,
+                         uint64_t *count);
 
 /*
  A value of a sensor by the name of its column, for example "coordination_number" or "phi_d", or of an output of a surrogate.
  */
-int granum_state_sensor(const struct granum_state *state, const char *column, double *value);
+int granum_state_sensor(const struct granum_state *state,
+                        const char *column,
+                        double *value);
 
 /*
  The ticket of a state: a whole number from 1 to 2^52, which is the same in every process.
