@@ -6,7 +6,10 @@
 
 pub(crate) mod exact;
 
-#[cfg(any(test, not(any(target_arch = "aarch64", target_arch = "wasm32"))))]
+#[cfg(any(
+    test,
+    not(any(target_arch = "aarch64", all(target_arch = "wasm32", target_feature = "simd128")))
+))]
 use exact::exact;
 
 /// `factor * other + term`, rounded once.
