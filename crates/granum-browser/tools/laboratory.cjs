@@ -1,10 +1,13 @@
-// laboratory.cjs FOLDER SHOTS: opens the laboratory of a folder that scripts/page made in Chromium, asks a surrogate, makes a test, and looks for what should
-// not be: errors of the console, requests to elsewhere, violations of axe, a page wider than the window. NODE_PATH has playwright-core and axe-core.
+// laboratory.cjs FOLDER SHOTS [views]: opens the laboratory of a folder that scripts/page made in Chromium, asks a surrogate, makes a test, and looks for what should
+// not be: errors of the console, requests to elsewhere, violations of axe, a page wider than the window. With `views` only what views.cjs asks is tried. NODE_PATH has
+// playwright-core and axe-core.
 
 const { chromium } = require("playwright-core");
 const http = require("http"), fs = require("fs"), path = require("path");
 
-const [folder, shots] = process.argv.slice(2);
+const { views } = require("./views.cjs");
+
+const [folder, shots, only] = process.argv.slice(2);
 const TYPES = { ".wasm": "application/wasm", ".js": "text/javascript", ".mjs": "text/javascript", ".html": "text/html", ".css": "text/css", ".json": "application/json" };
 const problems = [];
 const expect = (holds, what) => { console.log(`${holds ? "ok" : "NOT OK"}  ${what}`); if (!holds) problems.push(what); };
@@ -23,10 +26,15 @@ async function main() {
   // Without a graphics processor WebGL is computed.
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run", "--disable-background-networking"] });
+  const watch = page => {
+    page.on("console", message => { if (message.type() === "error" || message.type() === "warning") problems.push(`console: ${message.text()}`); });
+    page.on("pageerror", error => problems.push(`page: ${error.message}`));
+    page.on("request", request => { if (![url, "blob:", "data:"].some(start => request.url().startsWith(start))) problems.push(`a request to ${request.url()}`); });
+  };
+  await views({ browser, url, folder, expect, watch, shots });
+  if (only === "views") { await browser.close(); return server.close(); }
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
-  page.on("console", message => { if (message.type() === "error" || message.type() === "warning") problems.push(`console: ${message.text()}`); });
-  page.on("pageerror", error => problems.push(`page: ${error.message}`));
-  page.on("request", request => { if (![url, "blob:", "data:"].some(start => request.url().startsWith(start))) problems.push(`a request to ${request.url()}`); });
+  watch(page);
   await page.goto(url);
   await page.waitForSelector("#case", { timeout: 60_000 });
 

@@ -11,6 +11,7 @@ import { CallFailed, Engine, kind } from "./engine.mjs";
 import { catalogue, compiled } from "./files.js";
 import { Run } from "./run.js";
 import { sliders } from "./sliders.js";
+import { offer } from "./visit.js";
 
 /** Milliseconds between two drawings of the curves of a run under way. */
 const CURVES_EVERY = 250;
@@ -114,18 +115,20 @@ function page(tools) {
   }
   const restart = () => void begin();
 
+  const visit = element("div", { id: "visit-place" });
   const surrogate = element("section", {}, element("h2", {}, "A surrogate answers at once"));
+  const shown = element("section", { "aria-label": "The test" }, element("h2", {}, "The test"), area);
   replace(main,
     element("h1", {}, "A laboratory of grains"),
     element("p", {}, "Choose a sand or a powder and see what a surrogate knows of its test, with intervals that should hold 90 % of new samples. Then test it: the grains move in this browser, with the bits of the program."),
-    surrogate,
+    visit, surrogate,
     element("div", { class: "columns" },
       element("section", { "aria-label": "The case" }, element("h2", {}, "The case"),
         element("div", { class: "tools" },
           choice("Ready case", tools.cases.cases.map(one => ({ value: one.name, text: one.title })), "drained-dense", take),
           element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
         element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test),
-      element("section", { "aria-label": "The test" }, element("h2", {}, "The test"), area)),
+      shown),
     element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
   take("drained-dense");
   sliders(surrogate, tools, (found, name, values) => {
@@ -133,6 +136,10 @@ function page(tools) {
     now.asked = { name, values };
     if (checked()) { text.scrollIntoView({ block: "nearest" }); void begin(); }
   });
+  offer({ tools, place: visit, test: shown, surrogate, run: () => now.runs[0], begin: (found, count, asked) => {
+    [text.value, grains.value, seeds.value, now.asked] = [found, String(count), "1", asked];
+    void begin();
+  } });
 }
 
 /**
