@@ -7,8 +7,8 @@
 //! without DEM.
 
 use std::hint::black_box;
-use std::time::Instant;
 
+use granum_core::clock::Instant;
 use granum_learn::Result;
 use granum_learn::dataset::{Dataset, RunStates};
 use granum_learn::study::{MemberRole, Study};

@@ -1,5 +1,6 @@
 //! What a page has: the run that is under way, and the surrogates that it has loaded.
 
+use std::any::Any;
 use std::collections::BTreeMap;
 
 use granum_dem::simulation::Hardware;
@@ -25,6 +26,8 @@ pub struct Page {
     pub(crate) families: BTreeMap<String, FamilyModel>,
     /// The last prediction, with the name of its family and what was asked: a page that draws a test over it asks again and again.
     pub(crate) last: Option<(String, Vec<Option<f64>>, FamilyPrediction)>,
+    /// What the call that trained it knows how to ask; without its type, so that the module without that call has nothing of it.
+    pub(crate) trained: Option<Box<dyn Any>>,
     calls: &'static [Call],
 }
 
@@ -42,6 +45,7 @@ impl Page {
             run: None,
             families: BTreeMap::new(),
             last: None,
+            trained: None,
             calls,
         }
     }

@@ -1,5 +1,5 @@
-// laboratory.cjs FOLDER SHOTS [views]: opens the laboratory of a folder that scripts/page made in Chromium, asks a surrogate, makes a test, and looks for what should
-// not be: errors of the console, requests to elsewhere, violations of axe, a page wider than the window. With `views` only what views.cjs asks is tried. NODE_PATH has
+// laboratory.cjs FOLDER SHOTS [views | NAME]: opens the laboratory of a folder that scripts/page made in Chromium, asks a surrogate, makes a test, and looks for what should
+// not be: errors of the console, requests to elsewhere, violations of axe, a page wider than the window. With `views` only what views.cjs asks is tried, with a name one of it. NODE_PATH has
 // playwright-core and axe-core.
 
 const { chromium } = require("playwright-core");
@@ -31,8 +31,8 @@ async function main() {
     page.on("pageerror", error => problems.push(`page: ${error.message}`));
     page.on("request", request => { if (![url, "blob:", "data:"].some(start => request.url().startsWith(start))) problems.push(`a request to ${request.url()}`); });
   };
-  await views({ browser, url, folder, expect, watch, shots });
-  if (only === "views") { await browser.close(); return server.close(); }
+  await views({ browser, url, folder, expect, watch, shots }, only);
+  if (only) { await browser.close(); return server.close(); }
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
   watch(page);
   await page.goto(url);

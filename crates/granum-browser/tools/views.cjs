@@ -69,9 +69,42 @@ async function visit({ browser, url, expect, watch, shots }) {
   }
 }
 
-/** @param {{ browser: any, url: string, expect: Function, watch: Function, shots: string }} all */
-async function views(all) {
-  for (const view of [visit]) await view(all);
+/** The mappings of the paper: runs are made, networks learn, and a slider asks them; at both widths. */
+async function mappings({ browser, url, expect, watch, shots }) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+  const page = await context.newPage();
+  watch(page);
+  await page.goto(`${url}laboratory/`);
+  await page.waitForSelector("#mappings summary", { timeout: 60_000 });
+  await page.focus("#mappings summary");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector("#mapping-train", { timeout: 60_000 });
+  await press(page, "mapping-train");
+  await page.waitForSelector("#mapping-answer table, #mapping-answer .bad", { timeout: 400_000 });
+  expect(!(await page.$("#mapping-answer .bad")), "the networks of a mapping learn from runs of the page");
+  const words = await page.textContent("#mapping-answer table");
+  console.log(await page.textContent("#mapping-status"), words);
+  expect(["networks of the mapping", "strain alone", "mean curve"].every(name => words.includes(name)), "the networks stand beside what knows the strain alone");
+  await page.waitForSelector("#mapping-state .tile");
+  const tiles = () => page.$$eval("#mapping-state .tile b", all => all.map(one => one.textContent));
+  const before = await tiles();
+  await page.focus("#mapping-deviator_fabric");
+  for (let k = 0; k < 8; k++) await page.keyboard.press("ArrowRight");
+  await page.waitForTimeout(800);
+  const after = await tiles();
+  expect(after[0] !== before[0], `another fabric has another answer: ${before[0]}, ${after[0]}`);
+  expect(after[1] === before[1] && after[2] === before[2], "the answer of the strain alone and the state of the run stay");
+  for (const width of WIDTHS) {
+    await page.setViewportSize({ width, height: 900 });
+    await page.waitForTimeout(500);
+    await looked(page, "mappings", { expect, shots, width });
+  }
+  await context.close();
+}
+
+/** All, or one by its name. @param {{ browser: any, url: string, expect: Function, watch: Function, shots: string }} all @param {string} [only] */
+async function views(all, only) {
+  for (const view of [visit, mappings]) if (!only || only === "views" || only === view.name) await view(all);
 }
 
 module.exports = { views };

@@ -13,6 +13,7 @@ mod speed;
 mod study;
 mod tables;
 
+pub use networks::figure as mapping_figure;
 pub use speed::page as speed_page;
 pub use study::report as study_report;
 

@@ -3,6 +3,7 @@
 mod about;
 mod case;
 mod figures;
+mod paper;
 mod reports;
 mod results;
 mod run;
@@ -39,6 +40,9 @@ pub const SURROGATES: &[Call] = &[
     call("predict", surrogates::predict),
     call("curves", figures::curves),
     call("report", reports::report),
+    call("mappings", paper::mappings),
+    call("train_mapping", paper::train),
+    call("ask_mapping", paper::answer),
     call("digest_of_predictions", surrogates::digest_of_predictions),
     call("digest_of_training", surrogates::digest_of_training),
 ];

@@ -22,6 +22,12 @@ pub(super) struct Received {
 }
 
 impl Received {
+    /// Reads it.
+    pub(super) fn from_value(value: &Value) -> Result<Received, CallError> {
+        let received = Received::deserialize(value);
+        received.map_err(|error| CallError::Message(format!("this is no result of a run: {error}")))
+    }
+
     /// The text of its case.
     pub(super) fn case(&self) -> &str {
         &self.case
@@ -39,8 +45,7 @@ pub(super) fn measurements(page: &Page, result: &Received) -> Result<Record, Cal
 
 /// The `result` of a run.
 pub(super) fn received(arguments: &Arguments) -> Result<Received, CallError> {
-    let received = Received::deserialize(arguments.value("result"));
-    received.map_err(|error| CallError::Message(format!("this is no result of a run: {error}")))
+    Received::from_value(arguments.value("result"))
 }
 
 /// The report of the `result` of a run as one page, and its figures by their names.

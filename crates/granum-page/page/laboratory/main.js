@@ -9,6 +9,7 @@ import { stage } from "../modules/stage.js";
 import { show } from "../modules/viewer.js";
 import { CallFailed, Engine, kind } from "./engine.mjs";
 import { catalogue, compiled } from "./files.js";
+import { mappings } from "./paper.js";
 import { Run } from "./run.js";
 import { sliders } from "./sliders.js";
 import { offer } from "./visit.js";
@@ -129,6 +130,7 @@ function page(tools) {
           element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
         element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test),
       shown),
+    mappings(tools),
     element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
   take("drained-dense");
   sliders(surrogate, tools, (found, name, values) => {
