@@ -102,9 +102,72 @@ async function mappings({ browser, url, expect, watch, shots }) {
   await context.close();
 }
 
-/** All, or one by its name. @param {{ browser: any, url: string, expect: Function, watch: Function, shots: string }} all @param {string} [only] */
+/** A case as an address holds it. */
+const packed = text => zlib.deflateRawSync(text).toString("base64url");
+
+/** Cases in addresses, good and broken, and the buttons of the book that make such addresses. */
+async function cases({ browser, url, folder, expect, watch, shots }) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+  const page = await context.newPage();
+  watch(page);
+  const opened = async fragment => {
+    await page.goto("about:blank");
+    await page.goto(`${url}laboratory/#${fragment}`);
+    await page.waitForSelector("#addressed > *", { timeout: 60_000 });
+    return { said: await page.textContent("#addressed"), text: await page.inputValue("#case"), mistakes: await page.textContent("#mistakes"), bad: Boolean(await page.$("#addressed .bad")) };
+  };
+  const ready = JSON.parse(fs.readFileSync(`${folder}/catalogue.json`, "utf8")).cases.find(one => one.name === "simple-shear").text;
+  let found = await opened("case=simple-shear");
+  const shown = () => page.$eval("section[aria-label='The case'] select", select => select.value);
+  expect(found.text === ready && !found.bad && (await shown()) === "simple-shear" && !(await page.$("#states")), "an address opens a ready case, and no test begins by itself");
+  const own = "# Größe\n[grains]\ncount = 120\n[shear]\ndeviator_strain = 0.1\n";
+  found = await opened(`text=${packed(own)}`);
+  expect(found.text === own && (await shown()) === "" && found.mistakes === "", "an address opens a text");
+  found = await opened(`text=${packed("[grains]\ncount = 100\ndiametre = '1 mm'\n<img src=x onerror=alert(1)>")}`);
+  expect(/Line \d/.test(found.mistakes) && !(await page.$("main img")), "a broken case in an address has the program's errors, and its text is text");
+  for (const [what, fragment] of [["cut short", `text=${packed(own).slice(0, 20)}`], ["no base64", "text=%%%"], ["far too long", `text=${packed("#".repeat(5_000_000))}`], ["a name that is none", "case=%3Cscript%3E"]]) {
+    found = await opened(fragment);
+    expect(found.bad && found.text.startsWith("# Drained"), `an address that is ${what} is refused: ${found.said.slice(0, 60)}`);
+  }
+  for (const width of WIDTHS) {
+    await page.setViewportSize({ width, height: 900 });
+    await opened("case=simple-shear");
+    await looked(page, "address", { expect, shots, width });
+  }
+  if (fs.existsSync(`${folder}/book/gallery.html`)) {
+    await page.setViewportSize({ width: 1280, height: 900 });
+    await page.goto(`${url}book/gallery.html`);
+    await page.waitForSelector("a.laboratory", { timeout: 30_000 });
+    const names = await page.$$eval("a.laboratory", all => all.map(one => one.hash.slice(6)));
+    expect(names.length >= 15 && names.includes("long-grains"), `the book has buttons for ${names.length} ready cases`);
+    await page.screenshot({ path: `${shots}/book-gallery.png` });
+    await page.click("a.laboratory[href$='case=long-grains']");
+    await page.waitForSelector("#addressed .callout", { timeout: 60_000 });
+    expect((await page.inputValue("#case")).includes("capsule"), "a button of the book opens its case in the laboratory");
+    let examples = 0;
+    for (const chapter of ["tutorial", "theory/shapes"]) {
+      await page.goto(`${url}book/${chapter}.html`);
+      await page.waitForSelector("pre + p > a.laboratory", { timeout: 30_000 });
+      const all = await page.$$eval("pre + p > a.laboratory", all => all.map(one => [one.hash.slice(1), one.closest("p").previousElementSibling.querySelector("code").textContent]));
+      for (const [fragment, text] of all) {
+        found = await opened(fragment);
+        examples += 1;
+        expect(found.text.trim() === text.trim() && found.mistakes === "" && !found.bad, `example ${examples} of the book, in ${chapter}, opens with its text and without a mistake`);
+      }
+    }
+    expect(examples >= 3, `the book has ${examples} examples that are whole cases`);
+    await page.route("**/catalogue.json", route => route.fulfill({ status: 404, body: "" }));
+    page.removeAllListeners("console");
+    await page.goto(`${url}book/gallery.html`);
+    await page.waitForTimeout(1000);
+    expect((await page.$$("a.laboratory")).length === 0, "a book without the laboratory beside it has no buttons");
+  } else console.log("without mdbook there is no book: its buttons are not tried");
+  await context.close();
+}
+
+/** All, or one by its name. @param {{ browser: any, url: string, folder: string, expect: Function, watch: Function, shots: string }} all @param {string} [only] */
 async function views(all, only) {
-  for (const view of [visit, mappings]) if (!only || only === "views" || only === view.name) await view(all);
+  for (const view of [cases, mappings, visit]) if (!only || only === "views" || only === view.name) await view(all);
 }
 
 module.exports = { views };

@@ -7,6 +7,7 @@ import { counted, quantity, words } from "../modules/numbers.js";
 import { choice, trouble } from "../modules/parts.js";
 import { stage } from "../modules/stage.js";
 import { show } from "../modules/viewer.js";
+import { caseOf } from "./address.js";
 import { CallFailed, Engine, kind } from "./engine.mjs";
 import { catalogue, compiled } from "./files.js";
 import { mappings } from "./paper.js";
@@ -116,7 +117,14 @@ function page(tools) {
   }
   const restart = () => void begin();
 
-  const visit = element("div", { id: "visit-place" });
+  const chosen = choice("Ready case", tools.cases.cases.map(one => ({ value: one.name, text: one.title })), "drained-dense", take);
+  /** Puts a text into the place of the case; the choice shows the ready case that it is, if it is one. @param {string} found */
+  const put = found => {
+    text.value = found;
+    const select = chosen.querySelector("select");
+    if (select) select.value = tools.cases.cases.find(one => one.text === found)?.name ?? "";
+  };
+  const visit = element("div", { id: "visit-place" }), addressed = element("div", { id: "addressed" });
   const surrogate = element("section", {}, element("h2", {}, "A surrogate answers at once"));
   const shown = element("section", { "aria-label": "The test" }, element("h2", {}, "The test"), area);
   replace(main,
@@ -124,22 +132,38 @@ function page(tools) {
     element("p", {}, "Choose a sand or a powder and see what a surrogate knows of its test, with intervals that should hold 90 % of new samples. Then test it: the grains move in this browser, with the bits of the program."),
     visit, surrogate,
     element("div", { class: "columns" },
-      element("section", { "aria-label": "The case" }, element("h2", {}, "The case"),
+      element("section", { "aria-label": "The case" }, element("h2", {}, "The case"), addressed,
         element("div", { class: "tools" },
-          choice("Ready case", tools.cases.cases.map(one => ({ value: one.name, text: one.title })), "drained-dense", take),
+          chosen,
           element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
         element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test),
       shown),
     mappings(tools),
     element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
   take("drained-dense");
+  const fromAddress = async () => {
+    try {
+      const found = await caseOf(location.hash, tools.cases.cases);
+      if (!found) return replace(addressed);
+      now.asked = null;
+      put(found.text);
+      replace(addressed, element("p", { class: "callout", role: "status" }, `The case of the address${found.name ? `, ${found.name},` : ""} is in its place. Press “Test it” to test it.`));
+      if (checked()) test.focus({ preventScroll: true });
+      addressed.scrollIntoView({ block: "start" });
+    } catch (error) {
+      replace(addressed, trouble(error));
+    }
+  };
+  addEventListener("hashchange", () => void fromAddress());
+  void fromAddress();
   sliders(surrogate, tools, (found, name, values) => {
     text.value = found;
     now.asked = { name, values };
     if (checked()) { text.scrollIntoView({ block: "nearest" }); void begin(); }
   });
   offer({ tools, place: visit, test: shown, surrogate, run: () => now.runs[0], begin: (found, count, asked) => {
-    [text.value, grains.value, seeds.value, now.asked] = [found, String(count), "1", asked];
+    put(found);
+    [grains.value, seeds.value, now.asked] = [String(count), "1", asked];
     void begin();
   } });
 }
