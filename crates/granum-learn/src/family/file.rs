@@ -107,7 +107,14 @@ fn opened(text: &str) -> Result<FamilyModel> {
     let definition = by_name(&file.family, file.path.as_deref())?;
     let content = Content::new(&file.surrogate)?;
     let surrogate: Box<dyn Surrogate> = GaussianProcessOfCurves::default().load(file.columns, &content)?;
-    let model = FamilyModel { definition, surrogate, rows: file.rows, data: file.data, scores: file.scores };
+    let model = FamilyModel {
+        definition,
+        surrogate,
+        rows: file.rows,
+        data: file.data,
+        scores: file.scores,
+        typical: Default::default(),
+    };
     let inputs = definition.inputs.len();
     let names = model.surrogate.columns().input_names();
     let expected =

@@ -9,7 +9,7 @@ use granum_nets::normal::{quantile, share_below};
 
 use super::model::FamilyModel;
 use super::prediction::{FamilyCurve, FamilyPrediction, InputSource, Plain, UsedInput};
-use super::typical::{TypicalValue, typical_value};
+use super::typical::TypicalValue;
 use crate::curve::is_logarithmic;
 use crate::error::Result;
 
@@ -109,7 +109,7 @@ impl FamilyModel {
             let mut weight = 1.0;
             for input in (0..given.len()).filter(|k| !inputs[*k].is_required) {
                 let Some(value) = given[input] else { continue };
-                let typical = typical_value(&self.rows, input, &values_so_far);
+                let typical = self.typical.value(&self.rows, input, &values_so_far);
                 if typical.deviation > 0.0 {
                     // One that lies outside of the runs is as far from all of them.
                     let [low, high] = ranges[input];
@@ -120,7 +120,7 @@ impl FamilyModel {
             }
             for input in (0..given.len()).filter(|k| !inputs[*k].is_required && given[*k].is_none()) {
                 let [low, high] = ranges[input];
-                let typical = typical_value(&self.rows, input, &values_so_far);
+                let typical = self.typical.value(&self.rows, input, &values_so_far);
                 let share = share(input).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
                 let drawn = typical.mean + typical.deviation * quantile(share);
                 values[input] = drawn.clamp(low, high);

@@ -6,6 +6,7 @@ use granum_core::observer::Observer;
 
 use super::definition::FamilyDefinition;
 use super::score_types::{FamilyScores, TrainingData};
+use super::typical::TypicalValues;
 use crate::curve::range;
 use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
@@ -35,6 +36,7 @@ pub struct FamilyModel {
     pub(super) rows: Vec<Vec<f64>>,
     pub(super) data: Vec<TrainingData>,
     pub(super) scores: Vec<FamilyScores>,
+    pub(super) typical: TypicalValues,
 }
 
 impl FamilyModel {
@@ -57,7 +59,14 @@ impl FamilyModel {
             .with_coordinate(definition.coordinate)
             .with_threads(fit.threads);
         let surrogate = fit.method.fit(&dataset, &spec, observer)?;
-        let mut model = FamilyModel { definition, surrogate, rows: Vec::new(), data, scores: Vec::new() };
+        let mut model = FamilyModel {
+            definition,
+            surrogate,
+            rows: Vec::new(),
+            data,
+            scores: Vec::new(),
+            typical: TypicalValues::default(),
+        };
         let left_out: Vec<String> = model.left_out().iter().map(|early| early.run.clone()).collect();
         let kept = dataset.runs().iter().filter(|run| !left_out.iter().any(|name| name == run.name()));
         model.rows = kept.map(|run| inputs_of(definition, run)).collect::<Result<_>>()?;

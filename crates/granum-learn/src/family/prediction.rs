@@ -3,7 +3,7 @@
 use granum_core::quantity::format_number;
 
 use super::model::{FamilyModel, unfit};
-use super::typical::{TypicalValue, typical_value};
+use super::typical::TypicalValue;
 use crate::error::{LearnError, Result};
 use crate::surrogate::{Outside, RunInputs, UnseenCombination};
 
@@ -152,9 +152,8 @@ impl FamilyModel {
             for (other, spread) in spreads.iter_mut().enumerate().filter(|(other, _)| *other != input) {
                 *spread += (0.5 * (most[other] - least[other])).powi(2);
             }
-            let (low, high) = (self.plain(&least, level)?, self.plain(&most, level)?);
-            for ((variance, [low, ..]), [high, ..]) in variances.iter_mut().zip(&low.curves).zip(&high.curves)
-            {
+            let (low, high) = (self.means(&least)?, self.means(&most)?);
+            for ((variance, low), high) in variances.iter_mut().zip(&low).zip(&high) {
                 for ((variance, low), high) in variance.iter_mut().zip(low).zip(high) {
                     *variance += (0.5 * (high - low)).powi(2);
                 }
@@ -223,7 +222,7 @@ impl FamilyModel {
         let ranges = self.ranges();
         for input in (0..given.len()).filter(|k| given[*k].is_none()) {
             let [low, high] = ranges[input];
-            let mut found = typical_value(&self.rows, input, &known);
+            let mut found = self.typical.value(&self.rows, input, &known);
             // Typical is what occurs.
             found.mean = found.mean.clamp(low, high);
             let value = match fixed {
@@ -240,12 +239,23 @@ impl FamilyModel {
         self.curves().map(|curves| curves.points()).ok_or_else(|| unfit("its surrogate has no curves"))
     }
 
-    /// The curves for values of all inputs.
-    pub(super) fn plain(&self, values: &[f64], level: f64) -> Result<Plain> {
+    /// The states at all points of the coordinate for values of all inputs.
+    fn states(&self, values: &[f64]) -> Result<RunInputs> {
         let points = self.points()?;
         let rows = points.iter().flat_map(|x| std::iter::once(*x).chain(values.iter().copied())).collect();
-        let inputs = RunInputs::new(rows, values.len() + 1, vec![points.len()])?;
-        let predicted = self.surrogate.predict(&inputs, level)?;
+        RunInputs::new(rows, values.len() + 1, vec![points.len()])
+    }
+
+    /// The mean of each output at each point for values of all inputs.
+    fn means(&self, values: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let states = self.surrogate.means(&self.states(values)?)?;
+        let outputs = self.surrogate.columns().outputs.len();
+        Ok((0..outputs).map(|output| states.iter().map(|state| state[output]).collect()).collect())
+    }
+
+    /// The curves for values of all inputs.
+    pub(super) fn plain(&self, values: &[f64], level: f64) -> Result<Plain> {
+        let predicted = self.surrogate.predict(&self.states(values)?, level)?;
         let outputs = self.surrogate.columns().outputs.len();
         let curve = |output: usize| {
             let mut curve = [const { Vec::new() }; 3];

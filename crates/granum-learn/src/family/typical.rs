@@ -11,6 +11,9 @@
 //! are spread more evenly so. A quadratic function has no sense outside of the runs that it was fitted to: a known input outside of their range
 //! counts with the nearer end. The standard deviation of the runs about it says how uncertain the value is.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError, RwLock};
+
 use granum_nets::dot;
 
 use crate::curve::{is_logarithmic, range};
@@ -29,6 +32,7 @@ pub struct TypicalValue {
 }
 
 /// Scales a column of values to mean zero and standard deviation one.
+#[derive(Clone, Debug, PartialEq)]
 struct Scale {
     is_logarithmic: bool,
     range: [f64; 2],
@@ -56,37 +60,88 @@ impl Scale {
     }
 }
 
-/// The typical value of input `wanted` where the inputs in `known` have the given values; `rows` has the inputs of each run.
-pub(super) fn typical_value(rows: &[Vec<f64>], wanted: usize, known: &[(usize, f64)]) -> TypicalValue {
-    let column = |input: usize| -> Vec<f64> { rows.iter().map(|row| row[input]).collect() };
-    let targets = column(wanted);
-    let count = targets.len() as f64;
-    let mean = targets.iter().sum::<f64>() / count;
-    let scales: Vec<Scale> = known.iter().map(|(input, _)| Scale::new(&column(*input))).collect();
-    let functions = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        let scaled: Vec<f64> = scales.iter().enumerate().map(|(k, scale)| scale.scaled(value(k))).collect();
-        let mut all = scaled.clone();
-        for (k, one) in scaled.iter().enumerate() {
-            all.extend(scaled[..=k].iter().map(|other| one * other));
-        }
-        all
-    };
-    let design: Vec<Vec<f64>> = rows.iter().map(|row| functions(&|k| row[known[k].0])).collect();
-    // The functions about their means, so that the constant needs no penalty.
-    let size = design.first().map_or(0, Vec::len);
-    let centre: Vec<f64> = (0..size).map(|k| design.iter().map(|row| row[k]).sum::<f64>() / count).collect();
-    let about =
-        |row: Vec<f64>| -> Vec<f64> { row.iter().zip(&centre).map(|(value, mean)| value - mean).collect() };
-    let design: Vec<Vec<f64>> = design.into_iter().map(about).collect();
-    let deviations: Vec<f64> = targets.iter().map(|value| value - mean).collect();
-    let own = about(functions(&|k| known[k].1));
-    let equations = if size == 0 { None } else { Equations::new(&design, &vec![PENALTY; size]) };
-    let coefficients =
-        equations.map_or_else(|| vec![0.0; size], |equations| equations.solve(&design, &deviations));
-    let errors =
-        design.iter().zip(&deviations).map(|(row, deviation)| (deviation - dot(row, &coefficients)).powi(2));
-    let freedom = (count - 1.0 - size as f64).max(1.0);
-    TypicalValue { mean: mean + dot(&own, &coefficients), deviation: (errors.sum::<f64>() / freedom).sqrt() }
+/// The function by which an input is estimated from others, fitted once to the runs.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TypicalFunction {
+    scales: Vec<Scale>,
+    /// The mean of each function of the known inputs.
+    centre: Vec<f64>,
+    coefficients: Vec<f64>,
+    /// The mean of the input.
+    mean: f64,
+    deviation: f64,
+}
+
+impl TypicalFunction {
+    /// That of input `wanted` from the inputs in `known`; `rows` has the inputs of each run.
+    fn new(rows: &[Vec<f64>], wanted: usize, known: &[usize]) -> TypicalFunction {
+        let column = |input: usize| -> Vec<f64> { rows.iter().map(|row| row[input]).collect() };
+        let targets = column(wanted);
+        let count = targets.len() as f64;
+        let mean = targets.iter().sum::<f64>() / count;
+        let scales: Vec<Scale> = known.iter().map(|input| Scale::new(&column(*input))).collect();
+        let design: Vec<Vec<f64>> =
+            rows.iter().map(|row| functions(&scales, known.iter().map(|input| row[*input]))).collect();
+        // The functions about their means, so that the constant needs no penalty.
+        let size = design.first().map_or(0, Vec::len);
+        let centre: Vec<f64> =
+            (0..size).map(|k| design.iter().map(|row| row[k]).sum::<f64>() / count).collect();
+        let design: Vec<Vec<f64>> = design.into_iter().map(|row| about(row, &centre)).collect();
+        let deviations: Vec<f64> = targets.iter().map(|value| value - mean).collect();
+        let equations = if size == 0 { None } else { Equations::new(&design, &vec![PENALTY; size]) };
+        let coefficients =
+            equations.map_or_else(|| vec![0.0; size], |equations| equations.solve(&design, &deviations));
+        let errors = design
+            .iter()
+            .zip(&deviations)
+            .map(|(row, deviation)| (deviation - dot(row, &coefficients)).powi(2));
+        let freedom = (count - 1.0 - size as f64).max(1.0);
+        let deviation = (errors.sum::<f64>() / freedom).sqrt();
+        TypicalFunction { scales, centre, coefficients, mean, deviation }
+    }
+
+    /// The typical value where the known inputs have these values, in their order.
+    fn at(&self, values: impl Iterator<Item = f64>) -> TypicalValue {
+        let own = about(functions(&self.scales, values), &self.centre);
+        TypicalValue { mean: self.mean + dot(&own, &self.coefficients), deviation: self.deviation }
+    }
+}
+
+/// The scaled values and their products.
+fn functions(scales: &[Scale], values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let scaled: Vec<f64> = scales.iter().zip(values).map(|(scale, value)| scale.scaled(value)).collect();
+    let mut all = scaled.clone();
+    for (k, one) in scaled.iter().enumerate() {
+        all.extend(scaled[..=k].iter().map(|other| one * other));
+    }
+    all
+}
+
+fn about(row: Vec<f64>, centre: &[f64]) -> Vec<f64> {
+    row.iter().zip(centre).map(|(value, mean)| value - mean).collect()
+}
+
+/// The runs of a family by which typical values are estimated, and the functions that have been fitted to them: which one is needed depends on what is
+/// known and not on its values, so that each is fitted once.
+#[derive(Debug, Default)]
+pub(super) struct TypicalValues {
+    functions: RwLock<BTreeMap<(usize, Vec<usize>), Arc<TypicalFunction>>>,
+}
+
+impl TypicalValues {
+    /// The typical value of input `wanted` where the inputs in `known` have the given values; `rows` has the inputs of each run, the same at
+    /// each call.
+    pub(super) fn value(&self, rows: &[Vec<f64>], wanted: usize, known: &[(usize, f64)]) -> TypicalValue {
+        let inputs: Vec<usize> = known.iter().map(|(input, _)| *input).collect();
+        let key = (wanted, inputs);
+        let known_function = self.functions.read().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        let function = known_function.unwrap_or_else(|| {
+            let fitted = Arc::new(TypicalFunction::new(rows, wanted, &key.1));
+            let mut functions = self.functions.write().unwrap_or_else(PoisonError::into_inner);
+            functions.entry(key).or_insert(fitted).clone()
+        });
+        function.at(known.iter().map(|(_, value)| *value))
+    }
 }
 
 #[cfg(test)]
@@ -103,6 +158,9 @@ mod tests {
                 vec![a, b, 0.5 + 0.2 * a.ln() + b * b + sign]
             })
             .collect();
+        let values = TypicalValues::default();
+        let typical_value =
+            |rows: &[Vec<f64>], wanted: usize, known: &[(usize, f64)]| values.value(rows, wanted, known);
         let found = typical_value(&rows, 2, &[(0, 6.0), (1, 0.35)]);
         assert!((found.mean - (0.5 + 0.2 * 6.0f64.ln() + 0.35 * 0.35)).abs() < 0.01, "{found:?}");
         assert!((0.008..0.014).contains(&found.deviation), "{found:?}");

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use granum_core::parallel;
-use granum_nets::gaussian_process::{GaussianProcess, Rows};
+use granum_nets::gaussian_process::{GaussianProcess, ProcessPrediction, Rows};
 use serde::{Deserialize, Serialize};
 
 use super::calibration::Calibration;
@@ -224,8 +224,7 @@ impl FittedCurves {
         let mut predictions = Vec::with_capacity(inputs.len());
         for row in inputs.rows() {
             let x = row[*coordinate];
-            let mut own = row.to_vec();
-            own.remove(*coordinate);
+            let own = self.beside_coordinate(row);
             // The rows of a run differ in the coordinate alone.
             let (_, curves, place) = match known.take() {
                 Some(same) if same.0 == own => known.insert(same),
@@ -285,18 +284,41 @@ impl FittedCurves {
 
     /// The curves of all outputs for the inputs beside the coordinate.
     fn curves(&self, inputs: &[f64]) -> Vec<Curve> {
+        self.curves_by(inputs, |_, process, row| process.predict(row))
+    }
+
+    /// The same for whom the means are enough. The variance of a weight is zero where no mean depends on it.
+    fn curves_of_means(&self, inputs: &[f64]) -> Vec<Curve> {
+        self.curves_by(inputs, |kept, process, row| match kept.root {
+            true => process.predict(row),
+            false => process.predict_mean(row),
+        })
+    }
+
+    fn curves_by(
+        &self,
+        inputs: &[f64],
+        predict: impl Fn(&KeptCurve, &GaussianProcess, &[f64]) -> ProcessPrediction,
+    ) -> Vec<Curve> {
         let row: Vec<f64> = self.kept.groups.iter().map(|group| group.value(inputs)).collect();
         let curve = |(kept, processes): (&KeptCurve, &Vec<GaussianProcess>)| {
             let points = &self.kept.points;
             let from_start = points.iter().map(|x| kept.start_at(inputs, x - points[0]));
             let each = kept.components.iter().zip(processes);
             let weights: Vec<_> =
-                each.map(|(component, process)| (component, process.predict(&row))).collect();
+                each.map(|(component, process)| (component, predict(kept, process, &row))).collect();
             let mean = from_start.zip(&kept.mean).map(|(start, mean)| start + mean).collect();
             kept.output(Curve::new(mean, kept.rest.clone(), &weights))
         };
         let curves = self.kept.curves.iter().zip(&self.processes).map(curve);
         curves_of_outputs(curves, &self.kept.histograms, self.columns.outputs.len())
+    }
+
+    /// The inputs of a row beside the coordinate.
+    fn beside_coordinate(&self, row: &[f64]) -> Vec<f64> {
+        let mut own = row.to_vec();
+        own.remove(self.kept.coordinate);
+        own
     }
 }
 
@@ -350,6 +372,21 @@ impl Surrogate for FittedCurves {
 
     fn evaluate(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         Ok(self.predictions(inputs, &|calibration| calibration.interval(level)))
+    }
+
+    fn evaluate_means(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let Kept { coordinate, points, .. } = &self.kept;
+        let mut last: Option<(Vec<f64>, Vec<Curve>)> = None;
+        let means = |row: &[f64]| {
+            let own = self.beside_coordinate(row);
+            // The rows of a run differ in the coordinate alone.
+            let (_, curves) = match last.take() {
+                Some(same) if same.0 == own => last.insert(same),
+                _ => last.insert((own.clone(), self.curves_of_means(&own))),
+            };
+            curves.iter().map(|curve| interpolated(row[*coordinate], points, &curve.mean)).collect()
+        };
+        Ok(inputs.rows().map(means).collect())
     }
 
     fn possible_values(&self, output: usize) -> [f64; 2] {

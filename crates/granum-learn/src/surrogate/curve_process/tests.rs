@@ -444,3 +444,27 @@ fn intervals_that_grow_at_the_edge_hold_their_level_and_not_more() {
     }
     assert!(judged > 1, "{judged}");
 }
+
+#[test]
+fn means_alone_have_the_bits_of_those_with_intervals() {
+    let runs = dataset(30, 7);
+    // The second output starts at a value that is measured; a third one, far from its median in few runs, is learned by its root.
+    let with_root = |run: &RunStates| {
+        let y = run.column("y")?;
+        run.clone().with_column("square", "", y.iter().map(|y| (6.0 * y).exp()).collect())
+    };
+    let runs = Dataset::new(runs.runs().iter().map(with_root).collect::<Result<_>>().unwrap()).unwrap();
+    let spec = FitSpec::new(["x", "strength", "rate", "sample.z"], ["y", "z", "square"]).with_coordinate("x");
+    let surrogate = fitted(&runs, &spec);
+    let content = surrogate.content().unwrap();
+    assert!(format!("{content:?}").contains("root"), "one output is learned by its root");
+    let inputs = RunInputs::from_dataset(&dataset(3, 8), surrogate.columns()).unwrap();
+    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    let predictions = surrogate.predict(&inputs, 0.9).unwrap();
+    let means = surrogate.means(&inputs).unwrap();
+    assert_eq!(means.len(), 3 * STATES);
+    for (prediction, means) in predictions.iter().zip(&means) {
+        let own: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
+        assert_eq!(bits(&own), bits(means));
+    }
+}
