@@ -7,6 +7,8 @@ pyvista ovito ase gsd freud-analysis); LAMMPS as `lmp` is used if it is there. W
 
     python3 scripts/check_exports.py RUN [--granum target/release/granum] [--snapshot end] [--picture PICTURE.png]
 
+Of grains of several pieces check_exports_of_bodies.py does the same.
+
 RUN is a run folder, best one with a sheared cell: granum run --path simple-shear --set grains.count=300 --set grains.spread=0.3
 """
 import argparse
@@ -54,6 +56,8 @@ class Own:
             return folder / name
 
         grains = table(export("grains.csv", "--table", "grains"))
+        if "pieces" in grains:
+            sys.exit(f"{run}: its grains are of several pieces, which check_exports_of_bodies.py compares")
         contacts = table(export("contacts.csv", "--table", "contacts"))
         assembly = json.load(open(pathlib.Path(run) / "snapshots" / f"{snapshot}.json"))["assembly"]
         self.cell = np.array(assembly["cell"])
@@ -408,6 +412,17 @@ write_dump all custom read.dump id radius mass x y z vx vy vz omegax omegay omeg
     check("spins", relative(np.linalg.norm(numbers[:, 9:12], axis=1), np.linalg.norm(own.spin, axis=1)), 1e-13)
 
 
+def with_each(readers):
+    """Lets each reader check whose module is installed, and names the others."""
+    for module, use in readers:
+        try:
+            __import__(module)
+        except ImportError as error:
+            print(f"{module} is not used: {error}")
+            continue
+        use()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run")
@@ -419,19 +434,13 @@ def main():
         folder = pathlib.Path(name)
         own = Own(options.granum, options.run, options.snapshot, folder)
         print(f"{len(own.id)} grains, {len(own.first)} contacts, cell\n{own.cell}")
-        for module, use in (
+        with_each((
             ("vtk", lambda: with_vtk(own, options.picture)),
             ("pyvista", lambda: with_pyvista(own)),
             ("ase", lambda: with_ase(own)),
             ("ovito", lambda: with_ovito(own)),
             ("freud", lambda: with_freud(own)),
-        ):
-            try:
-                __import__(module)
-            except ImportError as error:
-                print(f"{module} is not used: {error}")
-                continue
-            use()
+        ))
         if shutil.which("lmp"):
             with_lammps(own, folder)
         else:

@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 """Makes the pictures of README.md, of the gallery and of the families with the present version, and checks that they are still true.
 
-  scripts/pictures.py make --granum target/release/granum --work FOLDER [report] [gallery | CASE...] [families]
+  scripts/pictures.py make --granum target/release/granum --work FOLDER [report] [gallery | CASE...] [families] [packings]
   scripts/pictures.py --check [--granum target/release/granum] [--quick FOLDER]
 
 `make report` needs the finished folder `FOLDER/reproduction` of `granum reproduce` and the finished folder `FOLDER/quick` of
 `granum reproduce --quick` (it makes those that are missing, which takes minutes), and headless Chromium for the photograph of
-the report. `make gallery` runs the ready cases, `make families` asks the families of the program and draws the map of their states and the gallery of shapes. What the pictures state is written to docs/pictures/stated.json.
+the report. `make gallery` runs the ready cases, `make families` asks the families of the program and draws the map of their states and the gallery of shapes.
+`make packings` makes the packings of the page packings.md by the lines of cases that it shows, and writes their numbers into it. What the pictures state is written to docs/pictures/stated.json.
 
 `--check` verifies without a browser that no picture was changed without its statements, and that README.md and the gallery
 say what the pictures say. With `--quick`, the folder of a quick reproduction by the present version, it verifies that this
 version states what the version that made the pictures stated; with `--granum` it runs one ready case and compares its
-digest, and draws the pictures of families and shapes again. Exit code 1 if a picture has to be made again.
+digest, and draws the pictures of families and shapes and the packings again. Exit code 1 if a picture has to be made again.
 """
 import argparse
 import hashlib
@@ -30,6 +31,13 @@ FIGURES = ROOT / "docs" / "src" / "figures"
 STATED = PICTURES / "stated.json"
 MAP = FIGURES / "state-map.svg"
 SHAPES = FIGURES / "shapes.svg"
+PACKINGS = ROOT / "docs" / "src" / "packings.md"
+# The case of the packings, in which the line of the shape is another for each.
+PACKING_CASE = ROOT / "examples" / "packing-of-shapes.toml"
+# A reader loads one at a time.
+LARGEST_PACKING = 300_000
+# A row of the page: its packing, its line, its numbers.
+PACKING_ROW = re.compile(r'^(\| <a href="figures/packing-([\w-]+)\.html" .*?</a> \| `(shape = .*?)` \|)(.*)$', re.MULTILINE)
 # The ready case that `--check --granum` runs: it takes seconds.
 CHECKED_CASE = "strain-history"
 # The figure of a ready case's report that the gallery shows.
@@ -143,14 +151,47 @@ def make_shapes(granum, picture):
     run(granum, "--force", "shape", ROOT / "examples" / "shapes.toml", "-o", picture, quiet=True)
 
 
+def packing_rows():
+    """The packings that the page shows: name, line of the case, numbers."""
+    rows = [(name, line, numbers.strip()) for _, name, line, numbers in PACKING_ROW.findall(PACKINGS.read_text())]
+    if not rows:
+        sys.exit(f"{PACKINGS} has no row of a packing")
+    return rows
+
+
+def make_packing(granum, work, line, page):
+    """Makes the page of a packing by the line of its shape, and returns its numbers as the table has them."""
+    for file in PACKING_CASE.parent.glob("*.obj"):
+        shutil.copy(file, work)
+    case, count = re.subn(r"^shape = .*$", lambda _: line, PACKING_CASE.read_text(), flags=re.MULTILINE)
+    if count != 1:
+        sys.exit(f"{PACKING_CASE} has {count} lines of a shape")
+    (work / "packing.toml").write_text(case)
+    # The name of the folder is the title of the page.
+    folder = work / page.stem.removeprefix("packing-")
+    run(granum, "--force", "prepare", work / "packing.toml", "--out", folder, quiet=True)
+    run(granum, "--force", "view", folder, "--opacity", "1", "-o", page, quiet=True)
+    if (size := page.stat().st_size) > LARGEST_PACKING:
+        sys.exit(f"{page} has {size} bytes, more than {LARGEST_PACKING}")
+    about = json.loads((folder / "run.json").read_text())
+    spheres = re.search(r"with (\d+) spheres a grain", " ".join(about["notes"]))
+    measures = about["measures"]
+    return f"{spheres[1] if spheres else 1} | {measures['solid_fraction']:.3f} | {measures['coordination_number']:.1f} |"
+
+
+def make_packings(granum, work):
+    numbers = {name: make_packing(granum, work, line, FIGURES / f"packing-{name}.html") for name, line, _ in packing_rows()}
+    PACKINGS.write_text(PACKING_ROW.sub(lambda row: f"{row[1]} {numbers[row[2]]}", PACKINGS.read_text()))
+
+
 def make(arguments):
     work = arguments.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
     granum = str(arguments.granum.resolve())
     stated = json.loads(STATED.read_text()) if STATED.exists() else {}
-    cases = [name for name in arguments.what if name not in ("report", "gallery", "families")]
+    cases = [name for name in arguments.what if name not in ("report", "gallery", "families", "packings")]
     if unknown := [name for name in cases if name not in FIGURE and name not in LABORATORY]:
-        sys.exit(f"unknown: {', '.join(unknown)}; there are report, gallery, families, {', '.join([*FIGURE, *LABORATORY])}")
+        sys.exit(f"unknown: {', '.join(unknown)}; there are report, gallery, families, packings, {', '.join([*FIGURE, *LABORATORY])}")
     if "report" in arguments.what or not arguments.what:
         make_report(granum, work, stated)
     if "gallery" in arguments.what or not arguments.what:
@@ -161,8 +202,11 @@ def make(arguments):
             make_family(granum, name, FIGURES / f"family-{name}.svg")
         make_map(granum, MAP)
         make_shapes(granum, SHAPES)
+    if "packings" in arguments.what or not arguments.what:
+        make_packings(granum, work)
     files = [*PICTURES.glob("*.png"), *PICTURES.glob("*.svg"), *FIGURES.glob("gallery-*.svg"),
-             *FIGURES.glob("family-*.svg"), MAP, SHAPES]
+             *FIGURES.glob("family-*.svg"), MAP, SHAPES,
+             *FIGURES.glob("packing-*.html")]
     stated["pictures"] = {str(path.relative_to(ROOT / "docs")): sha256(path) for path in sorted(files)}
     STATED.write_text(json.dumps(stated, indent=1, ensure_ascii=False, sort_keys=True) + "\n")
 
@@ -196,7 +240,7 @@ def check(arguments):
     problems = []
     stated = json.loads(STATED.read_text())
     present = {str(path.relative_to(ROOT / "docs")) for folder in (PICTURES, FIGURES) for path in folder.iterdir()
-               if path.suffix in (".png", ".svg") and not path.name.startswith(("campaign-", "calibration-", "fem-", "shape-or-rolling"))}
+               if path.suffix in (".png", ".svg", ".html") and not path.name.startswith(("campaign-", "calibration-", "fem-", "shape-or-rolling"))}
     for name in sorted(present | set(stated["pictures"])):
         path = ROOT / "docs" / name
         if not path.exists() or stated["pictures"].get(name) != sha256(path):
@@ -217,6 +261,12 @@ def check(arguments):
                 remake(granum, work / picture.name)
                 if (work / picture.name).read_bytes() != picture.read_bytes():
                     problems.append(f"{name} differs from docs/src/figures/{picture.name}")
+            for name, line, numbers in packing_rows():
+                page = work / f"packing-{name}.html"
+                if (made := make_packing(granum, work, line, page)) != numbers:
+                    problems.append(f"the packing {name} has {made}, docs/src/packings.md says {numbers}")
+                if page.read_bytes() != (FIGURES / page.name).read_bytes():
+                    problems.append(f"the packing {name} differs from docs/src/figures/{page.name}")
         problems += [f"{CHECKED_CASE}: {found}" for found in differences(stated["gallery"][CHECKED_CASE], found)]
     for problem in problems:
         print("FAILED:", problem)
@@ -229,7 +279,7 @@ def check(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", nargs="?", choices=["make"])
-    parser.add_argument("what", nargs="*", help="report, gallery, families, or names of ready cases; everything if nothing is named")
+    parser.add_argument("what", nargs="*", help="report, gallery, families, packings, or names of ready cases; everything if nothing is named")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--granum", type=pathlib.Path)
     parser.add_argument("--work", type=pathlib.Path)

@@ -4,7 +4,7 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::cross;
 
 /// Moments whose difference over their sum is below this count as equal: rounding must not choose their axes.
-const EQUAL: f64 = 1e-9;
+pub(crate) const EQUAL: f64 = 1e-9;
 /// Products that are below this share of the sum of the moments count as zero.
 const ZERO: f64 = 1e-16;
 

@@ -2,6 +2,8 @@
 
 use granum_core::assembly::Vector;
 
+use crate::principal_axes::EQUAL;
+
 /// A sphere that is fixed on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapePiece {
@@ -90,8 +92,9 @@ impl RigidShape {
             return Some(format!("its volume is {} m3; it must be positive", self.volume));
         }
         let [a, b, c] = self.inertia_over_mass;
-        // Equal moments may differ by rounding.
-        if a > b * (1.0 + 1e-9) || b > c * (1.0 + 1e-9) {
+        // Equal moments may differ by rounding, and keep the order of the given axes as far as that.
+        let rounding = EQUAL * (a + b + c);
+        if a > b + rounding || b > c + rounding {
             return Some(format!(
                 "its principal moments of inertia over its mass are {:?} m2; they must rise from the first axis to the third",
                 self.inertia_over_mass
