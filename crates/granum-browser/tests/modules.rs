@@ -49,7 +49,7 @@ fn a_run_has_the_digest_of_the_program() {
 fn predictions_and_a_training_keep_their_bits() {
     let mut digests = String::new();
     let mut page = Page::new(SURROGATES);
-    for family in ["powder", "sand"] {
+    for family in ["powder", "sand", "shaped-sand"] {
         let folder = crates().join("granum/families").join(family);
         let mut paths: Vec<String> = std::fs::read_dir(folder)
             .unwrap()

@@ -1,4 +1,4 @@
-//! Flags of a sand and of a powder within the ranges of the families that come with the program.
+//! Flags of grains within the ranges of the families that come with the program.
 
 /// A sand of which everything that is needed is given.
 pub const SAND: [&str; 8] =
@@ -17,3 +17,7 @@ pub const POWDER: [&str; 10] = [
     "--youngs-modulus",
     "200 MPa",
 ];
+
+/// A sand of long grains.
+pub const LONG_GRAINS: [&str; 8] =
+    ["--aspect-ratio", "1.6", "--friction", "0.4", "--pressure", "100 kPa", "--youngs-modulus", "2 GPa"];
