@@ -5,7 +5,7 @@ use std::io::{Result as IoResult, Write};
 use std::sync::Arc;
 
 use granum_core::observer::Event;
-use granum_core::{Assembly, ObservedState};
+use granum_core::{Assembly, ObservedState, Table};
 use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress, Work};
 use granum_io::Case;
 use granum_io::Result as FileResult;
@@ -19,6 +19,7 @@ use crate::digest;
 use crate::engine::sink::Sink;
 use crate::engine::task::Task;
 use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::saved_run::SavedRun;
 
 /// A run in memory that goes on a piece at a time: between two pieces whoever holds it can look at its state, show it, save it, or leave it. Its
 /// results have the bits of a run in one piece.
@@ -73,6 +74,7 @@ impl RunInPieces {
             states: Vec::new(),
             measurements: Record::default(),
             snapshots: BTreeMap::new(),
+            preparation: None,
             end: None,
         };
         Ok(RunInPieces { execution, case: task.case.clone(), run_state: Some(run_state), kept })
@@ -140,15 +142,17 @@ impl RunInPieces {
         Ok(digest::of_results(&case_digest, test, &self.kept.snapshots)?)
     }
 
-    /// The checkpoint of a run that is under way, from which the program goes on in the folder of a run; `None` if it is complete.
+    /// The run as it is now, from which the program goes on; `None` if it is complete.
     ///
     /// # Errors
-    /// If it cannot be written.
-    pub fn checkpoint(&self) -> Result<Option<Vec<u8>>, LaboratoryError> {
+    /// If its checkpoint cannot be written.
+    pub fn saved(&self) -> Result<Option<SavedRun>, LaboratoryError> {
         let Some(run_state) = &self.run_state else { return Ok(None) };
         let mut bytes = Bytes(Vec::new(), self.kept.record.clone());
         run_state.write(&mut bytes)?;
-        Ok(Some(bytes.0))
+        let Kept { record, snapshots, preparation, .. } = &self.kept;
+        let (record, snapshots) = (record.clone(), snapshots.clone());
+        Ok(Some(SavedRun::new(&self.case, record, snapshots, preparation.clone(), &bytes.0)))
     }
 }
 
@@ -194,6 +198,7 @@ struct Kept {
     states: Vec<RecordedState>,
     measurements: Record,
     snapshots: BTreeMap<String, Assembly>,
+    preparation: Option<Table>,
     end: Option<Arc<dyn ObservedState + Send + Sync>>,
 }
 
@@ -211,6 +216,10 @@ impl Sink for Kept {
     }
     fn save_measurements(&mut self, record: &Record) -> FileResult<()> {
         self.measurements = record.clone();
+        Ok(())
+    }
+    fn save_preparation(&mut self, history: &Table) -> FileResult<()> {
+        self.preparation = Some(history.clone());
         Ok(())
     }
     fn save_snapshot(&mut self, name: &str, assembly: &Assembly) -> FileResult<()> {
@@ -239,8 +248,7 @@ impl Sink for Bytes {
 mod tests {
     use granum_core::observer::{Observer, Progress};
     use granum_dem::observer::NoObserver;
-    use granum_io::run::{CHECKPOINT, RunFolder, RunKind};
-    use granum_io::snapshot::grains_table;
+    use granum_io::run::{RunFolder, RunKind};
 
     use super::*;
     use crate::{Laboratory, Source};
@@ -281,33 +289,64 @@ mod tests {
             assert_eq!(run.snapshots().keys().collect::<Vec<_>>(), ["end", "start", "strain-0_01"]);
             assert_eq!(run.states().len(), run.measurements().series.rows());
             assert_eq!(run.digest().unwrap(), whole);
-            assert_eq!(run.checkpoint().unwrap(), None);
+            assert_eq!(run.saved().unwrap(), None);
             assert_eq!(run.go_on(&mut observer).unwrap(), RunStatus::Finished);
         }
     }
 
     #[test]
-    fn the_program_goes_on_from_the_checkpoint_of_a_piece() {
+    fn the_program_goes_on_from_a_saved_run() {
         let case = Case::parse(CASE, "case").unwrap();
         let place = tempfile::tempdir().unwrap();
-        folder_of(&case, place.path());
+        let whole = folder_of(&case, place.path());
+        let laboratory = Laboratory::here();
+        // While the sample is made, and in the test with a snapshot behind it.
+        for states in [0, 3] {
+            let mut run = laboratory.in_pieces(RunKind::Test, &case, &Source::Case, &mut NoObserver).unwrap();
+            let mut observer = Every(1, 0);
+            assert_eq!(run.go_on(&mut observer).unwrap(), RunStatus::Running);
+            while run.states().len() < states {
+                assert_eq!(run.go_on(&mut observer).unwrap(), RunStatus::Running);
+            }
+            let text = run.saved().unwrap().unwrap().to_json().unwrap();
+            let folder = RunFolder::create(place.path().join(format!("from-{states}")), false).unwrap();
+            SavedRun::from_json(&text, "run.json".as_ref()).unwrap().write_into(&folder).unwrap();
+            assert!(folder.run().faults().unwrap().is_empty());
+            laboratory.resume(&folder, &mut NoObserver).unwrap();
+            assert_eq!(digest::of_run(&folder.run()).unwrap(), whole);
+            assert!(folder.run().preparation().unwrap().is_some());
+        }
+    }
+
+    #[test]
+    fn what_is_no_saved_run_is_refused_by_reason() {
+        let case = Case::parse(CASE, "case").unwrap();
         let laboratory = Laboratory::here();
         let mut run = laboratory.in_pieces(RunKind::Test, &case, &Source::Case, &mut NoObserver).unwrap();
-        let mut observer = Every(1, 0);
-        while run.states().len() < 2 {
-            assert_eq!(run.go_on(&mut observer).unwrap(), RunStatus::Running);
+        run.go_on(&mut Every(1, 0)).unwrap();
+        let text = run.saved().unwrap().unwrap().to_json().unwrap();
+        let of = |text: &str| SavedRun::from_json(text, "own.json".as_ref()).map(|_| ());
+        of(&text).unwrap();
+        let changed = |change: &dyn Fn(&mut serde_json::Value)| {
+            let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+            change(&mut value);
+            of(&value.to_string()).unwrap_err().to_string()
+        };
+        let packing = serde_json::json!({ "sample": "/etc" });
+        for (message, said) in [
+            (of("{}").unwrap_err().to_string(), "no saved run"),
+            (changed(&|run| run["format"] = "granum run 9".into()), "its format is \"granum run 9\""),
+            (changed(&|run| run["record"]["source"] = packing.clone()), "made from its case"),
+            (changed(&|run| run["record"]["case_digest"] = "0".into()), "another case"),
+            (changed(&|run| run["checkpoint"] = "no base64".into()), "no base64"),
+            (changed(&|run| run["snapshots"] = serde_json::json!({ "../out": {} })), "saved run"),
+        ] {
+            assert!(message.contains("own.json") && message.contains(said), "{message}");
         }
-        let folder = RunFolder::create(place.path().join("resumed"), false).unwrap();
-        folder.write_record(run.record()).unwrap();
-        folder.write_case(&case, None).unwrap();
-        std::fs::write(folder.path().join(CHECKPOINT), run.checkpoint().unwrap().unwrap()).unwrap();
-        laboratory.resume(&folder, &mut NoObserver).unwrap();
-        // All but the snapshots from before, which lie where they were written.
-        let whole = place.path().join("whole");
-        let whole = granum_io::Run::at(&whole).unwrap();
-        assert_eq!(folder.run().series().unwrap(), whole.series().unwrap());
-        assert_eq!(folder.run().forces().unwrap(), whole.forces().unwrap());
-        let end = |run: &granum_io::Run| grains_table(&run.snapshot("end").unwrap()).unwrap();
-        assert_eq!(end(&folder.run()), end(&whole));
+        let mut other: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let assembly = serde_json::to_value(run.state().unwrap().assembly()).unwrap();
+        other["snapshots"] = serde_json::json!({ "../out": assembly });
+        let message = of(&other.to_string()).unwrap_err().to_string();
+        assert!(message.contains("\"../out\" is no name of a snapshot"), "{message}");
     }
 }
