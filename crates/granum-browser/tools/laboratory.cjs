@@ -64,6 +64,10 @@ async function main() {
   await page.click("#step");
   await page.waitForTimeout(500);
   expect((await pictures()) === waits + 1, "one piece is one picture");
+  const saving = page.waitForEvent("download");
+  await page.click("#save");
+  const saved = JSON.parse(fs.readFileSync(await (await saving).path(), "utf8"));
+  expect(saved.format === "granum run 1" && saved.checkpoint.length > 1000, "a run under way can be saved");
   await page.click("#go");
   const begun = Date.now(), first = await pictures();
   await page.waitForTimeout(2000);

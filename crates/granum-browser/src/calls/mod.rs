@@ -30,6 +30,7 @@ pub const ENGINE: &[Call] = &[
     call("digest", results::digest),
     call("series", results::series),
     call("result", results::result),
+    call("saved", results::saved),
 ];
 
 /// The calls of the surrogates, and those that make reports of results.

@@ -20,6 +20,12 @@ pub(super) fn view(page: &mut Page, arguments: &Arguments) -> Result<Value, Call
     Ok(data(&state.assembly(), Parts::all(), &View::default().with(|view| view.strongest = strongest)))
 }
 
+/// The run under way as one text, from which `granum resume` goes on; null once it is complete.
+pub(super) fn saved(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
+    let saved = page.run()?.saved()?;
+    Ok(json!({ "run": saved.map(|saved| saved.to_json()).transpose()? }))
+}
+
 /// The digest that the folder of this run would have.
 pub(super) fn digest(page: &mut Page, _: &Arguments) -> Result<Value, CallError> {
     Ok(json!({ "digest": page.run()?.digest()? }))

@@ -178,7 +178,7 @@ function frame(tools, area, restart) {
   const button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ onclick) => element("button", { type: "button", id, onclick }, label);
   const each = (/** @type {"go" | "pause" | "piece"} */ what) => () => { now.runs.filter(run => !run.ended).forEach(run => run.tell(what)); paint(tools); };
   replace(area,
-    element("div", { class: "tools" }, button("pause", "Pause", each("pause")), button("go", "Go on", each("go")), button("step", "One piece", each("piece")), button("again", "Begin again", restart)),
+    element("div", { class: "tools" }, button("pause", "Pause", each("pause")), button("go", "Go on", each("go")), button("step", "One piece", each("piece")), button("again", "Begin again", restart), button("save", "Save the run", () => void keep())),
     element("ul", { id: "states", class: "checks" }), element("div", { id: "curves", "aria-live": "off" }), stage("The grains of the first run"),
     element("div", { id: "results" }));
 }
@@ -196,6 +196,7 @@ function paint(tools) {
   /** @type {HTMLButtonElement} */ (by("pause")).disabled = !goes;
   /** @type {HTMLButtonElement} */ (by("go")).disabled = goes || ended;
   /** @type {HTMLButtonElement} */ (by("step")).disabled = ended;
+  /** @type {HTMLButtonElement} */ (by("save")).disabled = ended;
   replace(by("states"), now.runs.map(run => element("li", { class: run.fault ? "missed" : run.digest ? "passed" : null }, line(run))));
   const first = now.runs[0];
   if (first?.view && first.view !== now.drawn) {
@@ -207,6 +208,15 @@ function paint(tools) {
   }
   if (ended) void curves(tools).then(() => results(tools));
   else if (performance.now() - now.lastCurves > CURVES_EVERY) void curves(tools);
+}
+
+/** Gives the first run that is under way as a file, from which the program goes on. */
+async function keep() {
+  const first = now.runs.find(run => run.begun && !run.ended);
+  const saved = first && (await first.ask("saved")).run;
+  if (!saved) return announce("There is no run under way");
+  save("saved-run.json", "application/json", saved);
+  announce("The run is saved; granum resume saved-run.json --out run goes on with it");
 }
 
 /** Where a run is, in a line. @param {Run} run */

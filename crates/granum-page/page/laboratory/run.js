@@ -59,8 +59,8 @@ export class Run {
   }
 
   /**
-   * Asks for a `result` or the `series`.
-   * @param {"result" | "series"} kind
+   * Asks for a `result`, the `series`, or the run as it is `saved`.
+   * @param {"result" | "series" | "saved"} kind
    * @param {Record<string, unknown>} [more]
    * @returns {Promise<any>}
    */

@@ -66,6 +66,9 @@ addEventListener("message", async ({ data }) => {
       case "result":
         tell({ kind: "result", of: data.of, result: engine?.call("result", { assemblies: data.assemblies ?? false }) });
         break;
+      case "saved":
+        tell({ kind: "saved", of: data.of, run: engine?.call("saved").run });
+        break;
       case "series":
         tell({ kind: "series", of: data.of, csv: engine?.call("series").csv });
         break;

@@ -1,12 +1,13 @@
 //! `granum resume`: continues an interrupted run, list of runs, training or reproduction.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum::contents::Contents;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, RunFolder, RunStatus};
 use granum_learn::study::STUDY_FILE;
+use granum_run::laboratory::SavedRun;
 use serde_json::json;
 
 use super::campaign::{self, CarryOutFlags};
@@ -24,11 +25,17 @@ use crate::output;
 
 /// Continue a preparation, test, list of runs, campaign, training or reproduction that was interrupted or killed. The results are exactly those of
 /// an uninterrupted run.
+///
+/// A run that the laboratory page saved to a file goes on in a new folder.
 #[derive(Args)]
-#[command(after_help = "Example:\n  granum resume run-1")]
+#[command(after_help = "Example:\n  granum resume run-1\n  granum resume saved-run.json --out run-2")]
 pub struct Resume {
-    /// The folder of the run, of several runs, of a campaign, of the training or the reproduction.
+    /// The folder of the run, of several runs, of a campaign, of the training or the reproduction; or the file of a run that the laboratory page
+    /// saved.
     folder: PathBuf,
+    /// Folder to create for a run from a file: `run` by default.
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -41,6 +48,15 @@ impl Resume {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         // A resumed run continues from the contents of its folder and must not replace anything.
         let context = &context.without_force();
+        if self.folder.is_file() {
+            return self.saved(context);
+        }
+        if let Some(out) = &self.out {
+            let (name, out) = (self.folder.shown(), out.shown());
+            return Err(Failure::new(format!(
+                "--out {out} is for the file of a saved run; the folder {name} is continued where it is"
+            )));
+        }
         match Contents::read(&self.folder, context.vocabulary())? {
             Contents::Reproduction { of: Some(of), .. } => {
                 let (checkpoints, hardware) = (self.checkpoints.clone(), self.hardware.clone());
@@ -58,23 +74,33 @@ impl Resume {
                 campaign::resume(context, &of, &CarryOutFlags::resumed(&self.checkpoints), &self.lammps)
             }
             Contents::Training { .. } if Train::is_in(&self.folder) => self.training(context),
-            _ => self.of_grains(context),
+            _ => self.of_grains(context, &self.folder),
         }
     }
 
+    /// Makes the folder of a run that was saved to a file, and resumes it.
+    fn saved(&self, context: &Context) -> Result<(), Failure> {
+        let text =
+            std::fs::read_to_string(&self.folder).map_err(granum_io::Error::file("read", &self.folder))?;
+        let saved = SavedRun::from_json(&text, &self.folder)?;
+        let out = self.out.clone().unwrap_or_else(|| "run".into());
+        saved.write_into(&RunFolder::create(&out, false)?)?;
+        self.of_grains(context, &out)
+    }
+
     /// Resumes a preparation or a test.
-    fn of_grains(&self, context: &Context) -> Result<(), Failure> {
+    fn of_grains(&self, context: &Context, place: &Path) -> Result<(), Failure> {
         let laboratory = self.lammps.set(self.hardware.laboratory(context, &self.checkpoints)?)?;
-        let folder = RunFolder::open(&self.folder)?;
+        let folder = RunFolder::open(place)?;
         let before = folder.run().record().ok().filter(|record| record.status == RunStatus::Finished);
         // All files of a finished run are compared with its record; one that is written again is renamed into its place as a whole.
         let checking = before.is_some().then(|| context.nothing_written(Some("checking the files")));
         let record = laboratory.resume(&folder, &mut Show::new(context))?;
         drop(checking);
         if before.as_ref() == Some(&record) {
-            return run_report::print_finished(context, &self.folder, &record);
+            return run_report::print_finished(context, place, &record);
         }
-        run_report::print(context, &self.folder, &record)
+        run_report::print(context, place, &record)
     }
 
     /// Resumes a training.

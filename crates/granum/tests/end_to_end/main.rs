@@ -40,6 +40,7 @@ mod one_kind_of_test;
 mod packings;
 mod recordings;
 mod refusals;
+mod saved_runs;
 mod sensors_of_bodies;
 #[cfg(unix)]
 mod served;
