@@ -78,9 +78,27 @@ async function main() {
   await page.waitForSelector("#results button", { timeout: 30_000 });
   expect((await page.textContent("#states")).includes("digest"), "a test comes to its end and has a digest");
   expect((await page.getAttribute("#curves img", "alt")).includes("prediction"), "its curves lie over the prediction");
+  const picture = page.waitForEvent("download");
+  await page.click("#results button:has-text('Figure')");
+  expect(fs.readFileSync(await (await picture).path(), "utf8").startsWith("<svg"), "its figure can be kept");
+  await page.click("#results button:has-text('Compare')");
+  expect((await page.textContent("#compared")).includes("seed"), "its run is kept to be compared");
   const download = page.waitForEvent("download");
   await page.click("#results button:has-text('Report')");
   expect((await download).suggestedFilename() === "report.html", "its report can be kept");
+
+  // A second test beside it.
+  await page.selectOption("section[aria-label='The case'] select", "drained-loose");
+  await page.fill("input[type=number]", "60");
+  await page.click("section[aria-label='The case'] button.main");
+  await page.waitForFunction(() => !document.querySelector("#results button"), null, { timeout: 30_000 });
+  await page.waitForSelector("#results button", { timeout: 300_000 });
+  const both = page.waitForEvent("download");
+  await page.click("#results button:has-text('Figure')");
+  const drawn = fs.readFileSync(await (await both).path(), "utf8");
+  expect(drawn.includes("oedometer, seed") && drawn.includes("drained-loose, seed"), "a run is drawn beside the next test");
+  await page.click("#compared button");
+  expect((await page.textContent("#compared")) === "", "a run that was compared is taken away");
 
   const axe = fs.readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
   for (const scheme of ["light", "dark"]) {

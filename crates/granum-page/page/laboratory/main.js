@@ -27,12 +27,15 @@ const main = /** @type {HTMLElement} */ (document.getElementById("content"));
 /** The case that is shown, its runs, and the surrogate beside it. */
 const now = {
   /** @type {Run[]} */ runs: [],
+  /** Complete runs of earlier tests, whose curves are drawn beside those of the present one. @type {Run[]} */ compared: [],
+  /** How the case is called in legends. */ title: "",
   /** @type {{ name: string, values: Record<string, number> } | null} */ asked: null,
   /** @type {((next: unknown) => void) | null} */ update: null,
   /** @type {unknown} */ drawn: null,
   paints: 0,
   lastCurves: 0,
   drawing: false,
+  /** The last figure of the curves. */ figure: "",
 };
 
 async function start() {
@@ -51,7 +54,7 @@ async function start() {
 /** @param {Tools} tools */
 function page(tools) {
   const { engine } = tools;
-  const text = element("textarea", { id: "case", spellcheck: "false", autocomplete: "off", "aria-describedby": "mistakes", oninput: () => { now.asked = null; checked(); } });
+  const text = element("textarea", { id: "case", spellcheck: "false", autocomplete: "off", "aria-describedby": "mistakes", oninput: () => { now.asked = null; now.title = "own case"; checked(); } });
   const mistakes = element("ul", { class: "mistakes", id: "mistakes" });
   const summary = element("p", { class: "note" });
   const seeds = element("select", {}, ["1", "2", "4"].map(value => element("option", { value }, value)));
@@ -90,6 +93,7 @@ function page(tools) {
     const ready = tools.cases.cases.find(one => one.name === name);
     if (!ready) return;
     now.asked = null;
+    now.title = name;
     text.value = ready.text;
     checked();
   }
@@ -105,7 +109,7 @@ function page(tools) {
     try {
       now.runs = Array.from({ length: count }, (_, k) => {
         const values = { "grains.count": String(limit), "preparation.seed": String(base + k) };
-        return new Run(tools.module, engine.call("with", { case: text.value, values }).case, `seed ${base + k}`, () => paint(tools));
+        return new Run(tools.module, engine.call("with", { case: text.value, values }).case, `${now.title}, seed ${base + k}`, () => paint(tools));
       });
     } catch (error) {
       replace(area, trouble(error));
@@ -122,7 +126,8 @@ function page(tools) {
   const put = found => {
     text.value = found;
     const select = chosen.querySelector("select");
-    if (select) select.value = tools.cases.cases.find(one => one.text === found)?.name ?? "";
+    now.title = tools.cases.cases.find(one => one.text === found)?.name ?? "own case";
+    if (select) select.value = now.title === "own case" ? "" : now.title;
   };
   const visit = element("div", { id: "visit-place" }), addressed = element("div", { id: "addressed" });
   const surrogate = element("section", {}, element("h2", {}, "A surrogate answers at once"));
@@ -136,7 +141,7 @@ function page(tools) {
         element("div", { class: "tools" },
           chosen,
           element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
-        element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test),
+        element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test, element("div", { class: "tools", id: "compared" })),
       shown),
     mappings(tools),
     element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
@@ -158,6 +163,7 @@ function page(tools) {
   void fromAddress();
   sliders(surrogate, tools, (found, name, values) => {
     text.value = found;
+    now.title = name.replace(/\.json$/, "");
     now.asked = { name, values };
     if (checked()) { text.scrollIntoView({ block: "nearest" }); void begin(); }
   });
@@ -244,16 +250,19 @@ async function curves(tools) {
     if (now.asked && shown[0]) {
       const { result } = await shown[0].ask("result");
       const { figure: svg, extrapolated } = surrogates.call("predict", { ...now.asked, result });
+      now.figure = svg;
       replace(place, figure(svg, "The test over its prediction", `${shown[0].name} in black over what the surrogate predicts${extrapolated ? "; these inputs are outside of its runs" : ""}; bands hold 90 % of new samples.`, gone.signal));
       return;
     }
     const columns = /** @type {Run} */ (shown[0]).columns, has = (/** @type {string} */ name) => columns.some(column => column.name === name);
     const x = ALONG.find(name => has(name) && moves(shown, name)) ?? "state";
     const axis = (/** @type {string} */ name) => { const unit = columns.find(column => column.name === name)?.unit; return unit ? `${words(name)} (${unit})` : words(name); };
+    const drawn = [...now.compared.filter(run => !shown.includes(run)), ...shown];
     const panels = SHOWN.flatMap(names => names.find(name => has(name) && name !== x) ?? []).map(y => ({
-      x: axis(x), y: axis(y), curves: shown.map(run => ({ name: run.name, points: run.points(x, y) })),
+      x: axis(x), y: axis(y), curves: drawn.map(run => ({ name: run.name, points: run.points(x, y) })).filter(curve => curve.points.length > 1),
     }));
-    replace(place, figure(surrogates.call("curves", { panels }).figure, "Curves of the test", "Compression is positive; strains are logarithmic.", gone.signal));
+    now.figure = surrogates.call("curves", { panels }).figure;
+    replace(place, figure(now.figure, "Curves of the test", "Compression is positive; strains are logarithmic.", gone.signal));
   } catch (error) {
     replace(by("curves"), trouble(error));
   } finally {
@@ -286,8 +295,24 @@ function results(tools) {
     element("div", { class: "tools" },
       button("Case", () => save("case.toml", "application/toml", first.text)),
       button("Series (CSV)", async () => save("series.csv", "text/csv", (await first.ask("series")).csv)),
-      button("Report (HTML)", () => void report())));
+      button("Figure (SVG)", () => save("curves.svg", "image/svg+xml", now.figure)),
+      button("Report (HTML)", () => void report()),
+      button("Compare with the next test", () => compare(now.runs.filter(run => run.digest)))));
   announce("The test is complete");
+}
+
+/** Draws the curves of complete runs beside those of the tests to come, until they are taken away. @param {Run[]} runs */
+function compare(runs) {
+  now.compared.push(...runs.filter(run => !now.compared.includes(run)));
+  listCompared();
+  announce(`${counted(now.compared.length, "run")} will be drawn beside the next tests`);
+}
+
+/** The runs that are compared, each with a button that takes it away. */
+function listCompared() {
+  const away = (/** @type {Run} */ run) => { now.compared = now.compared.filter(one => one !== run); listCompared(); };
+  replace(by("compared"), now.compared.length ? element("p", { class: "note" }, "Drawn beside the next tests:") : "",
+    now.compared.map(run => element("button", { type: "button", onclick: () => away(run), "aria-label": `Take away ${run.name}` }, `${run.name} ×`)));
 }
 
 /** Gives a file to the reader. @param {string} name @param {string} type @param {string} content */
