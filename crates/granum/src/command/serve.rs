@@ -49,7 +49,11 @@ pub struct Serve {
 impl Serve {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         if !self.folder.is_dir() {
-            return Err(Failure::new(format!("{}: there is no such folder", self.folder.shown())));
+            let wrong = match self.folder.exists() {
+                true => "this is a file; granum serve shows the folder in which it is",
+                false => "there is no such folder",
+            };
+            return Err(Failure::new(format!("{}: {wrong}", self.folder.shown())));
         }
         let address = SocketAddr::new(self.address, self.port);
         let server = Server::bind(address, &self.folder, Arc::new(ThisProgram::new(context)))?;

@@ -226,6 +226,8 @@ fn mistakes_are_named() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     assert!(refused(here, 1, &["serve", "nothing"]).contains("nothing: there is no such folder"));
+    std::fs::write(here.join("case.toml"), "").unwrap();
+    assert!(refused(here, 1, &["serve", "case.toml"]).contains("case.toml: this is a file"));
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     let told = refused(here, 1, &["serve", "--port", &port]);
