@@ -44,7 +44,9 @@ fn runs_of_bodies_have_their_sensors_and_runs_of_spheres_have_none_of_them() {
     assert!((of("neighbour_coordination_number") - 2.0 * of("pairs") / 100.0).abs() < 1e-9);
     assert!((of("coordination_number") - 2.0 * of("contacts") / 100.0).abs() < 1e-9);
     assert!(of("coordination_number") > 1.1 * of("neighbour_coordination_number"));
-    for kind in ["fabric", "pair_fabric", "long_axis", "short_axis"] {
+    // Bodies of revolution have a long axis, and no short one.
+    assert_eq!((of("long_axis_fraction"), of("short_axis_fraction")), (1.0, 0.0));
+    for kind in ["fabric", "pair_fabric", "long_axis"] {
         let trace: f64 = (1..=3).map(|axis| of(&format!("{kind}_{axis}{axis}"))).sum();
         assert!((trace - 1.0).abs() < 1e-9, "{kind}: {trace}");
     }
