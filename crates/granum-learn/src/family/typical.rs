@@ -121,11 +121,14 @@ fn about(row: Vec<f64>, centre: &[f64]) -> Vec<f64> {
     row.iter().zip(centre).map(|(value, mean)| value - mean).collect()
 }
 
-/// The runs of a family by which typical values are estimated, and the functions that have been fitted to them: which one is needed depends on what is
+/// The input that is estimated, and those that are known.
+type Estimated = (usize, Vec<usize>);
+
+/// The functions by which typical values are estimated, as far as they have been fitted to the runs of a family: which one is needed depends on what is
 /// known and not on its values, so that each is fitted once.
 #[derive(Debug, Default)]
 pub(super) struct TypicalValues {
-    functions: RwLock<BTreeMap<(usize, Vec<usize>), Arc<TypicalFunction>>>,
+    functions: RwLock<BTreeMap<Estimated, Arc<TypicalFunction>>>,
 }
 
 impl TypicalValues {
