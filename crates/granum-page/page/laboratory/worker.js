@@ -3,8 +3,8 @@
 
 import { CallFailed, Engine } from "./engine.mjs";
 
-/** Time from one picture to the next, ms: thirty a second. */
-const PICTURE = 33;
+/** Time from one picture to the next, ms: thirty a second, and something for what comes between. */
+const PICTURE = 29;
 /** The least time of a piece, ms: so much of each picture is computed at least. */
 const LEAST = 12;
 /** The most forces of a picture of a run under way. */
@@ -14,8 +14,9 @@ const FORCES = 2500;
 let engine = null;
 let goes = false;
 let told = 0;
-/** How long it took last to tell the page what a piece has found, ms. */
-let telling = 0;
+/** When the last piece of a run that goes on began, and how long it computed, ms; the rest of the time was for its picture and for the page. */
+let begun = 0;
+let computed = 0;
 
 /** @param {Record<string, unknown>} message */
 const tell = message => postMessage(message);
@@ -29,14 +30,14 @@ function failed(error) {
 /** One piece, and what it has found. @param {boolean} shows */
 function piece(shows) {
   if (!engine) return;
-  const answer = engine.call("go_on", { milliseconds: Math.max(LEAST, PICTURE - telling) });
-  const computed = performance.now();
+  const start = performance.now(), rest = begun > 0 ? start - begun - computed : 0;
+  const answer = engine.call("go_on", { milliseconds: Math.max(LEAST, PICTURE - rest) });
+  [begun, computed] = [start, performance.now() - start];
   const found = answer.states > told ? engine.call("states", { from: told }) : null;
   told = answer.states;
   const ended = answer.status !== "running";
   tell({ kind: "piece", answer, found, view: shows || ended ? engine.call("view", { strongest: FORCES }) : null,
     digest: ended ? engine.call("digest").digest : null });
-  telling = performance.now() - computed;
   if (ended) goes = false;
 }
 
@@ -60,13 +61,14 @@ addEventListener("message", async ({ data }) => {
         tell({ kind: "begun", ...engine.call("begin", { case: data.case }), view: engine.call("view", { strongest: FORCES }) });
         break;
       case "go":
-        if (!goes) { goes = true; goOn(); }
+        if (!goes) { goes = true; begun = 0; goOn(); }
         break;
       case "pause":
         goes = false;
         break;
       case "piece":
         goes = false;
+        begun = 0;
         piece(true);
         break;
       case "result":
