@@ -23,6 +23,9 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
+/// Most bytes of the file of a saved run: some million grains.
+const LARGEST: u64 = 4_000_000_000;
+
 /// Continue a preparation, test, list of runs, campaign, training or reproduction that was interrupted or killed. The results are exactly those of
 /// an uninterrupted run.
 ///
@@ -80,8 +83,8 @@ impl Resume {
 
     /// Makes the folder of a run that was saved to a file, and resumes it.
     fn saved(&self, context: &Context) -> Result<(), Failure> {
-        let text =
-            std::fs::read_to_string(&self.folder).map_err(granum_io::Error::file("read", &self.folder))?;
+        let text = granum_core::input::read_text(&self.folder, LARGEST)
+            .map_err(granum_io::Error::file("read", &self.folder))?;
         let saved = SavedRun::from_json(&text, &self.folder)?;
         let out = self.out.clone().unwrap_or_else(|| "run".into());
         saved.write_into(&RunFolder::create(&out, false)?)?;
