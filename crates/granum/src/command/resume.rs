@@ -49,11 +49,11 @@ pub struct Resume {
 
 impl Resume {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        // A resumed run continues from the contents of its folder and must not replace anything.
-        let context = &context.without_force();
         if self.folder.is_file() {
             return self.saved(context);
         }
+        // A resumed run continues from the contents of its folder and must not replace anything.
+        let context = &context.without_force();
         if let Some(out) = &self.out {
             let (name, out) = (self.folder.shown(), out.shown());
             return Err(Failure::new(format!(
@@ -87,8 +87,8 @@ impl Resume {
             .map_err(granum_io::Error::file("read", &self.folder))?;
         let saved = SavedRun::from_json(&text, &self.folder)?;
         let out = self.out.clone().unwrap_or_else(|| "run".into());
-        saved.write_into(&RunFolder::create(&out, false)?)?;
-        self.of_grains(context, &out)
+        saved.write_into(&RunFolder::create(&out, context.force)?)?;
+        self.of_grains(&context.without_force(), &out)
     }
 
     /// Resumes a preparation or a test.

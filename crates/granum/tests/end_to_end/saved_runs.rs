@@ -38,9 +38,11 @@ fn a_saved_run_goes_on_in_a_folder_with_the_same_digest() {
     };
     assert_eq!(digest("went-on"), digest("whole"));
     assert_eq!(digest("whole").len(), 64);
-    // The folder is not replaced, and nothing is made of what is no saved run.
+    done(here, &["resume", "saved-run.json", "--out", "went-on", "--force"]);
+    assert_eq!(digest("went-on"), digest("whole"));
+    // The folder is not replaced unasked, and nothing is made of what is no saved run.
     let told = refused(here, 1, &["resume", "saved-run.json", "--out", "whole"]);
-    assert!(told.contains("whole"), "{told}");
+    assert!(told.contains("whole") && told.contains("--force"), "{told}");
     assert!(std::fs::exists(here.join("whole/series.parquet")).unwrap());
     let told = refused(here, 1, &["resume", "case.toml", "--out", "none"]);
     assert!(told.contains("case.toml: this is no saved run"), "{told}");
