@@ -3,6 +3,7 @@
 - No file of Rust has more than LONGEST lines.
 - Crates depend downwards only, in the order of the table of crates in ARCHITECTURE.md.
 - Within a crate no files import each other in a circle, but for those in CIRCLES. Tests may import what they test.
+- Neither do the folders and files in the `src` of a crate, each folder taken as a whole, but for the crates in FOLDER_CIRCLES.
 - Every file and folder that ARCHITECTURE.md names exists.
 - The file of a folder `thing/` is `thing/mod.rs`, not a file `thing.rs` beside it.
 - No function is called `of`: its name says what it gives (CONTRIBUTING.md).
@@ -20,6 +21,13 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST = 600
 # Folders in which a circle is meant, with its reason in ARCHITECTURE.md.
 CIRCLES = ["granum-dem/src/sizes/", "granum-shape/src/"]
+# Crates whose folders are not in layers, with the reason.
+FOLDER_CIRCLES = {
+    "granum-dem": "laws, kernel and simulation are one engine: a law names the kernel that evaluates it, and the kernel its laws",
+    "granum-io": "run folders hold snapshots and cases, formats read and write all of them",
+    "granum-shape": "each family makes an entry of the list that names it",
+    "granum-simd": "each instruction set has the fused product of its own and falls back to that of another",
+}
 # Where code may panic, with the reason why no user can cause it.
 PANICS = {
     "granum-simd/src/lanes.rs": "an index out of bounds, as of a slice: the engine makes the indices",
@@ -31,7 +39,7 @@ PANICS = {
 }
 # Where files are opened that granum or the system made, or that are only made safe on the disk.
 OPENED_OTHERWISE = {
-    "granum-core/src/input.rs": "the place where files are opened",
+    "granum-core/src/input/mod.rs": "the place where files are opened",
     "granum-campaign/src/claim/owner.rs": "files of the system about a process, and a name of the machine",
     "granum-campaign/src/execution/one_run.rs": "a file of the system about the process",
     "granum-campaign/src/rows/row_files.rs": "files of rows, which the campaign looks at before it opens them",
@@ -190,6 +198,16 @@ def circles(graph):
     return groups
 
 
+def by_folder(graph):
+    """The same graph between the folders and files that lie in `src` itself."""
+    folders = {module[0]: set() for module in graph if module}
+    for module, others in graph.items():
+        for other in others:
+            if module and other and module[0] != other[0]:
+                folders[module[0]].add(other[0])
+    return folders
+
+
 def check_lengths():
     folders = [ROOT / name for name in ("crates", "examples", "fuzz", "python")]
     for file in sorted(file for folder in folders for file in folder.rglob("*.rs")):
@@ -276,6 +294,9 @@ for folder in [*(ROOT / "crates" / name for name in check_crates()), ROOT / "pyt
         meant = any(all(f"{file}/".startswith(circle) for file in files) for circle in CIRCLES)
         if not meant:
             problems.append("these files import each other in a circle: " + ", ".join(sorted(files)))
+    for group in circles(by_folder(graph)):
+        if name not in FOLDER_CIRCLES:
+            problems.append(f"these folders of {name} import each other in a circle: " + ", ".join(group))
 
 for problem in problems:
     print("FAILED:", problem)

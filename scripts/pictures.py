@@ -69,7 +69,9 @@ def sha256(path):
 def tiles(report):
     """The numbers at the top of a report; the one that depends on the speed of the machine is left out."""
     page = report.read_text()
-    found = re.findall(r'<div class="value">(.*?)</div><div class="name">(.*?)</div>', page)
+    found = re.findall(r'<li class="tile"><b>(.*?)</b><span>(.*?)</span>', page)
+    if not found:
+        sys.exit(f"{report} has no tile that this script can read")
     found = [[html.unescape(re.sub(r"<[^>]*>", "", text)) for text in tile] for tile in found]
     return [tile for tile in found if "faster" not in tile[1]]
 

@@ -358,7 +358,8 @@ class MaterialPoint:
 
     `sample` is a simulation, as `granum.prepare(case).simulation()` gives one; it is copied. `inertial_number` is that of the straining,
     `relaxation` the number of steps for which the cell is held after an increment, over the last `averaging` of which the stress is a mean.
-    An increment larger than `largest_increment`, `sqrt(2/3 e:e)`, is divided, or refused with `refuse_larger`.
+    An increment larger than `largest_increment`, `sqrt(2/3 e:e)`, is divided, or refused with `refuse_larger`. With `from_surrogate` a surrogate
+    stands in place of the grains.
     """
 
     def __new__(
@@ -371,6 +372,24 @@ class MaterialPoint:
         largest_increment: float | None = None,
         refuse_larger: bool = False,
     ) -> MaterialPoint: ...
+    @staticmethod
+    def from_surrogate(
+        surrogate: Surrogate | _Path,
+        sample: Mapping[str, float] | None = None,
+        *,
+        largest_increment: float | None = None,
+        refuse_larger: bool = False,
+    ) -> MaterialPoint:
+        """A point whose stress a surrogate predicts in place of grains, for example one of the methods `path-...`. `surrogate` is one, or the file of one.
+
+        Its inputs are the six logarithmic strains since the start (`axial_strain`, `lateral_strain_2`, `lateral_strain_3`, `shear_strain_yz`,
+        `shear_strain_zx`, `shear_strain_xy`), and `sample` has the values of its other inputs by name, in SI units. Its outputs are the six stresses
+        (`stress_11`, `stress_22`, `stress_33`, `stress_23`, `stress_13`, `stress_12`), Pa, and any others but `volumetric_strain`, which a point prescribes
+        (`PointState.value`). It needs a memory.
+
+        The answer depends on how a path is cut: increments should be about as long as those between the training states. `largest_increment` and
+        `refuse_larger` are as for a sample. `granum.CaseError` says what a surrogate or a sample lacks.
+        """
     @property
     def start(self) -> PointState:
         """The state of the sample before any increment."""
@@ -398,18 +417,27 @@ class PointState:
         """Stress, Pa: xx, yy, zz, yz, zx, xy, compression positive."""
     @property
     def noise(self) -> _Reals:
-        """Standard deviation of the stress over the steps of its mean, Pa, by the same components, in the axes of the cell."""
+        """Standard deviation of the stress over the steps of its mean, Pa, by the same components, in the axes of the cell; that of a surrogate is that
+        of its prediction for a new sample, zero if it does not know it.
+        """
     @property
     def mean_stress(self) -> float:
         """Mean stress, Pa."""
     @property
-    def void_ratio(self) -> float:
-        """Volume of the voids over that of the grains."""
+    def void_ratio(self) -> float | None:
+        """Volume of the voids over that of the grains; `None` for a surrogate that neither predicts it nor has it as an input."""
     @property
     def ticket(self) -> int:
         """A whole number that stands for sample, controls and path; it is the same in every process."""
+    @property
+    def outside(self) -> list[str]:
+        """What is outside of what a surrogate was trained on, and then not to be trusted: names of inputs, and the length and the turns of the path.
+        Nothing for grains.
+        """
+    def value(self, column: str) -> float | None:
+        """The value of a column: a sensor of the grains, or an output of a surrogate; `None` if there is none of that name."""
     def measure(self) -> dict[str, float]:
-        """The values of every sensor of one state, by column."""
+        """The values of every sensor of one state, by column. `granum.RunError` for a surrogate, which has no grains."""
 
 @final
 class Simulation:
@@ -752,6 +780,10 @@ class Family:
     @property
     def limits(self) -> list[str]:
         """What it cannot answer."""
+    def export_onnx(self, path: _Path, *, level: float = 0.9, force: bool = False) -> None:
+        """Writes it as an ONNX file, which other programs evaluate without granum. The inputs are the coordinate and all inputs of the family, each of
+        which must be given, and the outputs those of `Surrogate.export_onnx`: they are what `predict` says of such inputs at a point of the coordinate.
+        """
     def predict(self, inputs: Mapping[str, keys.Quantity], *, level: float = 0.9) -> dict[str, Any]:
         """Predicts the curves of a test. Properties of the grains that are not given are integrated over their ranges; what is not given of the sample
         has typical values, whose uncertainty widens the intervals.

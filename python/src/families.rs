@@ -1,5 +1,6 @@
 //! Families of tests whose surrogates come with granum.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use granum::families::{FITTED, fitted};
@@ -88,6 +89,18 @@ impl Family {
     #[getter]
     fn limits(&self) -> Vec<&'static str> {
         self.model.definition().limits.to_vec()
+    }
+
+    /// Writes it as an ONNX file, which other programs evaluate without granum. The inputs are the coordinate and all inputs of the family, each of
+    /// which must be given, and the outputs those of `Surrogate.export_onnx`: they are what `predict` says of such inputs at a point of the coordinate.
+    #[pyo3(signature = (path, *, level=0.9, force=false))]
+    fn export_onnx(&self, py: Python<'_>, path: PathBuf, level: f64, force: bool) -> PyResult<()> {
+        let model = self.model.clone();
+        let written = detached(py, move || -> granum_learn::Result<()> {
+            granum_io::check_output_file(&path, force)?;
+            granum_learn::onnx::save_family(&path, &model, level)
+        })?;
+        written.map_err(|error| errors::of_learning(py, &error))
     }
 
     /// Predicts the curves of a test. Properties of the grains that are not given are integrated over their ranges; what is not given of the sample

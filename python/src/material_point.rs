@@ -1,24 +1,30 @@
 //! Material points: samples that a program strains step by step, whose states are values.
 
+use std::collections::BTreeMap;
+
 use granum_core::geometry::Matrix;
+use granum_core::quantity::Dimension;
 use granum_dem::servo::{PLACES, component};
 use granum_point::{BeyondLargest, Controls, Increment, PointError, State, Tangent};
 use granum_sensors::Sensors;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyMapping};
 
 use crate::arrays::{self, Array};
 use crate::assembly::answer;
 use crate::detached::detached;
 use crate::errors;
+use crate::quantity;
 use crate::simulation::Simulation;
+use crate::surrogate::Surrogate;
 
 /// A sample that is strained step by step: it answers with stress, stiffness and sensors. Its states are values: the same strain from the
 /// same state gives the same bits, and a state is never changed.
 ///
 /// `sample` is a simulation, as `granum.prepare(case).simulation()` gives one; it is copied. `inertial_number` is that of the straining,
 /// `relaxation` the number of steps for which the cell is held after an increment, over the last `averaging` of which the stress is a mean.
-/// An increment larger than `largest_increment`, `sqrt(2/3 e:e)`, is divided, or refused with `refuse_larger`.
+/// An increment larger than `largest_increment`, `sqrt(2/3 e:e)`, is divided, or refused with `refuse_larger`. With `from_surrogate` a surrogate
+/// stands in place of the grains.
 #[pyclass(frozen, module = "granum")]
 pub struct MaterialPoint {
     inner: granum_point::MaterialPoint,
@@ -39,6 +45,7 @@ fn raised(py: Python<'_>, error: &PointError) -> PyErr {
         PointError::NotFinite { .. } | PointError::Rotation { .. } | PointError::Deformation { .. } => {
             errors::of_value(py, "increment", "", error.to_string())
         }
+        PointError::NoMaterial { method, .. } => errors::of_value(py, "surrogate", method, error.to_string()),
         _ => errors::of_running(py, &error.to_string()),
     }
 }
@@ -81,6 +88,45 @@ impl MaterialPoint {
             }
         });
         let made = detached(py, || granum_point::MaterialPoint::new(simulation, controls))?;
+        Ok(MaterialPoint { inner: made.map_err(|error| raised(py, &error))? })
+    }
+
+    /// A point whose stress a surrogate predicts in place of grains, for example one of the methods `path-...`. `surrogate` is one, or the file of one.
+    ///
+    /// Its inputs are the six logarithmic strains since the start (`axial_strain`, `lateral_strain_2`, `lateral_strain_3`, `shear_strain_yz`,
+    /// `shear_strain_zx`, `shear_strain_xy`), and `sample` has the values of its other inputs by name, in SI units. Its outputs are the six stresses
+    /// (`stress_11`, `stress_22`, `stress_33`, `stress_23`, `stress_13`, `stress_12`), Pa, and any others but `volumetric_strain`, which a point prescribes
+    /// (`PointState.value`). It needs a memory.
+    ///
+    /// The answer depends on how a path is cut: increments should be about as long as those between the training states. `largest_increment` and
+    /// `refuse_larger` are as for a sample. `granum.CaseError` says what a surrogate or a sample lacks.
+    #[staticmethod]
+    #[pyo3(signature = (surrogate, sample=None, *, largest_increment=None, refuse_larger=false))]
+    fn from_surrogate(
+        py: Python<'_>,
+        surrogate: &Bound<'_, PyAny>,
+        sample: Option<&Bound<'_, PyMapping>>,
+        largest_increment: Option<f64>,
+        refuse_larger: bool,
+    ) -> PyResult<MaterialPoint> {
+        let surrogate = match surrogate.cast::<Surrogate>() {
+            Ok(known) => known.get().shared(),
+            Err(_) => Surrogate::of_file(py, surrogate.extract()?)?,
+        };
+        let mut values = BTreeMap::new();
+        for item in sample.map(|sample| sample.items()).transpose()?.iter().flat_map(|items| items.iter()) {
+            let (name, value): (String, Bound<PyAny>) = item.extract()?;
+            let value = quantity::in_si(&name, &value, Dimension::NUMBER)?;
+            values.insert(name, value);
+        }
+        let controls = Controls::default().with(|controls| {
+            controls.largest_increment = largest_increment.unwrap_or(controls.largest_increment);
+            if refuse_larger {
+                controls.beyond_largest = BeyondLargest::Refuse;
+            }
+        });
+        let made =
+            detached(py, || granum_point::MaterialPoint::from_surrogate(surrogate, &values, controls))?;
         Ok(MaterialPoint { inner: made.map_err(|error| raised(py, &error))? })
     }
 
@@ -191,7 +237,8 @@ impl PointState {
         six(py, &self.inner.stress())
     }
 
-    /// Standard deviation of the stress over the steps of its mean, Pa, by the same components, in the axes of the cell.
+    /// Standard deviation of the stress over the steps of its mean, Pa, by the same components, in the axes of the cell; that of a surrogate is that
+    /// of its prediction for a new sample, zero if it does not know it.
     #[getter]
     fn noise<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         six(py, self.inner.noise())
@@ -203,7 +250,7 @@ impl PointState {
         self.inner.mean_stress()
     }
 
-    /// Volume of the voids over that of the grains.
+    /// Volume of the voids over that of the grains; `None` for a surrogate that neither predicts it nor has it as an input.
     #[getter]
     fn void_ratio(&self) -> Option<f64> {
         self.inner.void_ratio()
@@ -215,7 +262,19 @@ impl PointState {
         self.inner.identity().ticket()
     }
 
-    /// The values of every sensor of one state, by column.
+    /// What is outside of what a surrogate was trained on, and then not to be trusted: names of inputs, and the length and the turns of the path.
+    /// Nothing for grains.
+    #[getter]
+    fn outside(&self) -> Vec<String> {
+        self.inner.outside().iter().map(|outside| outside.name.clone()).collect()
+    }
+
+    /// The value of a column: a sensor of the grains, or an output of a surrogate; `None` if there is none of that name.
+    fn value(&self, py: Python<'_>, column: &str) -> PyResult<Option<f64>> {
+        detached(py, || self.inner.value(column, &Sensors::standard()))
+    }
+
+    /// The values of every sensor of one state, by column. `granum.RunError` for a surrogate, which has no grains.
     fn measure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measured = detached(py, || self.inner.measure(&Sensors::standard()))?;
         let measured = measured.ok_or_else(|| errors::of_running(py, "this state has no grains"))?;

@@ -214,6 +214,20 @@ impl Estimates {
 }
 
 impl Surrogate {
+    /// What is in it.
+    pub fn shared(&self) -> Arc<dyn granum_learn::Surrogate> {
+        Arc::clone(&self.inner)
+    }
+
+    /// The surrogate of a file.
+    ///
+    /// # Errors
+    /// `granum.Error` with the file.
+    pub fn of_file(py: Python<'_>, path: PathBuf) -> PyResult<Arc<dyn granum_learn::Surrogate>> {
+        let read = detached(py, || Registry::standard().methods.load(&path))?;
+        Ok(Arc::from(read.map_err(|error| errors::of_learning(py, &error))?))
+    }
+
     /// Predicts rows piece after piece, or all at once by a method with memory.
     fn in_pieces(
         &self,
@@ -250,9 +264,7 @@ impl Surrogate {
     /// The surrogate of a file.
     #[classmethod]
     fn read(_class: &Bound<'_, PyType>, py: Python<'_>, path: PathBuf) -> PyResult<Surrogate> {
-        let read = detached(py, || Registry::standard().methods.load(&path))?;
-        let inner = read.map_err(|error| errors::of_learning(py, &error))?;
-        Ok(Surrogate { inner: Arc::from(inner) })
+        Ok(Surrogate { inner: Surrogate::of_file(py, path)? })
     }
 
     /// The surrogate of the text of such a file.

@@ -85,6 +85,11 @@ def test_onnxruntime_evaluates_surrogates(tmp_path: pathlib.Path) -> None:
     assert "0 states outside" in found and "the predictions of granum: True" in found
 
 
+def test_a_surrogate_stands_behind_a_point(tmp_path: pathlib.Path) -> None:
+    found = output("surrogate_point.py", tmp_path).splitlines()[-1].split()
+    assert abs(float(found[2]) / float(found[8]) - 1) < 0.2 and found[-2:] == ["1000", "points"], found
+
+
 def test_a_control_loop_is_answered(tmp_path: pathlib.Path) -> None:
     strain = np.linspace(0.0, 0.1, 30)
     runs = {f"run {k}": granum.Table({"x": strain, "k": np.full(30, float(k)), "y": k * strain}) for k in range(4)}

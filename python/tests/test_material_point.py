@@ -1,5 +1,7 @@
 """Material points: states are values, threads change nothing, and mistakes have names."""
 
+import pathlib
+
 import granum
 import numpy as np
 import pytest
@@ -61,3 +63,75 @@ def test_mistakes_have_names(point: granum.MaterialPoint) -> None:
         point.advance(point.start, [9.0, 0, 0, 0, 0, 0])
     with pytest.raises(granum.CaseError, match="inertial number"):
         granum.MaterialPoint(granum.prepare(SAND).simulation(), inertial_number=3.0)
+
+
+STRAINS = ["axial_strain", "lateral_strain_2", "lateral_strain_3", "shear_strain_yz", "shear_strain_zx", "shear_strain_xy"]
+STRESSES = [f"stress_{axes}" for axes in ("11", "22", "33", "23", "13", "12")]
+
+
+def strained(run: int) -> granum.Table:
+    """A made-up elastic body along a straight line of strain, of which the stiffness depends on the sample."""
+    random = np.random.default_rng(run)
+    strain = np.linspace(0, 1, 15)[:, None] * random.normal(size=6) * 1e-2
+    void_ratio = random.uniform(0.6, 0.8)
+    stress = 1e5 * np.array([1, 1, 1, 0, 0, 0]) + 1e7 / void_ratio * strain
+    columns = dict(zip(STRAINS, strain.T)) | dict(zip(STRESSES, stress.T))
+    return granum.Table(columns | {"sample.void_ratio": np.full(15, void_ratio), "coordination_number": 5 + strain[:, 0]})
+
+
+@pytest.fixture(scope="module")
+def surrogate() -> granum.surrogates.Surrogate:
+    data = granum.Dataset({f"run {k}": strained(k) for k in range(8)})
+    outputs = [*STRESSES, "coordination_number"]
+    return granum.surrogates.fit(data, [*STRAINS, "sample.void_ratio"], outputs, method="path-tensor", threads=2)
+
+
+def test_a_surrogate_stands_in_place_of_grains(surrogate: granum.surrogates.Surrogate, tmp_path: pathlib.Path) -> None:
+    point = granum.MaterialPoint.from_surrogate(surrogate, {"sample.void_ratio": 0.7})
+    state, step = point.start, [5e-4, 0, 0, 0, 0, 2e-4]
+    states = [state]
+    for _ in range(4):
+        point.advance(state, [0, 0, 1e-3, 0, 0, 0])
+        state = point.advance(state, step)
+        states.append(state)
+    # The whole path at once has the same bits.
+    rows = np.column_stack([np.outer(np.arange(5), step), np.full(5, 0.7)])
+    # A sum of steps is not their product in the last bit.
+    for k in range(1, 5):
+        rows[k, :6] = rows[k - 1, :6] + step
+    found = surrogate.predict(rows, runs=np.zeros(5))["outputs"]
+    for k, name in enumerate(STRESSES):
+        assert np.array_equal([state.stress[k] for state in states], found[name]["mean"])
+        assert np.array_equal([state.noise[k] for state in states], found[name]["standard_deviation"])
+    assert state.value("coordination_number") == found["coordination_number"]["mean"][-1] and state.value("fabric_11") is None
+    assert state.void_ratio == pytest.approx(1.7 * np.exp(-4 * 5e-4) - 1) and state.outside == []
+    assert point.tangent(state, "probes").shape == (6, 6)
+    # Many points at once, and the surrogate of a file.
+    surrogate.write(tmp_path / "body.json")
+    read = granum.MaterialPoint.from_surrogate(tmp_path / "body.json", {"sample.void_ratio": 0.7})
+    one, two = ([own.stress for own in which.advance_all([state] * 3, np.outer([1, 2, 3], step), threads=n)] for which, n in ((point, 1), (read, 2)))
+    assert np.array_equal(one, two)
+    far = state
+    for _ in range(30):
+        far = point.advance(far, [1e-2, 0, 0, 0, 0, 0])
+    assert "axial_strain" in far.outside and "length of the path" in far.outside
+    with pytest.raises(granum.RunError, match="no grains"):
+        state.measure()
+    with pytest.raises(granum.RunError, match="ask for probes"):
+        point.tangent(state, "affine")
+
+
+def test_surrogates_that_are_no_material_have_names(surrogate: granum.surrogates.Surrogate) -> None:
+    refused = granum.MaterialPoint.from_surrogate
+    with pytest.raises(granum.CaseError, match="sample.void_ratio needs a finite value"):
+        refused(surrogate)
+    with pytest.raises(granum.CaseError, match="friction is no input"):
+        refused(surrogate, {"sample.void_ratio": 0.7, "friction": 0.5})
+    data = granum.Dataset({f"run {k}": strained(k) for k in range(3)})
+    with pytest.raises(granum.CaseError, match="no memory"):
+        refused(granum.surrogates.fit(data, STRAINS, STRESSES, method="ridge"))
+    with pytest.raises(granum.Error, match="missing.json"):
+        refused("missing.json")
+    limited = refused(surrogate, {"sample.void_ratio": 0.7}, largest_increment=1e-3, refuse_larger=True)
+    with pytest.raises(granum.RunError, match="permits 1.000e-3 at once"):
+        limited.advance(limited.start, [5e-3, 0, 0, 0, 0, 0])

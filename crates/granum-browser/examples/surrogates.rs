@@ -1,3 +1,3 @@
 //! The module with the surrogates, and with the reports of tests.
 
-granum_browser::export!(granum_browser::SURROGATES);
+granum_browser::export!(granum_browser::SURROGATES, takes files: true);

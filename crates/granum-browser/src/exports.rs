@@ -4,7 +4,7 @@
 /// does nothing.
 #[macro_export]
 macro_rules! export {
-    ($calls:expr) => {
+    ($calls:expr, takes files: $files:literal) => {
         #[cfg(all(target_arch = "wasm32", target_os = "unknown"))]
         mod exported {
             use std::cell::RefCell;
@@ -27,6 +27,12 @@ macro_rules! export {
                     message: Vec::new(),
                     answer: String::new(),
                 });
+            }
+
+            /// Read where files are opened.
+            #[unsafe(no_mangle)]
+            extern "C" fn granum_takes_files() -> bool {
+                $files
             }
 
             /// Makes room for a message of so many bytes, and returns its place.

@@ -28,7 +28,7 @@ fn run_of(name: &str) -> Page {
     let mut page = Page::new(ENGINE);
     call(&mut page, json!({ "call": "begin", "case": kept_case(name) }));
     let mut pieces = 0;
-    while call(&mut page, json!({ "call": "go_on", "milliseconds": 20 }))["status"] == "running" {
+    while call(&mut page, json!({ "call": "go_on", "milliseconds": 1 }))["status"] == "running" {
         pieces += 1;
     }
     assert!(pieces > 1);
@@ -42,6 +42,16 @@ fn a_run_has_the_digest_of_the_program() {
         let line = format!("{}  {name}\n", digest.as_str().unwrap());
         assert!(read("granum/tests/end_to_end/sixteen_cases/digests.txt").contains(&line), "{line}");
     }
+}
+
+/// A sample is prepared in stretches of 500 steps. A piece may end within one, so that a page can draw in the meantime.
+#[test]
+fn a_piece_ends_within_a_stretch_of_the_preparation() {
+    let mut page = Page::new(ENGINE);
+    call(&mut page, json!({ "call": "begin", "case": kept_case("drained-triaxial") }));
+    let answer = call(&mut page, json!({ "call": "go_on", "milliseconds": 0 }));
+    let steps = answer["steps"]["prepare"].as_u64().unwrap();
+    assert!(0 < steps && steps < 500, "{answer}");
 }
 
 /// Keeps its digests in `digests.txt`, which a test of the modules in a browser reads as well.
@@ -78,6 +88,19 @@ fn predictions_and_a_training_keep_their_bits() {
     assert_eq!(digests, read("granum-browser/tests/digests.txt"), "digests.txt should be\n{digests}");
 }
 
+/// The parts of a text as the HTML of a report.
+fn marked_up(parts: &Value) -> String {
+    let part = |part: &Value| {
+        let (text, kinds) = (part[0].as_str().unwrap(), part[1].as_str().unwrap());
+        let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let wrap = |text: String, kind: &str| {
+            if kind.is_empty() { text } else { format!("<{kind}>{text}</{kind}>") }
+        };
+        kinds.split(' ').rev().fold(text, wrap)
+    };
+    parts.as_array().unwrap().iter().map(part).collect()
+}
+
 #[test]
 fn a_result_becomes_a_report() {
     let mut engine = run_of("drained-triaxial");
@@ -89,7 +112,20 @@ fn a_result_becomes_a_report() {
     let result = call(&mut engine, json!({ "call": "result" }));
     let mut surrogates = Page::new(SURROGATES);
     let report = call(&mut surrogates, json!({ "call": "report", "result": result, "name": "drained" }));
-    assert!(report["html"].as_str().unwrap().contains("peak"));
+    let html = report["html"].as_str().unwrap();
+    // What the page says beside the test is what the report says first, word by word.
+    let presented =
+        call(&mut surrogates, json!({ "call": "presented", "result": result, "name": "drained" }));
+    let (mut texts, checks) = (Vec::new(), presented["checks"].as_array().unwrap());
+    texts.extend(presented["tiles"].as_array().unwrap().iter().flat_map(|tile| tile.as_array().unwrap()));
+    texts.extend(checks.iter().flat_map(|check| [&check["name"], &check["value"], &check["after"]]));
+    texts.extend(
+        presented["strength"]["rows"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()),
+    );
+    assert!(checks.len() > 5 && texts.len() > 30);
+    for text in texts.into_iter().chain([&presented["verdict"], &presented["signs"]]) {
+        assert!(html.contains(&marked_up(text)), "{text} is not in the report");
+    }
     assert!(!report["figures"].as_array().unwrap().is_empty());
 }
 
@@ -148,7 +184,7 @@ fn the_case_of_a_family_is_tested_over_its_prediction() {
     assert_eq!(call(&mut engine, json!({ "call": "check", "case": fewer["case"] }))["grains"], 60);
     call(&mut engine, json!({ "call": "begin", "case": fewer["case"] }));
     // A test under way, whose curves end before those of the prediction.
-    while call(&mut engine, json!({ "call": "go_on", "milliseconds": 20 }))["states"].as_u64().unwrap() < 4 {}
+    while call(&mut engine, json!({ "call": "go_on", "milliseconds": 1 }))["states"].as_u64().unwrap() < 4 {}
     let result = call(&mut engine, json!({ "call": "result", "assemblies": false }));
     assert!(result["start"].is_null() && result["states"].as_array().unwrap().len() >= 4);
     let asked = json!({ "call": "predict", "name": name, "values": values });

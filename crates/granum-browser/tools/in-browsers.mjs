@@ -14,7 +14,7 @@ const TYPES = { ".mjs": "text/javascript", ".wasm": "application/wasm", ".html":
 const PAGE = `<!doctype html><title>Comparison of digests</title><script type="module">
 import { ${asked} as work } from "/crates/granum-browser/tools/${asked}.mjs";
 const tell = (kind, text) => fetch("/" + kind, { method: "POST", body: text });
-const read = async path => (await fetch("/" + path)).text();
+const read = async path => new Uint8Array(await (await fetch("/" + path)).arrayBuffer());
 const load = async name => { const found = await fetch("/modules/" + name + ".wasm"); return found.ok ? found.arrayBuffer() : null; };
 try { await tell("ended", String(await work(read, load, line => tell("said", line)))); } catch (error) { await tell("ended", String(error)); }
 </script>`;

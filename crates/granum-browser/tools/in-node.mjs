@@ -6,7 +6,7 @@ import { compare } from "./compare.mjs";
 const [folder, ...more] = process.argv.slice(2);
 const root = new URL("../../../", import.meta.url);
 const load = name => readFile(`${folder}/${name}.wasm`).catch(() => null);
-const different = await compare(path => readFile(new URL(path, root), "utf8"), load, console.log, {
+const different = await compare(path => readFile(new URL(path, root)), load, console.log, {
   exact: more.includes("--exact"),
   names: more.filter(name => !name.startsWith("--")),
 });

@@ -1,18 +1,21 @@
-// What laboratory.cjs asks of the guided visit, of the view of the paper's mappings and of cases in addresses, each at 1280 and 390 pixels.
+// What laboratory.cjs asks of the guided visit, of the view of the paper's mappings, of cases in addresses and of the files that a case names, each at 1280 and 390 pixels.
 
-const fs = require("fs"), zlib = require("zlib");
+const fs = require("fs"), path = require("path"), zlib = require("zlib");
 
 const WIDTHS = [1280, 390];
 const axe = fs.readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 
-/** No violations of axe, and nothing wider than the window. */
+/** No violations of axe in light and in dark colours, and nothing wider than the window. */
 async function looked(page, name, { expect, shots, width }) {
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   expect(wide <= width, `no scrolling sideways: ${name} at ${width} pixels`);
   await page.evaluate(axe);
-  const found = await page.evaluate(() => globalThis.axe.run().then(result => result.violations.map(one => `${one.id}: ${one.nodes[0]?.html.slice(0, 120)}`)));
-  expect(found.length === 0, `axe: ${name} at ${width} pixels ${found.join("; ")}`);
-  await page.screenshot({ path: `${shots}/${name}-${width}.png`, fullPage: true });
+  for (const colorScheme of ["dark", "light"]) {
+    await page.emulateMedia({ colorScheme });
+    const found = await page.evaluate(() => globalThis.axe.run().then(result => result.violations.map(one => `${one.id}: ${one.nodes[0]?.html.slice(0, 120)}`)));
+    expect(found.length === 0, `axe: ${name} at ${width} pixels, ${colorScheme} ${found.join("; ")}`);
+    await page.screenshot({ path: `${shots}/${name}-${width}-${colorScheme}.png`, fullPage: true });
+  }
 }
 
 /** Tabs to an element, as a hand on the keyboard would. */
@@ -165,9 +168,58 @@ async function cases({ browser, url, folder, expect, watch, shots }) {
   await context.close();
 }
 
+const KEPT = path.join(__dirname, "../../granum/tests/end_to_end/sixteen_cases");
+
+/** A case that names a mesh, an image, a sieve curve and a history: its files are handed over, and its test has the digest of the program. */
+async function files({ browser, url, expect, watch, shots }) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+  const page = await context.newPage();
+  watch(page);
+  await page.goto(`${url}laboratory/`);
+  await page.waitForSelector("#handed summary", { timeout: 60_000 });
+  const mistakes = () => page.textContent("#mistakes");
+  const input = "#handed input[multiple]", named = ["files-of-the-case.obj", "files-of-the-case.tif", "files-of-the-case-sieve.csv", "files-of-the-case-history.csv"];
+  await page.setInputFiles(input, [{ name: "own.toml", mimeType: "", buffer: fs.readFileSync(`${KEPT}/files-of-the-case.toml`) }]);
+  await page.waitForFunction(() => document.getElementById("case").value.includes("files-of-the-case"));
+  expect((await mistakes()).includes("add it to the files of the case") && (await page.isVisible(input)), `a file that is missing is asked for: ${(await mistakes()).slice(0, 130)}`);
+  await page.setInputFiles(input, named.slice(0, 3).map(name => `${KEPT}/${name}`));
+  await page.waitForFunction(() => document.querySelectorAll("#files li").length === 3, null, { timeout: 60_000 });
+  expect(/files-of-the-case-history.csv/.test(await mistakes()) && !/(obj|tif|sieve.csv)" cannot/.test(await mistakes()), `what is still missing is named: ${(await mistakes()).slice(0, 200)}`);
+  await page.setInputFiles(input, [{ name: named[3], mimeType: "", buffer: Buffer.from("xx_strain,yy_strain\n0,0\n0,stone\n") }]);
+  await page.waitForFunction(() => /stone/.test(document.getElementById("mistakes").textContent), null, { timeout: 30_000 });
+  expect(/Line 3/.test(await mistakes()), "a mistake in a file is told with its line");
+  await page.setInputFiles(input, `${KEPT}/${named[3]}`);
+  await page.waitForFunction(() => document.getElementById("mistakes").textContent === "", null, { timeout: 30_000 });
+  for (const width of WIDTHS) {
+    await page.setViewportSize({ width, height: 900 });
+    await looked(page, "files", { expect, shots, width });
+  }
+  await page.fill("input[type=number]", "50");
+  await page.click("section[aria-label='The case'] button.main");
+  await page.waitForSelector("#results button", { timeout: 240_000 });
+  const kept = fs.readFileSync(`${KEPT}/digests.txt`, "utf8").split("\n").find(line => line.endsWith("  files-of-the-case")).split("  ")[0];
+  expect((await page.textContent("#results")).includes(kept), "its test has the digest of the program");
+  await page.setViewportSize({ width: 1280, height: 900 });
+  await looked(page, "result", { expect, shots, width: 1280 });
+  await page.click(`#files button[aria-label='Take away ${named[0]}']`);
+  await page.waitForFunction(() => document.getElementById("mistakes").textContent !== "", null, { timeout: 30_000 });
+  expect((await mistakes()).includes("files-of-the-case.obj"), "a file that was taken away is missed again");
+  // A folder of images, of a name with a blank.
+  const folder = fs.mkdtempSync(path.join(require("os").tmpdir(), "granum files ")), scan = path.join(folder, "my scan");
+  fs.mkdirSync(scan);
+  for (const k of [1, 2, 10]) fs.copyFileSync(`${KEPT}/files-of-the-case.tif`, path.join(scan, `slice_${k}.tif`));
+  await page.setInputFiles("#handed input[webkitdirectory]", scan);
+  await page.waitForFunction(() => document.querySelectorAll("#files li").length === 6, null, { timeout: 30_000 });
+  await page.fill("#case", "[grains]\ncount = 60\n[grains.shape]\nkind = \"voxels\"\nfile = \"my scan\"\npieces = 4\nspacing_z = 0.4\n");
+  // Each image is a stack of its own, so that its grain is there three times.
+  expect(/has the label 1 in 3 separate parts/.test(await mistakes()), `the images of a folder are read: ${await mistakes()}`);
+  fs.rmSync(folder, { recursive: true });
+  await context.close();
+}
+
 /** All, or one by its name. @param {{ browser: any, url: string, folder: string, expect: Function, watch: Function, shots: string }} all @param {string} [only] */
 async function views(all, only) {
-  for (const view of [cases, mappings, visit]) if (!only || only === "views" || only === view.name) await view(all);
+  for (const view of [files, cases, mappings, visit]) if (!only || only === "views" || only === view.name) await view(all);
 }
 
 module.exports = { views };

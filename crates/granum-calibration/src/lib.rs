@@ -5,37 +5,13 @@
 //!                            (sensitivity, identifiability)
 //! ```
 
-pub mod band;
-pub mod candidate_tests;
-pub mod chains;
-pub mod chi_square;
-pub mod confirmation;
-pub mod coverage;
-pub mod curve;
-pub mod diagnostics;
-mod differences;
-pub mod emulator;
+pub mod compared;
+pub mod draws;
 mod error;
 pub mod file;
-pub mod fit;
-pub mod identifiability;
-pub mod known;
-pub mod likelihood;
-pub mod next_run;
-pub mod next_test;
-pub mod outcome;
-pub mod prediction;
-pub mod prior;
-pub mod quantity;
-mod random;
-pub mod reach;
-pub mod same_readings;
-pub mod sample_scatter;
-pub mod sensitivity;
-pub mod sequential;
-pub mod simulation;
-pub mod target;
-pub mod telling;
-pub mod unvaried;
+pub mod inference;
+pub mod posterior;
+pub mod questions;
+pub mod simulations;
 
 pub use error::{CalibrationError, Result};

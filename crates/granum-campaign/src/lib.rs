@@ -15,6 +15,7 @@ pub mod claim;
 pub mod clock;
 pub mod data_set;
 pub mod execution;
+mod jobs;
 pub mod journal;
 pub mod message;
 pub mod plan;

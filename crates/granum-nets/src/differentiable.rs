@@ -2,10 +2,10 @@
 
 use granum_simd::Isa;
 
-use crate::data::Data;
-use crate::sequences::Sequences;
-use crate::stepper::Stepper;
-use crate::trainer::error::TrainingError;
+use crate::sequence::stepper::Stepper;
+use crate::table::data::Data;
+use crate::table::sequences::Sequences;
+use crate::training_error::TrainingError;
 
 /// A model with weights that can be trained: a feed-forward network, a recurrent cell, or a model of your own.
 ///
@@ -148,4 +148,17 @@ pub trait GaussNewton: Batch {
     /// The residuals that the observations of each block would have, to first order, if the model had not been trained on
     /// the block, for the shift of the last factorisation. `blocks` has the number of the block of each observation.
     fn left_out_residuals(&self, blocks: &[usize], shift: f64) -> Option<Vec<f64>>;
+}
+
+/// Refuses data whose numbers of columns do not match the model.
+pub(crate) fn check_columns(model: &dyn Differentiable, data: &Data) -> Result<(), TrainingError> {
+    if (model.inputs(), model.outputs()) == (data.input_columns(), data.target_columns()) {
+        return Ok(());
+    }
+    Err(TrainingError::Columns {
+        inputs: model.inputs(),
+        outputs: model.outputs(),
+        columns: data.input_columns(),
+        targets: data.target_columns(),
+    })
 }

@@ -2,10 +2,10 @@
 
 use granum_simd::Isa;
 
-use crate::data::Data;
+use crate::differentiable::check_columns;
 use crate::differentiable::{Batch, Differentiable};
-use crate::trainer::error::TrainingError;
-use crate::trainer::trainer_trait::check_columns;
+use crate::table::data::Data;
+use crate::training_error::TrainingError;
 
 /// The mean squared error of a model as a function of its weights,
 ///

@@ -1,5 +1,6 @@
 //! The parts of the page as they stand in the repository.
 
+use granum_report::page::COMPONENTS;
 use granum_report::viewer::VIEWER;
 
 use crate::answer::Answer;
@@ -15,7 +16,7 @@ macro_rules! files {
     };
 }
 
-/// Address, type and content of every part but the viewer of grains.
+/// Address, type and content of every part but those that reports have as well: the viewer of grains, and the style of what results are made of.
 const FILES: &[(&str, &str, &str)] = &files![
     "index.html": HTML,
     "style.css": CSS,
@@ -27,7 +28,6 @@ const FILES: &[(&str, &str, &str)] = &files![
     "modules/numbers.js": MODULE,
     "modules/parts.js": MODULE,
     "modules/grains.js": MODULE,
-    "modules/stage.js": MODULE,
     "modules/views/list.js": MODULE,
     "modules/views/run.js": MODULE,
     "modules/views/compare.js": MODULE,
@@ -44,6 +44,9 @@ pub fn find(path: &str) -> Option<Answer> {
     let path = if path == "/" { "/index.html" } else { path };
     if path == "/modules/viewer.js" {
         return Some(Answer::Asset(MODULE, VIEWER));
+    }
+    if path == "/components.css" {
+        return Some(Answer::Asset(CSS, COMPONENTS));
     }
     FILES.iter().find(|(name, ..)| *name == path).map(|(_, kind, text)| Answer::Asset(kind, text))
 }

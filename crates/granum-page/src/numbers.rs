@@ -21,6 +21,29 @@ pub fn numbers(values: &[f64]) -> Value {
 mod tests {
     use super::*;
 
+    /// `tests/browser/browser.cjs` asks the same of `modules/numbers.js`.
+    #[test]
+    fn the_page_and_reports_write_numbers_alike() {
+        let rows: Vec<(f64, String, String)> =
+            serde_json::from_str(include_str!("../tests/browser/numbers.json")).unwrap();
+        let raised = |c: char| {
+            if c == '−' {
+                '⁻'
+            } else {
+                "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c as usize - '0' as usize).unwrap()
+            }
+        };
+        for (value, unit, text) in rows {
+            let found = granum_report::numbers::quantity(value, &unit);
+            let rich = granum_report::figure::Rich::new(&found);
+            let part = |(text, kind): (&str, &str)| match kind {
+                "sup" => text.chars().map(raised).collect(),
+                _ => text.to_string(),
+            };
+            assert_eq!(rich.parts().into_iter().map(part).collect::<String>(), text, "{value} {unit}");
+        }
+    }
+
     #[test]
     fn gaps_and_infinities_stay_apart() {
         let text = numbers(&[1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 2.0]).to_string();

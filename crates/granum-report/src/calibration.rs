@@ -1,10 +1,10 @@
 //! The report of a calibration: what the tests tell of each parameter, the posterior, and its curves over those of the laboratory.
 
-use granum_calibration::confirmation::Confirmed;
-use granum_calibration::next_run::NextRun;
-use granum_calibration::next_test::NextTest;
-use granum_calibration::outcome::Outcome;
-use granum_calibration::telling::WhatTestsTell;
+use granum_calibration::posterior::confirmation::Confirmed;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::questions::next_run::NextRun;
+use granum_calibration::questions::next_test::NextTest;
+use granum_calibration::questions::telling::WhatTestsTell;
 use granum_core::Table as Numbers;
 use granum_core::words;
 use maud::html;
@@ -228,7 +228,7 @@ pub fn report(about: &CalibrationReport) -> Document {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_calibration::prior::Prior;
+    use granum_calibration::inference::prior::Prior;
 
     #[test]
     fn the_page_draws_the_posterior_and_its_curves() {

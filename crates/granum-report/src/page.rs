@@ -7,6 +7,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::{Figure, Rich};
 
+/// The colours and the parts that all pages have: tiles, checks, tables, figures, remarks.
+pub const COMPONENTS: &str = include_str!("components.css");
+
 /// A finished report: one HTML file, and each of its figures as a separate file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Document {
@@ -96,6 +99,11 @@ impl Page {
         format!("Table S{}", self.tables)
     }
 
+    /// A table that the paper does not contain, with the label that is its turn.
+    pub fn own_table(&mut self, table: PageTable) -> Markup {
+        PageTable { label: self.own_table_label(), ..table }.html()
+    }
+
     /// The page in one file.
     pub fn finish(self, title: &str, subtitle: &str, head: Markup) -> Document {
         let markup = html! {
@@ -106,7 +114,7 @@ impl Page {
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="generator" content="granum";
                     title { (Rich::new(title).plain()) }
-                    style { (PreEscaped(include_str!("style.css"))) }
+                    style { (PreEscaped(COMPONENTS)) (PreEscaped(include_str!("style.css"))) }
                 }
                 body {
                     nav {
@@ -175,7 +183,7 @@ impl PageTable {
     pub fn html(&self) -> Markup {
         html! {
             // A table that is wider than its page scrolls, with the keyboard as well.
-            div class="table" tabindex="0" role="region" aria-label=(self.label) {
+            div class="scroll" tabindex="0" role="region" aria-label=(self.label) {
                 table {
                     caption { b { (self.label) "." } " " (rich(&self.caption)) }
                     thead {
@@ -200,14 +208,43 @@ impl PageTable {
     }
 }
 
+/// A statement that is passed or missed; all but the advice is marked-up text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Check {
+    /// True if it is passed.
+    pub passed: bool,
+    /// What is judged.
+    pub name: String,
+    /// What stands before the value.
+    pub before: String,
+    /// Its value.
+    pub value: String,
+    /// What stands after the value: the limit.
+    pub after: String,
+    /// What to do, where it is missed.
+    pub advice: String,
+}
+
 /// The main numbers side by side, each with its value, its name and a remark of one line.
 pub fn tiles(tiles: &[[String; 3]]) -> Markup {
     html! {
-        div class="tiles" { @for [value, name, remark] in tiles {
-            div class="tile" {
-                div class="value" { (rich(value)) }
-                div class="name" { (rich(name)) }
-                div class="remark" { (rich(remark)) }
+        ul class="tiles" { @for [value, name, remark] in tiles {
+            li class="tile" {
+                b { (rich(value)) }
+                span { (rich(name)) }
+                @if !remark.is_empty() { small { (rich(remark)) } }
+            }
+        } }
+    }
+}
+
+/// Statements that are passed or missed, each with what to do if it is missed.
+pub fn checks(checks: &[Check]) -> Markup {
+    html! {
+        ul class="checks" { @for check in checks {
+            li class=(if check.passed { "passed" } else { "missed" }) {
+                (rich(&check.name)) ": " (rich(&check.before)) b { (rich(&check.value)) } (rich(&check.after))
+                @if !check.advice.is_empty() { " What to do: " span class="advice" { (check.advice) "." } }
             }
         } }
     }

@@ -7,8 +7,9 @@ use super::data::RunReport;
 use super::figure::literal;
 use super::figure::palette::color;
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
-use super::numbers::{quantity, significant};
+use super::numbers::quantity;
 use super::page::{Document, Page, tiles};
+use super::presented::Presented;
 use super::{sample, shapes, trust};
 
 /// Names of the phases by their numbers in the table.
@@ -69,19 +70,5 @@ pub fn report(run: &RunReport) -> Document {
     let law = sample::law(&run.case.contact);
     let stress = quantity(run.case.preparation.mean_stress, "Pa");
     let subtitle = format!("sample · {} · {law} · *p* = {stress}", whose_grains(run));
-    page.finish(&literal(&run.name), &subtitle, html! { (tiles(&headline(run))) })
-}
-
-fn headline(run: &RunReport) -> Vec<[String; 3]> {
-    let mut out = Vec::new();
-    let mut tile = |name: &str, title: &str| {
-        if let Some(value) = run.run.measures.get(name) {
-            out.push([significant(*value, 3), title.to_owned(), String::new()]);
-        }
-    };
-    tile("solid_fraction", "solid fraction");
-    tile("coordination_number", "coordination number of all grains");
-    tile("mechanical_coordination_number", "mechanical coordination number");
-    tile("preparation_friction", "preparation friction");
-    out
+    page.finish(&literal(&run.name), &subtitle, html! { (tiles(&Presented::of_run(run).tiles)) })
 }

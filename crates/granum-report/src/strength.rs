@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use granum_core::Column;
 use granum_run::runs_table::{RunEntry, RunGroup, groups};
 use granum_run::strength::{COHESIVE, MEASURES, Meaning, SECANT_REMARK};
-use maud::Markup;
 
 use super::data::RunReport;
 use super::numbers::{percent, quantity, significant};
-use super::page::{Page, PageTable};
+use super::page::PageTable;
 
 /// The measures of a run, by name.
 pub type Measures = BTreeMap<String, f64>;
@@ -37,7 +36,7 @@ fn shown(meaning: &Meaning, value: f64) -> String {
 }
 
 /// The table of the measures of a test; `None` if there are none.
-pub(crate) fn table(page: &mut Page, run: &RunReport) -> Option<Markup> {
+pub(crate) fn table(run: &RunReport) -> Option<PageTable> {
     let measures = run.measures();
     let known = MEASURES.iter().filter_map(|known| Some((known, *measures.get(known.name)?)));
     let rows: Vec<Vec<String>> = known
@@ -46,18 +45,15 @@ pub(crate) fn table(page: &mut Page, run: &RunReport) -> Option<Markup> {
     if rows.is_empty() {
         return None;
     }
-    let label = page.own_table_label();
-    let mut table = PageTable {
-        rows,
-        ..PageTable::new(&label, "Strength at a glance.", &["Measure", "Symbol", "Value"])
-    };
+    let mut table =
+        PageTable { rows, ..PageTable::new("", "Strength at a glance.", &["Measure", "Symbol", "Value"]) };
     table.note = "States that carry less than 5 % of the mean stress at the start of the test do not count for peaks. Late values are \
                   those of the critical state only as far as their drift is small."
         .into();
     if measures.contains_key(COHESIVE) {
         table.note += &format!(" {}.", capital(SECANT_REMARK));
     }
-    Some(table.html())
+    Some(table)
 }
 
 /// The measures of several runs, a row for each, and below them the mean and the standard deviation (with n - 1) of every group of runs

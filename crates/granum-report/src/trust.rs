@@ -10,7 +10,7 @@ use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::material::strain_axis;
 use super::numbers::{percent, significant};
-use super::page::{Page, PageTable, rich};
+use super::page::{self, Check, Page, PageTable, rich};
 use granum_core::words::listed;
 
 /// Figure of the servo error, the inertial number and the unbalanced force.
@@ -91,17 +91,17 @@ fn number(flag: &QualityFlag, value: f64) -> String {
     if is_share { percent(value) } else { significant(value, 2) }
 }
 
-/// A list of quality flags.
-fn list(flags: &[QualityFlag]) -> Markup {
-    html! {
-        ul class="flags" { @for flag in flags {
-            li class=(if flag.passed { "held" } else { "broken" }) {
-                (rich(&name(flag))) ": " b { (rich(&number(flag, flag.value))) }
-                " (at most " (rich(&number(flag, flag.limit))) ")"
-                @if !flag.passed { " What to do: " span class="advice" { (flag.advice) "." } }
-            }
-        } }
-    }
+/// The quality flags of a run in words.
+pub(crate) fn checks(flags: &[QualityFlag]) -> Vec<Check> {
+    let check = |flag: &QualityFlag| Check {
+        passed: flag.passed,
+        name: name(flag),
+        before: String::new(),
+        value: number(flag, flag.value),
+        after: format!(" (at most {})", number(flag, flag.limit)),
+        advice: if flag.passed { String::new() } else { flag.advice.to_string() },
+    };
+    flags.iter().map(check).collect()
 }
 
 /// The quality flags of several runs as a table.
@@ -155,11 +155,11 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
 
 /// The section for a sample that was not sheared.
 pub fn sample_section(run: &RunReport) -> Markup {
-    html! { p { (verdict(std::slice::from_ref(run))) } (list(&run.run.quality)) }
+    html! { p { (verdict(std::slice::from_ref(run))) } (page::checks(&checks(&run.run.quality))) }
 }
 
 /// A sentence that states whether runs are within their limits.
-fn verdict(runs: &[RunReport]) -> String {
+pub(crate) fn verdict(runs: &[RunReport]) -> String {
     let broken: Vec<String> = runs.iter().filter(|r| !r.run.is_good()).map(|r| literal(&r.name)).collect();
     let unjudged = runs.iter().any(|r| r.run.quality.is_empty());
     match (runs.len(), broken.len()) {
@@ -188,14 +188,22 @@ pub fn of_several(runs: &[RunReport]) -> Markup {
             None => failed.push((flag, 1)),
         }
     }
+    let check = |(flag, count): (&QualityFlag, usize)| Check {
+        passed: false,
+        name: name(flag),
+        before: format!(
+            "{count} of {} runs are beyond the limit of {}, the worst with ",
+            runs.len(),
+            number(flag, flag.limit)
+        ),
+        value: number(flag, flag.value),
+        after: String::new(),
+        advice: flag.advice.to_string(),
+    };
+    let failed: Vec<Check> = failed.into_iter().map(check).collect();
     html! {
         p { (verdict(runs)) }
-        ul class="flags" { @for (flag, count) in failed {
-            li class="broken" {
-                (rich(&name(flag))) ": " (count) " of " (runs.len()) " runs are beyond the limit of " (rich(&number(flag, flag.limit)))
-                ", the worst with " b { (rich(&number(flag, flag.value))) } ". What to do: " span class="advice" { (flag.advice) "." }
-            }
-        } }
+        (page::checks(&failed))
     }
 }
 
@@ -203,7 +211,7 @@ pub fn of_several(runs: &[RunReport]) -> Markup {
 pub fn section(page: &mut Page, runs: &[RunReport]) -> Markup {
     let Some(run) = runs.first() else { return html! {} };
     let judged = if runs.len() == 1 {
-        list(&run.run.quality)
+        page::checks(&checks(&run.run.quality))
     } else {
         let label = page.own_table_label();
         table(&label, runs).html()

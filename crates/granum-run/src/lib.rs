@@ -17,6 +17,7 @@ mod remark_on_shapes;
 pub mod runs_table;
 pub mod stiffness;
 pub mod strength;
+pub(crate) mod task;
 
 pub use engine::{Engine, EngineError, EngineRun, Engines, Resources, Sink, Task};
 pub use granum_core::observer::{Flow, NoObserver, Observer, Observers, Progress};

@@ -77,6 +77,7 @@ pub mod sliding;
 pub mod solid_fraction;
 pub mod spin;
 pub mod state_parameter;
+mod state_sums;
 pub mod strain;
 pub mod stress;
 pub mod stress_asymmetry;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::force_distribution::FORCES;
-use crate::recorder::sums::StateSums;
+use crate::state_sums::StateSums;
 use crate::{Bins, Histogram, SensorColumn};
 
 /// Errors of a table that should be a record.

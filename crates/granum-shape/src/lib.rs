@@ -9,6 +9,8 @@
 //! - [`cover`]: spheres that stand for such a body, and how well they do.
 
 pub mod cover;
+#[cfg(test)]
+mod damaged_files_tests;
 pub mod descriptors;
 mod directions;
 pub mod entry;

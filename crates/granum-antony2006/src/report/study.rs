@@ -7,9 +7,10 @@ use super::headline;
 use super::{many_runs, networks, tables};
 use granum_report::case_details::case_details;
 use granum_report::figure::literal;
+use granum_report::headline::SIGNS;
 use granum_report::numbers::whole;
 use granum_report::page::{Document, Page, PageTable, paragraphs, rich, tiles};
-use granum_report::run::{SIGNS, behaviour, force_section};
+use granum_report::run::{behaviour, force_section};
 use granum_report::{sample, symbols, trust};
 
 /// Writes the report of a study.

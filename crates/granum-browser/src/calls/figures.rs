@@ -15,11 +15,15 @@ struct Curve {
     points: Vec<[f64; 2]>,
 }
 
-/// A panel: what its axes show, and a curve for each run.
+/// A panel: what its axes show with their SI units, and a curve for each run.
 #[derive(Deserialize)]
 struct Shown {
     x: String,
     y: String,
+    #[serde(default)]
+    x_unit: String,
+    #[serde(default)]
+    y_unit: String,
     curves: Vec<Curve>,
 }
 
@@ -28,7 +32,8 @@ pub(super) fn curves(_: &mut Page, arguments: &Arguments) -> Result<Value, CallE
     let shown: Vec<Shown> = Vec::deserialize(arguments.value("panels"))
         .map_err(|error| CallError::Message(format!("these are no panels of a figure: {error}")))?;
     let panels = shown.iter().map(|panel| {
-        let plot = Plot::new(Axis::new(&literal(&panel.x)), Axis::new(&literal(&panel.y)));
+        let axis = |name: &str, unit: &str| Axis::new(&literal(name)).unit(unit);
+        let plot = Plot::new(axis(&panel.x, &panel.x_unit), axis(&panel.y, &panel.y_unit));
         let lines = panel.curves.iter().enumerate().map(|(number, curve)| {
             Layer::line(curve.points.clone(), color(number)).named(&literal(&curve.name))
         });

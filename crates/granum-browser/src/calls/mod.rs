@@ -3,6 +3,7 @@
 mod about;
 mod case;
 mod figures;
+mod files;
 mod paper;
 mod reports;
 mod results;
@@ -33,14 +34,18 @@ pub const ENGINE: &[Call] = &[
     call("saved", results::saved),
 ];
 
-/// The calls of the surrogates, and those that make reports of results.
+/// The calls of the surrogates, those that make reports of results, and those that read a case with the files that it names.
 pub const SURROGATES: &[Call] = &[
     call("about", about::about),
+    call("files", files::replace),
+    call("check", case::check),
+    call("with", case::with),
     call("load_family", surrogates::load),
     call("case_of", surrogates::case_of),
     call("predict", surrogates::predict),
     call("curves", figures::curves),
     call("report", reports::report),
+    call("presented", reports::presented),
     call("mappings", paper::mappings),
     call("train_mapping", paper::train),
     call("ask_mapping", paper::answer),

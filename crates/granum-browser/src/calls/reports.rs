@@ -2,7 +2,7 @@
 
 use granum_core::Assembly;
 use granum_io::{Case, RunRecord};
-use granum_report::{RoleInStudy, RunReport, run_report};
+use granum_report::{Presented, RoleInStudy, RunReport, run_report};
 use granum_sensors::{Record, RecordedState};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -48,14 +48,24 @@ pub(super) fn received(arguments: &Arguments) -> Result<Received, CallError> {
     Received::from_value(arguments.value("result"))
 }
 
-/// The report of the `result` of a run as one page, and its figures by their names.
-pub(super) fn report(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+/// What a report is made of: the `result` of a run, with its name.
+fn run_report_of(page: &Page, arguments: &Arguments) -> Result<RunReport, CallError> {
     let result = received(arguments)?;
     let case = Case::parse(&result.case, NAME)?;
     let record = measurements(page, &result)?;
     let name = arguments.text("name").unwrap_or("test");
     let mut report = RunReport::of_parts(name, case, result.record, record, RoleInStudy::Single);
     (report.start, report.end) = (result.start, result.end);
-    let document = run_report(&report);
+    Ok(report)
+}
+
+/// What its report says first of the `result` of a run.
+pub(super) fn presented(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+    Ok(Presented::of_run(&run_report_of(page, arguments)?).to_json())
+}
+
+/// The report of the `result` of a run as one page, and its figures by their names.
+pub(super) fn report(page: &mut Page, arguments: &Arguments) -> Result<Value, CallError> {
+    let document = run_report(&run_report_of(page, arguments)?);
     Ok(json!({ "html": document.html, "figures": document.figures }))
 }

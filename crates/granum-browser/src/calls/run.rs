@@ -3,19 +3,14 @@
 use std::time::Duration;
 
 use granum_core::observer::Progress;
-use granum_io::{Case, RunKind, RunRecord};
+use granum_io::{Case, RunKind};
 use granum_run::Source;
-use granum_run::runs_table::unit_of_measure;
-use granum_sensors::Sensors;
 use serde_json::{Value, json};
 
 use super::case::NAME;
 use crate::answer::CallError;
 use crate::pace::Pace;
 use crate::page::{Arguments, Page};
-
-/// How the names of the measures begin that stand first.
-const FIRST: [&str; 5] = ["peak_", "critical_friction", "late_", "k0_", "critical_"];
 
 /// How long a piece takes where nothing is said, ms.
 const PIECE: f64 = 100.0;
@@ -45,18 +40,7 @@ pub(super) fn go_on(page: &mut Page, arguments: &Arguments) -> Result<Value, Cal
         "steps": record.steps,
         "warnings": pace.warnings,
         "notes": record.notes,
-        "measures": measures(record, page.laboratory.registry.vocabulary.sensors()),
-        "quality": record.quality,
     }))
-}
-
-/// The measures of a complete run with their units, those first that people ask for first.
-fn measures(record: &RunRecord, sensors: &Sensors) -> Vec<Value> {
-    let rank = |name: &str| FIRST.iter().position(|first| name.starts_with(first)).unwrap_or(FIRST.len());
-    let mut names: Vec<&String> = record.measures.keys().collect();
-    names.sort_by_key(|name| rank(name));
-    let shown = |name: &String| json!({ "name": name, "value": record.measures[name], "unit": unit_of_measure(name, sensors) });
-    names.into_iter().map(shown).collect()
 }
 
 fn progress(progress: &Progress) -> Value {

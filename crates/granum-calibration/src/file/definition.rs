@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use granum_campaign::plan::Plan;
+use granum_campaign::plan::{Plan, in_steps};
 
-use crate::curve::MeasurementError;
-use crate::likelihood::Discrepancy;
-use crate::prior::Prior;
-use crate::quantity::Quantity;
+use crate::compared::curve::MeasurementError;
+use crate::compared::quantity::Quantity;
+use crate::inference::likelihood::Discrepancy;
+use crate::inference::prior::Prior;
 
 /// A calibration as it is written. [`CalibrationFile::read`] reads it.
 #[derive(Clone, Debug)]
@@ -33,6 +33,17 @@ pub struct FreeVariable {
     pub prior: Prior,
     /// True if each test has a value of its own, false if all tests share one.
     pub own: bool,
+    /// A case takes multiples of this: 1 of a key that counts; any number if there is none.
+    pub step: Option<f64>,
+}
+
+impl FreeVariable {
+    /// What a case gets for a value: the nearest multiple of the step that lies between the bounds of the prior.
+    pub fn in_case(&self, value: f64) -> f64 {
+        let Some(step) = self.step.filter(|_| value.is_finite()) else { return value };
+        let [from, to] = self.prior.bounds();
+        in_steps(value, Some(step), [from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)])
+    }
 }
 
 /// What a test tells of its beginning.

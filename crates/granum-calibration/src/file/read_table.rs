@@ -7,8 +7,8 @@ use super::definition::{
     CalibrationTable, ComparedQuantity, CriticalStateOfTests, Method, PredictedTests, WHY_PREDICTIONS,
 };
 use super::words::word;
-use crate::likelihood::Discrepancy;
-use crate::quantity::Quantity;
+use crate::compared::quantity::Quantity;
+use crate::inference::likelihood::Discrepancy;
 
 /// The keys of the table.
 const KEYS: [&str; 16] = [

@@ -1,17 +1,18 @@
 //! Reading the variables of a calibration: free ones with their priors, those that each test gives, and expressions.
 
 use granum_campaign::plan::{Draft, Expression, PlanVariable, Reader, Spanned, VariableKind};
+use granum_core::quantity::format_number;
 use granum_io::Case;
 use toml::de::DeValue;
 
 use super::definition::{FreeVariable, TestCondition};
 use super::words::word;
 use crate::error::CalibrationError;
-use crate::prior::Prior;
+use crate::inference::prior::Prior;
 
 /// The keys of a variable.
-pub(super) const VARIABLE_KEYS: [&str; 11] =
-    ["name", "key", "keys", "prior", "from", "to", "mean", "deviation", "own", "test", "expression"];
+pub(super) const VARIABLE_KEYS: [&str; 12] =
+    ["name", "key", "keys", "prior", "from", "to", "mean", "deviation", "step", "own", "test", "expression"];
 
 /// Where a variable gets its value.
 pub(super) enum Role {
@@ -45,7 +46,7 @@ pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option
         return None;
     };
     if *way != "prior" {
-        let of_priors = ["from", "to", "mean", "deviation", "own"];
+        let of_priors = ["from", "to", "mean", "deviation", "step", "own"];
         if let Some(key) = of_priors.iter().find(|key| draft.table.contains_key(**key)) {
             let span = draft.table.get(*key).map_or(draft.span.clone(), |node| node.span());
             reader.error(span, format!("{key} belongs to a variable with a prior"), "leave it out");
@@ -65,10 +66,16 @@ pub(super) fn variable(reader: &mut Reader, draft: Draft, case: &Case) -> Option
             };
             let kind = word(reader, node, "prior", &KINDS)?;
             let prior = prior(reader, &draft, kind, &unit)?;
-            (
-                VariableKind::Given,
-                Role::Free(FreeVariable { name: draft.name.clone(), unit: unit.clone(), prior, own }),
-            )
+            if let [Some(from), Some(to)] = prior.bounds() {
+                reader.check_step(
+                    &draft,
+                    [from, to],
+                    &[from, to].map(|bound| format!("{} {unit}", format_number(bound)).trim_end().to_owned()),
+                    step,
+                )?;
+            }
+            let free = FreeVariable { name: draft.name.clone(), unit: unit.clone(), prior, own, step };
+            (VariableKind::Given, Role::Free(free))
         }
         "test" => (VariableKind::Given, Role::OfTest(word(reader, node, "test", &TestCondition::ALL)?)),
         _ => {

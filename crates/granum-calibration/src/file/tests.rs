@@ -6,8 +6,8 @@ use granum_campaign::plan::PlanSource;
 use granum_io::{Error, Reading};
 
 use super::*;
-use crate::prior::Prior;
-use crate::quantity::Quantity;
+use crate::compared::quantity::Quantity;
+use crate::inference::prior::Prior;
 
 /// A base case for tests of other files.
 pub(crate) const PLAIN_CASE: &str = "[grains]\ncount = 200\n[preparation]\nmean_stress = \"100 kPa\"\n[[stage]]\npath = \"drained-triaxial\"\n\
@@ -189,7 +189,7 @@ fn a_state_parameter_counts_from_the_critical_state() {
         ..granum_io::LaboratoryTest::default()
     };
     let other = granum_io::LaboratoryTest { name: "B".into(), ..test.clone() };
-    let targets = crate::target::targets(&file, &[test, other]).unwrap();
+    let targets = crate::simulations::target::targets(&file, &[test, other]).unwrap();
     // Denser than the critical state by 0.08.
     assert!((targets[0].conditions[1] + 0.08).abs() < 1e-12, "{:?}", targets[0].conditions);
 }
@@ -204,4 +204,30 @@ fn pore_pressure_is_what_the_lateral_stress_has_lost() {
     };
     // The lateral stress falls from 100 to 50 kPa.
     assert_eq!(*Quantity::PORE_PRESSURE.readings(&test), [0.0, 5e4]);
+}
+
+/// Cases count cycles: a value between two numbers of cycles would be refused.
+#[test]
+fn a_free_variable_that_counts_gives_cases_whole_numbers() {
+    let cycles = "\n[[variable]]\nname = \"cycles\"\nkey = \"preparation.cycles\"\nprior = \"uniform\"\nfrom = 0\nto = 6\n";
+    let counted = file(&format!("{STRESS_AND_FRICTION}{cycles}"));
+    assert_eq!((counted.free[0].step, counted.free[1].step), (None, Some(1.0)));
+    let points = crate::simulations::simulation::design(&counted, 1);
+    assert!(
+        points.iter().all(|point| point.values[1].fract() == 0.0 && (0.0..=6.0).contains(&point.values[1]))
+    );
+    let different: std::collections::BTreeSet<u64> =
+        points.iter().map(|point| point.values[1] as u64).collect();
+    assert_eq!(different.len(), 7, "{different:?}");
+    assert_eq!(crate::simulations::simulation::of_test(&counted, 1, &[0.4, 3.4], 0), [0.4, 3.0]);
+    let in_steps = file(&format!("{STRESS_AND_FRICTION}step = 0.25\n"));
+    let friction = |value: f64| in_steps.free[0].in_case(value);
+    // From 0.2 to 0.8 in steps of 0.25 there are 0.25, 0.5 and 0.75.
+    assert_eq!([0.2, 0.3, 0.6, 0.8].map(friction), [0.25, 0.25, 0.5, 0.75]);
+    let narrow = format!("{STRESS_AND_FRICTION}{}", cycles.replace("from = 0", "from = 5.5"));
+    let refused = parsed(&narrow, PLAIN_CASE).unwrap_err().to_string();
+    assert!(
+        refused.contains("only one multiple of the step 1, 6, lies in the range from 5.5 to 6"),
+        "{refused}"
+    );
 }

@@ -22,6 +22,8 @@ use crate::message::{End, Message};
 
 /// How often the coordinator asks whether a run is to stop.
 const ASK_EVERY: Duration = Duration::from_millis(100);
+/// How long after a process was ended by an interruption the coordinator may learn of the same interruption.
+const SIGNAL_IS_KNOWN_WITHIN: Duration = Duration::from_secs(1);
 /// How often a run is tried.
 const TRIES: usize = 2;
 /// Longest end of the standard error of a process that is kept.
@@ -53,7 +55,12 @@ enum Ended {
     /// As its last message says.
     Told(End),
     /// Before it could say how.
-    Untold(String),
+    Untold {
+        /// Why, as far as its status and its last words say.
+        reason: String,
+        /// True if Ctrl-C or SIGTERM ended it, which may have been sent to all processes of the campaign.
+        interrupted: bool,
+    },
 }
 
 impl ChildProcesses {
@@ -103,7 +110,9 @@ impl ChildProcesses {
         let told = errors.and_then(|thread| thread.join().ok()).unwrap_or_default();
         Ok(match end {
             Some(end) => Ended::Told(end),
-            None => Ended::Untold(why(status, &told)),
+            None => {
+                Ended::Untold { reason: why(status, &told), interrupted: is_ended_by_interruption(status) }
+            }
         })
     }
 
@@ -170,9 +179,11 @@ impl Executor for ChildProcesses {
                 }
                 Ended::Told(End::Interrupted) => return stopped(run),
                 // Ctrl-C reaches all processes, also one that has only just begun and knows of no good order yet.
-                Ended::Untold(_) if observer.flow() == Flow::Stop => return stopped(run),
+                Ended::Untold { interrupted, .. } if is_to_end(observer, interrupted) => return stopped(run),
                 Ended::Told(End::Failed { reason, lasting: true }) => return Err(RunError::Lasting(reason)),
-                Ended::Told(End::Failed { reason: why, .. }) | Ended::Untold(why) => reason = why,
+                Ended::Told(End::Failed { reason: why, .. }) | Ended::Untold { reason: why, .. } => {
+                    reason = why;
+                }
             }
             if observer.flow() == Flow::Stop {
                 break;
@@ -183,6 +194,19 @@ impl Executor for ChildProcesses {
         }
         Err(RunError::Process(format!("{reason} (tried {TRIES} times)")))
     }
+}
+
+/// True if the campaign is to end. A signal that was sent to all processes may end that of a run before the coordinator has taken
+/// note of it; so this waits for a moment after an interruption.
+fn is_to_end(observer: &dyn QueueObserver, interrupted: bool) -> bool {
+    let since = Instant::now();
+    while observer.flow() != Flow::Stop {
+        if !interrupted || since.elapsed() > SIGNAL_IS_KNOWN_WITHIN {
+            return false;
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    true
 }
 
 /// The record of a run that was stopped; it may have none yet, or that of a moment before.
@@ -237,6 +261,18 @@ fn how_it_ended(status: ExitStatus) -> String {
     }
 }
 
+/// True if Ctrl-C (SIGINT, 2) or SIGTERM (15) ended a process.
+#[cfg(unix)]
+fn is_ended_by_interruption(status: ExitStatus) -> bool {
+    use std::os::unix::process::ExitStatusExt;
+    matches!(status.signal(), Some(2 | 15))
+}
+
+#[cfg(not(unix))]
+fn is_ended_by_interruption(_: ExitStatus) -> bool {
+    false
+}
+
 #[cfg(not(unix))]
 fn how_it_ended(status: ExitStatus) -> String {
     by_code(status)
@@ -264,6 +300,43 @@ mod tests {
             folder.path().join("a"),
         );
         assert!(matches!(stopped(&run), Err(RunError::NotBegun)));
+    }
+
+    /// A process that is ended by Ctrl-C before it can catch it, while the coordinator learns of the same Ctrl-C a moment later, is
+    /// neither tried again nor told.
+    #[cfg(unix)]
+    #[test]
+    fn a_signal_that_reaches_the_process_of_a_run_first_ends_it_in_good_order() {
+        use std::os::unix::fs::PermissionsExt;
+
+        struct StoppedSoon(Instant, Mutex<Vec<String>>);
+        impl QueueObserver for StoppedSoon {
+            fn flow(&self) -> Flow {
+                if self.0.elapsed() < Duration::from_millis(200) { Flow::Continue } else { Flow::Stop }
+            }
+            fn warn(&self, _: usize, text: &str) {
+                self.1.lock().unwrap().push(text.to_string());
+            }
+        }
+
+        let folder = tempfile::tempdir().unwrap();
+        let program = folder.path().join("program");
+        for (signal, is_told) in [("INT", false), ("TERM", false), ("KILL", true)] {
+            std::fs::write(&program, format!("#!/bin/sh\nkill -{signal} $$\n")).unwrap();
+            std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+            let run = QueuedRun::test(
+                "a",
+                granum_io::Case::default(),
+                granum_run::laboratory::Source::Case,
+                folder.path().join("a"),
+            );
+            let observer = StoppedSoon(Instant::now(), Mutex::default());
+            let processes = ChildProcesses::new(program.clone(), folder.path(), Vec::new());
+            let ended = processes.execute(0, &run, &observer);
+            let warnings = observer.1.into_inner().unwrap();
+            assert_eq!(matches!(ended, Err(RunError::NotBegun)), !is_told, "{signal}: {ended:?}");
+            assert_eq!(warnings.is_empty(), !is_told, "{signal}: {warnings:?}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use granum_run::engine::CHECKS;
 
 use super::definition::{DesignKind, Plan, PlanRow, PlanVariable, SampleSeeds, VariableKind};
 use super::dependence::in_a_circle;
-use super::design::MOST_AXES;
+use super::design::{DesignSize, MOST_AXES};
 use super::reader::Reader;
 
 /// Most unknown names that are told, each with the nearest one that exists.
@@ -105,6 +105,8 @@ impl Reader {
         match &plan.design.kind {
             DesignKind::Rows(rows) => self.check_rows(plan, rows),
             kind => {
+                let by_levels =
+                    matches!(kind, DesignKind::Points(design) if design.size == DesignSize::Levels);
                 for variable in &plan.variables {
                     if variable.kind == VariableKind::Given {
                         let message = format!("the variable {} has no values", variable.name);
@@ -114,8 +116,8 @@ impl Reader {
                             "give it from and to, values, or expression",
                         );
                     }
-                    let needs_levels = *kind == DesignKind::FullFactorial
-                        && matches!(variable.kind, VariableKind::Range { levels: None, .. });
+                    let needs_levels =
+                        by_levels && matches!(variable.kind, VariableKind::Range { levels: None, .. });
                     if needs_levels {
                         let message =
                             format!("the variable {} needs levels in a full factorial design", variable.name);

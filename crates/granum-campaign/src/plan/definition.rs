@@ -10,6 +10,7 @@ use granum_io::{Case, Error, InputError, Result};
 use granum_run::engine::LammpsStart;
 use serde::{Deserialize, Serialize};
 
+use super::design::PointDesign;
 use super::expression::{Condition, Expression};
 
 /// The key that stands for the named path of the test.
@@ -216,14 +217,10 @@ pub enum SampleSeeds {
 /// The kinds of design.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DesignKind {
-    /// A scrambled Sobol sequence.
-    Sobol,
-    /// Points of such a sequence by their numbers, in the order in which they were chosen ([`Plan::with_chosen`]).
+    /// Points that a design makes by itself.
+    Points(&'static PointDesign),
+    /// Points of a Sobol sequence by their numbers, in the order in which they were chosen ([`Plan::with_chosen`]).
     Chosen(Vec<usize>),
-    /// A Latin hypercube.
-    LatinHypercube,
-    /// All combinations.
-    FullFactorial,
     /// Rows that the plan lists, or those of a CSV file.
     Rows(Vec<PlanRow>),
 }

@@ -49,12 +49,13 @@ pub use definition::{
     Choice, DesignKind, DesignTable, FixedKey, Keep, Plan, PlanRow, PlanSource, PlanVariable, RowPlace,
     SampleSeeds, Spanned, VariableKind,
 };
+pub use design::{DesignSize, PointDesign};
 pub use expression::{Condition, Expression};
 pub use read_variables::Draft;
 pub use reader::{Node, Reader};
 pub use runs::{PlanRun, PlannedRuns, apply_settings};
 pub use sequence::SequencePoint;
-pub use values::RunValue;
+pub use values::{RunValue, in_steps};
 
 #[cfg(test)]
 mod tests;

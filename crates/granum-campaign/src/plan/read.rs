@@ -10,7 +10,7 @@ use toml::de::DeTable;
 
 use super::definition::{Keep, Plan, PlanSource, PlanVariable, Spanned};
 use super::expression::Condition;
-use super::read_design::KINDS;
+use super::read_design::kinds;
 use super::read_variables::VARIABLE_KEYS;
 use super::reader::Reader;
 
@@ -56,7 +56,7 @@ impl Reader {
         let design = match table.get("design") {
             Some(node) => self.design(node, &names)?,
             None => {
-                let help = format!("add [design] with kind = one of {}", KINDS.join(", "));
+                let help = format!("add [design] with kind = one of {}", kinds().join(", "));
                 self.error(0..0, "the plan has no design", &help);
                 None
             }

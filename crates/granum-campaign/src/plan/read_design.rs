@@ -7,14 +7,17 @@ use toml::Spanned as TomlSpanned;
 use toml::de::{DeTable, DeValue};
 
 use super::definition::{DesignKind, DesignTable, PlanRow, RowPlace, SampleSeeds};
-use super::design::{MOST_POINTS, rows};
+use super::design::{ALL, DesignSize, MOST_POINTS, rows};
 use super::reader::{Node, Reader};
 
 /// The keys of a design.
 pub(super) const DESIGN_KEYS: [&str; 7] =
     ["kind", "points", "seed", "replicates", "sample_seeds", "rows", "file"];
+
 /// The kinds of design as a plan names them.
-pub(super) const KINDS: [&str; 5] = ["sobol", "latin-hypercube", "full-factorial", "list", "csv"];
+pub(super) fn kinds() -> Vec<&'static str> {
+    ALL.iter().map(|design| design.name).chain(["list", "csv"]).collect()
+}
 
 impl Reader {
     pub(super) fn design(&mut self, node: &Node, variables: &[String]) -> Result<Option<DesignTable>> {
@@ -27,15 +30,13 @@ impl Reader {
             self.error(
                 node.span(),
                 "the design has no kind",
-                &format!("kind is one of {}", KINDS.join(", ")),
+                &format!("kind is one of {}", kinds().join(", ")),
             );
             return Ok(None);
         };
         let Some(word) = self.text(kind_node, "kind") else { return Ok(None) };
+        let by_itself = ALL.into_iter().find(|design| design.name == word);
         let kind = match word.as_str() {
-            "sobol" => DesignKind::Sobol,
-            "latin-hypercube" => DesignKind::LatinHypercube,
-            "full-factorial" => DesignKind::FullFactorial,
             "list" => match self.listed_rows(node, table) {
                 Some(rows) => DesignKind::Rows(rows),
                 None => return Ok(None),
@@ -44,15 +45,18 @@ impl Reader {
                 Some(rows) => DesignKind::Rows(rows),
                 None => return Ok(None),
             },
-            other => {
-                let help = suggestion(other, KINDS.iter().copied());
-                self.error(kind_node.span(), format!("kind = {other:?} is no kind of design"), &help);
-                return Ok(None);
-            }
+            other => match by_itself {
+                Some(design) => DesignKind::Points(design),
+                None => {
+                    let help = suggestion(other, kinds().into_iter());
+                    self.error(kind_node.span(), format!("kind = {other:?} is no kind of design"), &help);
+                    return Ok(None);
+                }
+            },
         };
         let points = self.count(table, "points", 1, MOST_POINTS as u64);
-        let is_drawn = matches!(kind, DesignKind::Sobol | DesignKind::LatinHypercube);
-        match (is_drawn, points, table.get("points")) {
+        let has_points = matches!(&kind, DesignKind::Points(design) if design.size != DesignSize::Levels);
+        match (has_points, points, table.get("points")) {
             (true, None, None) => {
                 self.error(kind_node.span(), format!("{word} needs points, the number of points"), "")
             }

@@ -127,7 +127,9 @@ impl Reader {
     pub(super) fn variable(&mut self, draft: Draft, case: &Case) -> Option<PlanVariable> {
         let (unit, step) = self.unit_and_step(&draft, case)?;
         let kind = self.kind(&draft, &unit)?;
-        self.check_step(&draft, &kind, step)?;
+        if let VariableKind::Range { between, texts, .. } = &kind {
+            self.check_step(&draft, *between, texts, step)?;
+        }
         let new_stage = self.new_stage(&draft)?;
         Some(PlanVariable {
             name: draft.name,
@@ -159,11 +161,17 @@ impl Reader {
         }
     }
 
-    /// Refuses a step that leaves a range fewer than two values.
-    fn check_step(&mut self, draft: &Draft, kind: &VariableKind, step: Option<f64>) -> Option<()> {
-        let (VariableKind::Range { between, texts, .. }, Some(step)) = (kind, step) else { return Some(()) };
+    /// Refuses a step that leaves a range fewer than two values; `texts` are its bounds as they were written.
+    pub fn check_step(
+        &mut self,
+        draft: &Draft,
+        between: [f64; 2],
+        texts: &[String; 2],
+        step: Option<f64>,
+    ) -> Option<()> {
+        let Some(step) = step else { return Some(()) };
         let [from, to] = texts;
-        let message = match multiples(*between, step) {
+        let message = match multiples(between, step) {
             None => format!(
                 "no multiple of the step {} lies in the range from {from} to {to}",
                 format_number(step)

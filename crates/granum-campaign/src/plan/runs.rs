@@ -10,7 +10,7 @@ use granum_io::{Case, Error, InputError, Result};
 
 use super::definition::{DesignKind, PATH, Plan, PlanRow, PlanVariable, RowPlace, SampleSeeds, VariableKind};
 use super::dependence::in_order;
-use super::design::{Axis, MOST_POINTS, Point, full_factorial, latin_hypercube, sobol};
+use super::design::{Axis, DesignSize, MOST_POINTS, Point, sobol};
 use super::units;
 use super::values::{Chosen, RunValue, axis, chosen, given, levels, rounded};
 
@@ -208,16 +208,25 @@ impl Plan {
                     found.extend(take(valued, Some(&row.place)).map(|valued| (valued, Some(row))));
                 }
             }
-            DesignKind::Sobol => {
-                // Points that the constraints leave out are replaced by further ones of the sequence.
-                for k in 0..MOST_POINTS {
-                    if found.len() == wanted {
+            DesignKind::Points(design) => {
+                let axes = match design.size {
+                    DesignSize::Levels => {
+                        let counts: Vec<usize> = free.iter().map(|variable| levels(variable)).collect();
+                        self.check_count(
+                            counts.iter().fold(1usize, |all, count| all.saturating_mul(*count)),
+                        )?;
+                        counts.into_iter().map(Axis::Levels).collect()
+                    }
+                    DesignSize::Points | DesignSize::PointsThatFulfil => axes,
+                };
+                let fulfil = design.size == DesignSize::PointsThatFulfil;
+                for point in (design.points)(wanted, self.design.seed, &axes) {
+                    if fulfil && found.len() == wanted {
                         break;
                     }
-                    let valued = self.of_point(&free, &sobol(k, self.design.seed, &axes));
-                    found.extend(take(valued, None).map(|valued| (valued, None)));
+                    found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
                 }
-                if found.len() < wanted && mistakes.is_empty() {
+                if fulfil && found.len() < wanted && mistakes.is_empty() {
                     let message = format!(
                         "of the first {MOST_POINTS} points of the sequence only {} fulfil the constraints, and {wanted} are wanted",
                         found.len()
@@ -229,19 +238,6 @@ impl Plan {
                 for number in numbers {
                     let valued = self.of_point(&free, &sobol(*number, self.design.seed, &axes));
                     found.extend(take(valued, None).map(|valued| (valued, None)));
-                }
-            }
-            DesignKind::LatinHypercube => {
-                for point in latin_hypercube(wanted, self.design.seed, &axes) {
-                    found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
-                }
-            }
-            DesignKind::FullFactorial => {
-                let levels: Vec<usize> = free.iter().map(|variable| levels(variable)).collect();
-                let count = levels.iter().fold(1usize, |all, count| all.saturating_mul(*count));
-                self.check_count(count)?;
-                for point in full_factorial(&levels) {
-                    found.extend(take(self.of_point(&free, &point), None).map(|valued| (valued, None)));
                 }
             }
         }

@@ -119,14 +119,15 @@ fn plan_keys() -> Vec<Key> {
 }
 
 fn design() -> Value {
-    let kinds = "sobol: a scrambled Sobol sequence; latin-hypercube: each of as many intervals of a variable as there are points has one; \
-                 full-factorial: all combinations; list: the rows of the plan; csv: the rows of a CSV file.";
+    let designs: String =
+        super::design::ALL.iter().map(|design| format!("{}: {}; ", design.name, design.help)).collect();
+    let kinds = format!("{designs}list: the rows of the plan; csv: the rows of a CSV file.");
     let row =
         json!({ "type": "object", "additionalProperties": { "type": ["number", "string", "boolean"] } });
     let mut schema = object(
         "Which points of the space of the variables are run.",
         vec![
-            ("kind", described(kinds, json!({ "enum": super::read_design::KINDS }))),
+            ("kind", described(&kinds, json!({ "enum": super::read_design::kinds() }))),
             (
                 "points",
                 count(

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use granum_io::{Case, Result};
 
 use super::definition::{DesignKind, Plan, PlanVariable};
-use super::design::{Axis, MOST_POINTS, sobol};
+use super::design::{Axis, DesignSize, MOST_POINTS, sobol};
 use super::runs::{Refusal, apply_settings};
 use super::values::{RunValue, axis};
 
@@ -26,7 +26,12 @@ impl Plan {
     /// # Errors
     /// If the design is no Sobol sequence, or a point has values that no case accepts.
     pub fn sequence(&self, known: &BTreeSet<usize>, count: usize) -> Result<Vec<SequencePoint>> {
-        if !matches!(self.design.kind, DesignKind::Sobol | DesignKind::Chosen(_)) {
+        let is_sequence = match &self.design.kind {
+            DesignKind::Points(design) => design.size == DesignSize::PointsThatFulfil,
+            DesignKind::Chosen(_) => true,
+            DesignKind::Rows(_) => false,
+        };
+        if !is_sequence {
             let message = "points can be chosen one after another in a design of kind sobol only";
             return Err(self.source.error(&self.design.span, message).into());
         }

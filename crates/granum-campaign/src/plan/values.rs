@@ -87,11 +87,7 @@ pub(super) fn chosen(variable: &PlanVariable, at: Coordinate) -> Chosen {
                 Coordinate::Share(share) => share,
                 Coordinate::Level(level) => level as f64 / (levels.unwrap_or(2) - 1) as f64,
             };
-            let number = rounded(between_bounds(*between, *logarithmic, share), variable.step);
-            Chosen::number(match variable.step {
-                Some(step) => within(number, step, *between),
-                None => number,
-            })
+            Chosen::number(in_steps(between_bounds(*between, *logarithmic, share), variable.step, *between))
         }
         _ => Chosen::number(f64::NAN),
     }
@@ -114,6 +110,14 @@ pub(super) fn rounded(number: f64, step: Option<f64>) -> f64 {
         None => format!("{number:.5e}"),
     };
     text.parse().unwrap_or(number)
+}
+
+/// A number of a range as it is written: with six digits, or the nearest multiple of a step in the range if there is one.
+pub fn in_steps(number: f64, step: Option<f64>, range: [f64; 2]) -> f64 {
+    match step {
+        Some(step) => within(rounded(number, Some(step)), step, range),
+        None => rounded(number, None),
+    }
 }
 
 /// A multiple of a step, or the nearest one in the range if it is outside: 0 is no value of a range from 0.1 in steps of 0.25.

@@ -5,13 +5,13 @@ use std::path::Path;
 use granum_io::{Error, OutputFolder};
 use granum_run::Flow;
 
-use super::jobs::{Jobs, Place};
 use super::scheduler_error::SchedulerError;
 use super::scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submitted};
 use crate::campaign::Campaign;
 use crate::claim::is_claimed;
 use crate::data_set::{self, Collected};
 use crate::execution::{CAMPAIGN_CLAIM, CampaignObserver, ChildProcesses, Coordinator, STOP_REQUEST};
+use crate::jobs::{Jobs, Place};
 
 /// Its entry in the registry.
 pub(super) const KIND: SchedulerKind = SchedulerKind {

@@ -3,7 +3,6 @@
 //! A scheduler has a file of its own here and a line in [`Schedulers::standard`]; a program adds its own with [`Schedulers::with`].
 
 mod job_record;
-mod jobs;
 mod local;
 mod packing;
 mod scheduler_error;
@@ -11,8 +10,8 @@ mod scheduler_trait;
 mod schedulers;
 mod slurm;
 
+pub use crate::jobs::{JobState, Jobs, Place};
 pub use job_record::{JOBS, JobRecord, element_journal};
-pub use jobs::{JobState, Jobs, Place};
 pub use scheduler_error::SchedulerError;
 pub use scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submission, Submitted};
 pub use schedulers::{DEFAULT, Schedulers};

@@ -7,11 +7,11 @@ use std::time::Duration;
 use granum_io::OutputFolder;
 use granum_run::{Flow, Laboratory};
 
-use super::jobs::Jobs;
 use super::scheduler_error::SchedulerError;
 use crate::campaign::Campaign;
 use crate::data_set::Collected;
 use crate::execution::{CampaignObserver, Summary};
+use crate::jobs::Jobs;
 
 /// Executes the runs of a campaign: here, or somewhere that sees the folder of the campaign. What it does is told by the folders of the
 /// runs, so that a program may end and another one ask later.

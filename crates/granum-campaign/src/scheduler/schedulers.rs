@@ -3,11 +3,11 @@
 use granum_core::RegistrationError;
 
 use super::job_record::JobRecord;
-use super::jobs::Jobs;
 use super::scheduler_error::SchedulerError;
 use super::scheduler_trait::{Scheduler, SchedulerKind, SchedulerOptions};
 use super::{local, slurm};
 use crate::campaign::Campaign;
+use crate::jobs::Jobs;
 
 /// The name of the scheduler that is taken if none is named.
 pub const DEFAULT: &str = local::KIND.name;

@@ -14,7 +14,8 @@
 //!
 //! A target solid fraction is met by searching for the procedure ([`Procedure`]): with less friction the sample becomes denser, and
 //! beyond that with strain cycles; with the friction of the grains it becomes looser, and beyond that with a smaller stress of the
-//! compaction. Each trial is a complete preparation from the same seed.
+//! compaction. Each trial is a complete preparation from the same seed. A density that is asked for exactly, with a tolerance of 0.001
+//! or less, is reached from a trial that is looser, whose sample is then made denser by lowering the friction or by strain cycles.
 //!
 //! A packing that was made elsewhere replaces the random insertion if it is loose ([`is_loose`]): it is then compacted and
 //! relaxed by the same rules, and every trial starts from it again. A packing that carries its load is only brought to rest.
@@ -25,6 +26,7 @@
 //! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
 //! can be saved at any check and resumed.
 
+mod densifying;
 mod density_measure;
 mod error;
 mod next_trial;
@@ -270,6 +272,12 @@ impl Preparing {
                     Flow::Stop => return Ok(PreparationOutcome::Stopped(Box::new(self))),
                 }
             }
+            if matches!(self.progress.stage, PhaseState::DensifyingCycles { .. }) {
+                match self.follow_densifying_cycles(specification, observer)? {
+                    Flow::Continue => continue,
+                    Flow::Stop => return Ok(PreparationOutcome::Stopped(Box::new(self))),
+                }
+            }
             let settled = match self.rested() {
                 // It was stopped between two trials.
                 Some(settled) => Some(settled),
@@ -279,6 +287,9 @@ impl Preparing {
                 },
             };
             let Some(settled) = settled else { continue };
+            if self.densify(specification)? {
+                continue;
+            }
             let (trials, next) = self.end_trial(specification);
             let Some(next) = next else {
                 return Ok(PreparationOutcome::Sample(Box::new(self.sample(specification, trials, settled))));
@@ -316,9 +327,10 @@ impl Preparing {
         self.check_overlap(specification)?;
         match self.progress.stage {
             PhaseState::Compaction { .. } => self.check_compaction(specification)?,
-            // Executed by itself.
-            PhaseState::Loading { .. } => {}
-            PhaseState::Relaxation | PhaseState::Consolidation { .. } => {
+            PhaseState::Densification { .. } => self.check_densification(specification)?,
+            // Executed by themselves.
+            PhaseState::Loading { .. } | PhaseState::DensifyingCycles { .. } => {}
+            PhaseState::Relaxation | PhaseState::Densified { .. } | PhaseState::Consolidation { .. } => {
                 return Ok(self.check_relaxation(&specification.preparation));
             }
         }
@@ -398,9 +410,12 @@ impl Preparing {
     /// Whether the checks so far found the sample at rest; `None` as long as this is not decided.
     fn rested(&self) -> Option<bool> {
         let limit = match self.progress.stage {
-            PhaseState::Relaxation => MOST_RELAXATION_STEPS,
+            PhaseState::Relaxation | PhaseState::Densified { .. } => MOST_RELAXATION_STEPS,
             PhaseState::Consolidation { limit } => limit,
-            PhaseState::Compaction { .. } | PhaseState::Loading { .. } => return None,
+            PhaseState::Compaction { .. }
+            | PhaseState::Loading { .. }
+            | PhaseState::Densification { .. }
+            | PhaseState::DensifyingCycles { .. } => return None,
         };
         if self.progress.converged_checks >= CHECKS_TO_CONVERGE {
             return Some(true);
@@ -413,13 +428,22 @@ impl Preparing {
         let (p, progress) = (&specification.preparation, &self.progress);
         let mut trials = progress.trials.clone();
         let Some(procedure) = progress.procedure else { return (trials, None) };
-        let solid_fraction = self.simulation.state().solid_fraction();
+        let reached = self.simulation.state().solid_fraction();
+        let solid_fraction = match progress.stage {
+            // What the procedure gave is what the search goes on with.
+            PhaseState::Densified { aim } if !self.meets_target(p) => aim.before,
+            _ => reached,
+        };
         trials.push(Trial { solid_fraction, ..procedure.trial(progress.position) });
         let Some(target) = p.target().filter(|_| !self.meets_target(p)) else { return (trials, None) };
         let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
         let line = Line::new(p, specification.grains.mean_friction());
         // A search that ends without the target repeats the trial that came closest.
-        let next = if over { closer(&trials, target) } else { Some(line.next(&trials, target)) };
+        let next = if !over {
+            Some(line.next(&trials, target))
+        } else {
+            PreparationState::repeated(p, &trials, target).or_else(|| closer(&trials, target))
+        };
         let state = self.simulation.state();
         let (steps, time) = (progress.steps + state.step(), progress.time + state.time());
         let next = next.map(|position| NextTrial {
@@ -444,12 +468,13 @@ impl Preparing {
         let p = &specification.preparation;
         let solid_fraction_met = self.meets_target(p);
         let Preparing { mut simulation, progress } = self;
+        let densified = matches!(progress.stage, PhaseState::Densified { .. });
         let state = simulation.state();
         let unbalanced_force = state.unbalanced_force();
         let steps = progress.steps + state.step();
         let time = progress.time + state.time();
         finish(&mut simulation, p);
-        Sample { simulation, trials, steps, time, unbalanced_force, settled, solid_fraction_met }
+        Sample { simulation, trials, steps, time, unbalanced_force, settled, solid_fraction_met, densified }
     }
 }
 
@@ -476,6 +501,8 @@ fn finish(s: &mut Simulation, p: &Preparation) {
     begin_relaxation(s, p);
 }
 
+#[cfg(test)]
+mod densifying_tests;
 #[cfg(test)]
 mod stage_tests;
 #[cfg(test)]

@@ -123,8 +123,14 @@ pub(super) fn repeats(trials: &[Trial]) -> bool {
     trials.split_last().is_some_and(|(last, before)| is_tried(before, last.position))
 }
 
-fn is_tried(trials: &[Trial], position: f64) -> bool {
+pub(super) fn is_tried(trials: &[Trial], position: f64) -> bool {
     trials.iter().any(|trial| (trial.position - position).abs() < 1e-6)
+}
+
+/// The position of the densest trial that is looser than the target.
+pub(super) fn looser(trials: &[Trial], target: f64) -> Option<f64> {
+    let looser = trials.iter().filter(|trial| trial.solid_fraction < target);
+    looser.max_by(|a, b| a.solid_fraction.total_cmp(&b.solid_fraction)).map(|trial| trial.position)
 }
 
 /// The position of a trial that came closer to the target than the last one.

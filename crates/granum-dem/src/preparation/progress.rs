@@ -36,4 +36,6 @@ pub struct Sample {
     pub settled: bool,
     /// True if the target solid fraction was met, or if there was none.
     pub solid_fraction_met: bool,
+    /// True if the last trial was made denser than its procedure made it, up to a density that was asked for exactly.
+    pub densified: bool,
 }

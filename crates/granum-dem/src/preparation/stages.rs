@@ -17,21 +17,18 @@ const MOST_ARC_LENGTH: f64 = 1.0;
 
 /// The strain cycles of a procedure: the axial strain is brought to the amplitude, to its negative, and so on, at constant mean
 /// stress. The strain rate changes sign at the first step at which a turning point is reached.
-fn cycles(p: &Preparation, procedure: Procedure) -> Option<loading::Stage> {
-    if procedure.cycles == 0 {
-        return None;
-    }
+pub(super) fn strain_cycles(p: &Preparation, procedure: Procedure) -> loading::Stage {
     let speed = Speed::InertialNumber { number: p.inertial_number, at: Some(procedure.mean_stress) };
     let (lateral, fixed) = (Drive::Rate(-0.5), Drive::Fixed);
     let mean_stress = Constraint::mean_stress(Target::held(procedure.mean_stress));
     let control = Control::new(speed, [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed])
         .with(mean_stress.moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
     let ends = vec![Until::Reversals(procedure.cycles.saturating_mul(2))];
-    Some(loading::Stage::new("cycles", control, ends).with(|stage| {
+    loading::Stage::new("cycles", control, ends).with(|stage| {
         stage.turns = Some(Turns { measure: Measure::Strain(0), high: p.cycle_strain, low: -p.cycle_strain });
         // The axial strain rate is prescribed, so that every turning point is certain to be reached.
         stage.most_arc_length = None;
-    }))
+    })
 }
 
 impl PreparationState {
@@ -44,7 +41,7 @@ impl PreparationState {
     fn stage_at(&self, specification: &SampleSpecification, index: usize) -> Option<loading::Stage> {
         let own = self.own_stages();
         if index < own {
-            return cycles(&specification.preparation, self.procedure?);
+            return Some(strain_cycles(&specification.preparation, self.procedure?));
         }
         let mut stage = specification.stages.get(index - own)?.clone();
         stage.most_arc_length.get_or_insert(MOST_ARC_LENGTH);
@@ -141,15 +138,15 @@ impl Preparing {
 }
 
 /// Passes on the progress of a stage as that of the preparation. A preparation records no states.
-struct InPreparation<'a> {
-    phase: Phase,
-    trial: usize,
+pub(super) struct InPreparation<'a> {
+    pub(super) phase: Phase,
+    pub(super) trial: usize,
     /// Steps and time, s, of the phases before.
-    steps: u64,
-    time: f64,
+    pub(super) steps: u64,
+    pub(super) time: f64,
     /// Name of the stage, if the specification gives it.
-    stage: Option<&'a str>,
-    observer: &'a mut dyn SimulationObserver,
+    pub(super) stage: Option<&'a str>,
+    pub(super) observer: &'a mut dyn SimulationObserver,
 }
 
 impl<'a> InPreparation<'a> {

@@ -57,14 +57,50 @@ pub(super) enum PhaseState {
         /// Its run state.
         progress: Box<StageProgress>,
     },
+    /// A trial that is made denser by lowering the friction.
+    Densification {
+        /// The present coefficient of friction.
+        friction: f64,
+        /// Number of checks so far.
+        checks: u32,
+        /// What is sought.
+        aim: Aim,
+    },
+    /// The same by strain cycles without friction.
+    DensifyingCycles {
+        /// Volumetric strain at which they end.
+        strain: f64,
+        /// What is sought.
+        aim: Aim,
+        /// Their run state.
+        progress: Box<StageProgress>,
+    },
+    /// Relaxation of a trial that was made denser.
+    Densified {
+        /// Where the densification stopped.
+        aim: Aim,
+    },
+}
+
+/// The aim of a densification.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Aim {
+    /// Solid fraction at which it ends; afterwards that at which it ended.
+    pub solid_fraction: f64,
+    /// Number of the round, from 1.
+    pub round: u32,
+    /// Solid fraction of the trial before the first round.
+    pub before: f64,
 }
 
 impl PreparationState {
     /// The phase.
     pub fn phase(&self) -> Phase {
         match self.stage {
-            PhaseState::Compaction { .. } => Phase::Compaction,
-            PhaseState::Relaxation => Phase::Relaxation,
+            PhaseState::Compaction { .. } | PhaseState::Densification { .. } => Phase::Compaction,
+            PhaseState::Relaxation | PhaseState::Densified { .. } => Phase::Relaxation,
+            PhaseState::DensifyingCycles { .. } => Phase::Cycles,
             PhaseState::Consolidation { .. } => Phase::Consolidation,
             PhaseState::Loading { index, .. } => self.phase_of_stage(index),
         }

@@ -1,8 +1,9 @@
 //! The lines of text files, one after the other, each with a limit to its length.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
+
+use granum_core::input::Input;
 
 use crate::error::{Error, InputError, Result};
 use crate::shell::ShowPath;
@@ -18,7 +19,7 @@ pub(crate) struct Lines<R> {
     line: String,
 }
 
-impl Lines<BufReader<File>> {
+impl Lines<BufReader<Input>> {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
         Ok(Lines::new(BufReader::with_capacity(1 << 16, file), &path.shown()))

@@ -224,6 +224,10 @@ impl Formats {
     /// # Errors
     /// If no format fits, as for [`PackingFormat::read`], or if results lack a periodic cell or radii.
     pub fn read_packing(&self, path: &Path) -> Result<Packing> {
+        // Neither has a way to a page, whose module then has none of what joins the files of other programs.
+        if cfg!(all(target_arch = "wasm32", target_os = "unknown")) {
+            return Err(Error::content(path, "a page in a browser reads no packings"));
+        }
         let head = head(path)?;
         if let Some(format) = self.packings().find(|format| format.recognises(&head)) {
             return format.read(path);

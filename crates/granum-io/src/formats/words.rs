@@ -1,7 +1,7 @@
 //! Lines of words separated by blanks, with errors that name line and word: what the text formats of other programs have in
 //! common.
 
-use std::fs::File;
+use granum_core::input::Input;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::formats::lines::Lines;
 
 /// Lines of a file and the words of the present one.
 pub(crate) struct Words {
-    lines: Lines<BufReader<File>>,
+    lines: Lines<BufReader<Input>>,
     /// First byte and end of each word of the line.
     places: Vec<(usize, usize)>,
 }

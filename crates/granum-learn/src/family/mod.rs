@@ -13,6 +13,7 @@ mod definition;
 mod file;
 mod integrated;
 mod model;
+mod onnx_form;
 mod powder;
 mod prediction;
 mod replicates;
@@ -20,6 +21,7 @@ mod sand;
 mod score_types;
 mod scores;
 mod shaped_sand;
+mod states;
 mod test_progress;
 #[cfg(test)]
 mod tests;
@@ -32,6 +34,7 @@ pub use prediction::{FamilyCurve, FamilyPrediction, InputSource, UsedInput};
 pub use sand::{SAND, SAND_CONSTANT_P, SAND_UNDRAINED, SAND_UNLOAD_RELOAD};
 pub use score_types::{FamilyOutputScore, FamilyScores, QuarterCoverage, TrainingData};
 pub use shaped_sand::SHAPED_SAND;
+pub use states::FamilyStates;
 pub use typical::TypicalValue;
 
 /// All families, path by path. The first path of a family is the one that is meant where none is named.

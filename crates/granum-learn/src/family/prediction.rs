@@ -62,7 +62,7 @@ pub struct FamilyPrediction {
 }
 
 /// Relative difference of a value from the end of a range that is rounding, as 50 kPa over 5 GPa has.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 impl FamilyPrediction {
     /// The inputs that are outside of their ranges, or all of them if none is.

@@ -275,3 +275,31 @@ fn a_test_that_was_ended_early_is_left_out_by_name() {
     let told = refused.err().unwrap().to_string();
     assert!(told.contains("contact.normal is jkr") && told.contains("hertz"), "{told}");
 }
+
+/// States one by one are those of the curves where everything is given, and outside where the family says so.
+#[test]
+fn the_states_of_a_family_are_those_of_its_curves() {
+    let model = std::sync::Arc::new(fitted(&dataset(20, 1, 1), &mut NoObserver));
+    let states = FamilyStates::new(model.clone());
+    let middle: Vec<f64> = model.ranges().iter().map(|[low, high]| 0.5 * (low + high)).collect();
+    let mut far = middle.clone();
+    far[0] = 3.0;
+    let mut stream = crate::surrogate::PredictionStream::new(&states, 0.9).unwrap();
+    for values in [&middle, &far, &middle] {
+        let curves =
+            model.predict(&values.iter().map(|value| Some(*value)).collect::<Vec<_>>(), 0.9).unwrap();
+        for (point, x) in curves.points.iter().enumerate().step_by(7) {
+            let row = [&[*x], values.as_slice()].concat();
+            let state = stream.next_state(&row).unwrap();
+            for (estimate, curve) in state.values.iter().zip(&curves.curves) {
+                let interval = estimate.interval.as_ref().unwrap();
+                assert_eq!(estimate.mean, curve.mean[point]);
+                let width = interval.upper - interval.lower;
+                assert!((width - (curve.upper[point] - curve.lower[point])).abs() <= 1e-9 * width.abs());
+            }
+            assert_eq!(state.outside, curves.outside);
+        }
+    }
+    let beyond = stream.next_state(&[&[1.0], middle.as_slice()].concat()).unwrap();
+    assert_eq!(beyond.outside[0].name, "axial_strain");
+}

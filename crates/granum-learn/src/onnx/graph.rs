@@ -62,11 +62,48 @@ impl OnnxGraph {
 
     /// The result of an operator with integers as attributes.
     pub fn apply_with(&mut self, operator: &str, inputs: &[&Value], attributes: &[(&str, i64)]) -> Value {
-        let name = self.next_name();
         let attributes =
             attributes.iter().map(|(name, value)| AttributeProto::integer(name, *value)).collect();
+        self.applied(operator, inputs, attributes)
+    }
+
+    /// A tensor with its axes in another order.
+    pub fn transposed(&mut self, tensor: &Value, axes: &[i64]) -> Value {
+        self.applied("Transpose", &[tensor], vec![AttributeProto::integers("perm", axes)])
+    }
+
+    fn applied(&mut self, operator: &str, inputs: &[&Value], attributes: Vec<AttributeProto>) -> Value {
+        let name = self.next_name();
         self.graph.node.push(node(operator, inputs, &name, attributes));
         Value(name)
+    }
+
+    /// A tensor in another shape; the size -1 is the one that is left over.
+    pub fn shaped(&mut self, tensor: &Value, shape: &[i64]) -> Value {
+        let shape = self.integers(shape);
+        self.apply("Reshape", &[tensor, &shape])
+    }
+
+    /// The least or the largest value of each row (`ReduceMin`, `ReduceMax`).
+    pub fn extreme_of_rows(&mut self, operator: &str, table: &Value) -> Value {
+        self.applied(operator, &[table], vec![AttributeProto::integers("axes", &[1])])
+    }
+
+    /// Tables one below the other.
+    pub fn below(&mut self, tables: &[&Value]) -> Value {
+        self.apply_with("Concat", tables, &[("axis", 0)])
+    }
+
+    /// The rows of a constant table of so many columns, in row-major order, whose numbers are given.
+    pub fn rows_of(&mut self, table: &[f64], columns: usize, numbers: &Value) -> Value {
+        let table = self.constant(&[table.len() / columns.max(1), columns], table);
+        self.apply_with("Gather", &[&table, numbers], &[("axis", 0)])
+    }
+
+    /// Conditions or numbers as integers, or as doubles.
+    pub fn cast(&mut self, values: &Value, to_integers: bool) -> Value {
+        let to = if to_integers { INT64 } else { DOUBLE };
+        self.apply_with("Cast", &[values], &[("to", i64::from(to))])
     }
 
     /// Tables side by side.
@@ -122,7 +159,7 @@ impl OnnxGraph {
         &self.metadata
     }
 
-    pub(super) fn message(&self, name: &str) -> GraphProto {
+    pub(crate) fn message(&self, name: &str) -> GraphProto {
         GraphProto { name: Some(name.to_owned()), ..self.graph.clone() }
     }
 

@@ -8,6 +8,8 @@ pub const INT64: i32 = 7;
 pub const DOUBLE: i32 = 11;
 /// `AttributeProto.AttributeType`: an integer.
 const INT: i32 = 2;
+/// `AttributeProto.AttributeType`: several integers.
+const INTS: i32 = 7;
 
 #[derive(Clone, PartialEq, Message)]
 pub struct ModelProto {
@@ -75,6 +77,8 @@ pub struct AttributeProto {
     pub name: Option<String>,
     #[prost(int64, optional, tag = "3")]
     pub i: Option<i64>,
+    #[prost(int64, repeated, tag = "8")]
+    pub ints: Vec<i64>,
     #[prost(int32, optional, tag = "20")]
     pub r#type: Option<i32>,
 }
@@ -82,7 +86,12 @@ pub struct AttributeProto {
 impl AttributeProto {
     /// An integer.
     pub fn integer(name: &str, value: i64) -> AttributeProto {
-        AttributeProto { name: Some(name.into()), i: Some(value), r#type: Some(INT) }
+        AttributeProto { name: Some(name.into()), i: Some(value), ints: Vec::new(), r#type: Some(INT) }
+    }
+
+    /// Several integers.
+    pub fn integers(name: &str, values: &[i64]) -> AttributeProto {
+        AttributeProto { name: Some(name.into()), i: None, ints: values.to_vec(), r#type: Some(INTS) }
     }
 }
 

@@ -12,6 +12,7 @@
 use granum_nets::{Activation, Model, Network, Scaler, Uncertainty};
 
 use super::graph::{OnnxGraph, Value};
+use super::interpolated::interpolated;
 
 /// What a network predicts for rows: its value in the unit of the output, and the standard deviation of observations.
 pub struct OnnxNetwork {
@@ -194,10 +195,9 @@ pub fn mean_of_points(graph: &mut OnnxGraph, column: &Value, points: usize) -> V
 /// The factor on standard deviations from left-out blocks: linear between its values, constant beyond them.
 fn factor(graph: &mut OnnxGraph, model: &Model, inputs: &Value, points: usize) -> Option<Value> {
     let intervals = model.training_fit().intervals.as_ref()?;
-    let first = graph.number(intervals.factors[0]);
     let column = model.inputs().iter().position(|input| Some(&input.name) == intervals.input.as_ref());
     if intervals.factors.len() == 1 {
-        return Some(first);
+        return Some(graph.number(intervals.factors[0]));
     }
     let Some(column) = column else { return Some(graph.number(intervals.factor(0.0))) };
     let mut place = graph.columns(inputs, &[column]);
@@ -207,14 +207,5 @@ fn factor(graph: &mut OnnxGraph, model: &Model, inputs: &Value, points: usize) -
         let grouped = graph.apply("Reshape", &[&place, &shape]);
         place = graph.columns(&grouped, &[0]);
     }
-    let pairs = intervals.at.windows(2).zip(intervals.factors.windows(2));
-    let slopes: Vec<f64> = pairs.map(|(at, factors)| (factors[1] - factors[0]) / (at[1] - at[0])).collect();
-    let widths: Vec<f64> = intervals.at.windows(2).map(|at| at[1] - at[0]).collect();
-    let (begins, widths) = (graph.row(&intervals.at[..widths.len()]), graph.row(&widths));
-    let zero = graph.number(0.0);
-    let beyond = graph.apply("Sub", &[&place, &begins]);
-    let beyond = graph.apply("Max", &[&beyond, &zero]);
-    let within = graph.apply("Min", &[&beyond, &widths]);
-    let change = graph.linear(&within, slopes.len(), &slopes, None);
-    Some(graph.apply("Add", &[&change, &first]))
+    Some(interpolated(graph, &place, &intervals.at, &intervals.factors))
 }

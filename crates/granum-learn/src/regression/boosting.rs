@@ -52,6 +52,35 @@ impl Tree {
         self.value[node]
     }
 
+    /// Number of its nodes, the root first.
+    pub fn nodes(&self) -> usize {
+        self.input.len()
+    }
+
+    /// What a node asks for; `None` for a leaf.
+    pub fn question(&self, node: usize) -> Option<Question> {
+        let [input, next] = [self.input[node], self.next[node]];
+        // The nodes after a node come after it, and a leaf has none.
+        (next > node).then(|| Question { input, limit: self.value[node], next })
+    }
+
+    /// The value of a leaf, or the threshold of another node.
+    pub fn value(&self, node: usize) -> f64 {
+        self.value[node]
+    }
+
+    /// Most questions from the root to a leaf.
+    pub fn depth(&self) -> usize {
+        let mut depths = vec![0; self.nodes()];
+        for node in 0..self.nodes() {
+            let below = depths[node] + 1;
+            if let Some(question) = self.question(node) {
+                depths[question.next..question.next + 2].fill(below);
+            }
+        }
+        depths.into_iter().max().unwrap_or(0)
+    }
+
     /// True if it can be evaluated for so many inputs.
     pub fn is_sound(&self, inputs: usize) -> bool {
         let nodes = self.input.len();
@@ -62,6 +91,17 @@ impl Tree {
         };
         nodes > 0 && self.value.len() == nodes && self.next.len() == nodes && (0..nodes).all(node)
     }
+}
+
+/// The question of a node: whether an input exceeds a threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Question {
+    /// The input.
+    pub input: usize,
+    /// The threshold.
+    pub limit: f64,
+    /// The node for rows whose input does not exceed it; the one after it is for the others.
+    pub next: usize,
 }
 
 /// The inputs of rows, each as the number of the interval in which it is.

@@ -7,7 +7,7 @@ use super::thinning::thinned;
 use crate::comparison::check_units;
 use crate::dataset::{Dataset, Split, SplitParts};
 use crate::error::{LearnError, Result};
-use crate::networks::NetworkSettings;
+use crate::methods::networks::NetworkSettings;
 use crate::surrogate::{FitSpec, SurrogateMethods};
 
 /// Name of the method that is the baseline with all inputs.
@@ -156,7 +156,7 @@ impl StudyDefinition {
     }
 }
 
-const MEAN_CURVE: &str = crate::surrogate::mean_curve::NAME;
+const MEAN_CURVE: &str = crate::methods::mean_curve::NAME;
 
 /// Checks an input that holds words: the training runs must have several of them, and all that the other runs have.
 fn check_words(input: &str, dataset: &Dataset, training: &Dataset) -> Result<()> {

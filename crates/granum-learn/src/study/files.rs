@@ -21,7 +21,7 @@ use super::training::Study;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::learning_curve::LearningCurve;
-use crate::networks::{KeptNetworks, TIMES_FILE};
+use crate::methods::networks::{KeptNetworks, TIMES_FILE};
 use crate::runs::StudyRun;
 use crate::surrogate::SurrogateMethods;
 use crate::surrogate::file::{is_whole, sealed};

@@ -4,7 +4,7 @@ use crate::curve::{interpolated, never_falls};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
 use crate::input_use::{Given, InputTest, permutation};
-use crate::networks::{is_within, sub_model_at};
+use crate::methods::networks::{is_within, sub_model_at};
 use crate::score::Scorer;
 use crate::surrogate::{FitSpec, RunInputs, Surrogate};
 
@@ -138,7 +138,7 @@ fn error(surrogate: &dyn Surrogate, inputs: &[f64], run: &RunColumns, all: &mut 
 mod tests {
     use super::*;
     use crate::input_use::permutation;
-    use crate::networks::SubModel;
+    use crate::methods::networks::SubModel;
 
     #[test]
     fn inputs_are_exchanged_within_stages_and_sub_models() {

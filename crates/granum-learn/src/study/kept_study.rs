@@ -8,7 +8,7 @@ use granum_io::Error;
 use super::names::{member_file, network_files};
 use super::plan::{PLAN_FILE, StudyPlan};
 use crate::error::Result;
-use crate::networks::KeptNetworks;
+use crate::methods::networks::KeptNetworks;
 use crate::surrogate::{Surrogate, SurrogateMethods, save};
 
 /// Keeps the surrogates of a study in a folder, and the networks of those that are unfinished.

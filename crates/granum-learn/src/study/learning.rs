@@ -11,7 +11,7 @@ use crate::dataset::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 use crate::input_use::InputUse;
 use crate::learning_curve::{LearningCurve, LearningPoint, MeanError};
-use crate::networks::NetworkCheckpoints;
+use crate::methods::networks::NetworkCheckpoints;
 use crate::student_t::PairedTest;
 use crate::surrogate::SurrogateMethods;
 
@@ -82,7 +82,7 @@ impl StudyObserver for Unkept<'_> {
         self.observer.progress(name, progress);
     }
     fn networks(&self) -> &dyn NetworkCheckpoints {
-        &crate::networks::NoCheckpoints
+        &crate::methods::networks::NoCheckpoints
     }
     fn stop(&self) -> bool {
         self.observer.stop()

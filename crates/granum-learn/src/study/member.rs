@@ -46,7 +46,7 @@ impl StudyFit {
     pub fn coordinate_only(&self, member: &Member) -> Option<&dyn Surrogate> {
         let same =
             |other: &&Member| other.role == MemberRole::CoordinateOnly && other.method == member.method;
-        let curve = |other: &&Member| other.method == crate::surrogate::mean_curve::NAME;
+        let curve = |other: &&Member| other.method == crate::methods::mean_curve::NAME;
         let found = self.members.iter().find(same).or_else(|| self.members.iter().find(curve));
         found.map(|member| member.surrogate.as_ref())
     }

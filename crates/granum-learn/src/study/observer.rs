@@ -3,7 +3,7 @@
 use granum_core::observer::Progress;
 
 use crate::error::Result;
-use crate::networks::{NetworkCheckpoints, NoCheckpoints};
+use crate::methods::networks::{NetworkCheckpoints, NoCheckpoints};
 use crate::surrogate::Surrogate;
 
 /// An observer of the training of a study, which may store its surrogates and their networks, and may stop it, also within a

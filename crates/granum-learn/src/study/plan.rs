@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::definition::StudyDefinition;
 use super::names::{Head, SCORED_FILE, STUDY_FILE, member_file, network_files, old_paper_format};
 use crate::error::{LearnError, Result};
-use crate::networks::TIMES_FILE;
+use crate::methods::networks::TIMES_FILE;
 use crate::surrogate::FitSpec;
 
 /// File with the plan of a training.

@@ -12,7 +12,7 @@ use crate::comparison::{Judged, judged};
 use crate::dataset::{Dataset, SplitParts};
 use crate::error::{LearnError, Result};
 use crate::input_use::InputUse;
-use crate::networks::{NetworkScores, networks_of};
+use crate::methods::networks::{NetworkScores, networks_of};
 use crate::pooled_error::PooledError;
 use crate::scatter::{self, SeedScatter};
 use crate::score::Score;
@@ -216,7 +216,7 @@ pub(crate) fn use_of(fit: &StudyFit, member: &Member, unseen: &Dataset) -> Resul
     let coordinate = fit.spec.place_of_coordinate(surrogate.columns());
     let others = surrogate.columns().inputs.len() > usize::from(coordinate.is_some());
     let baseline =
-        member.role == MemberRole::CoordinateOnly || member.method == crate::surrogate::mean_curve::NAME;
+        member.role == MemberRole::CoordinateOnly || member.method == crate::methods::mean_curve::NAME;
     let Some(alone) = fit.coordinate_only(member).filter(|_| others && !baseline && unseen.rows() > 0) else {
         return Ok(None);
     };

@@ -8,7 +8,7 @@ use super::*;
 use crate::dataset::{Dataset, RunStates, Split};
 use crate::error::{LearnError, Result};
 use crate::input_use::Verdict;
-use crate::networks::{NetworkCheckpoints, SubModel, networks_of};
+use crate::methods::networks::{NetworkCheckpoints, SubModel, networks_of};
 use crate::surrogate::{FitSpec, Surrogate, SurrogateMethods};
 
 /// A run in which `y` follows `x` and, with the given slope, a sensor that differs from run to run.
@@ -292,6 +292,24 @@ fn a_stopped_training_goes_on_to_the_same_surrogates() {
     let resumed = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &unfinished).unwrap();
     let whole = train(&dataset, &definition).unwrap();
     assert_eq!(resumed.evaluate(&dataset).unwrap(), whole.evaluate(&dataset).unwrap());
+}
+
+/// The file of one surrogate may have been put in the place of another one.
+#[test]
+fn a_finished_surrogate_of_another_fit_is_refused() {
+    let dataset = dataset(0.3);
+    let definition = StudyDefinition { threads: 1, ..definition(&["x", "s"]) };
+    let methods = SurrogateMethods::standard();
+    let unfinished = UnfinishedFits::default();
+    assert!(Study::train(&dataset, &definition, &methods, &unfinished).is_err());
+    let first = unfinished.0.lock().unwrap()[0].clone();
+    assert_eq!(first.0, "y-ridge");
+    unfinished.0.lock().unwrap().push(("y-ridge-coordinate-only".into(), first.1));
+    let refused = Study::train(&dataset, &definition, &methods, &unfinished).err().unwrap().to_string();
+    assert!(
+        refused.starts_with("y-ridge-coordinate-only.json: it is not the surrogate of this fit"),
+        "{refused}"
+    );
 }
 
 /// A law that is a word: the stress follows the strain with another factor for each law.

@@ -1,7 +1,7 @@
 //! Fewer states of a data set.
 
 use crate::dataset::Dataset;
-use crate::networks::training_rows::every_nth;
+use crate::methods::networks::training_rows::every_nth;
 
 /// At most `most` of the states of a data set. If there are too many, every n-th state of each run is taken, with a different
 /// first state in each run, because neighbouring states contain nearly the same information.

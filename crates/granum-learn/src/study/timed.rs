@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 
-use crate::networks::{NetworkCheckpoints, networks_of};
+use crate::methods::networks::{NetworkCheckpoints, networks_of};
 use crate::surrogate::Surrogate;
 
 /// Notes the time of every network that is trained or found.

@@ -8,11 +8,13 @@ use granum_core::parallel;
 
 use super::definition::{Planned, StudyDefinition};
 use super::member::{Member, MemberRole, StudyFit};
+use super::names::member_file;
 use super::observer::StudyObserver;
 use super::timed::Timed;
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::learning_curve::LearningCurve;
+use crate::methods::mean_curve;
 use crate::runs::StudyRun;
 use crate::surrogate::{Surrogate, SurrogateMethods};
 
@@ -128,6 +130,33 @@ impl Study {
     }
 }
 
+/// Refuses a finished surrogate whose method, inputs or outputs are not those of the fit: its file was put in the place of another one.
+fn check_fit(planned: &Planned, surrogate: &dyn Surrogate) -> Result<()> {
+    let (columns, spec) = (surrogate.columns(), &planned.spec);
+    let (inputs, outputs) = (
+        columns.input_names(),
+        columns.outputs.iter().map(|output| output.name.as_str()).collect::<Vec<_>>(),
+    );
+    // A mean curve, and a method of another program, may use fewer inputs than it is given.
+    let uses_all =
+        planned.method != mean_curve::NAME && SurrogateMethods::standard().by_name(&planned.method).is_ok();
+    let same_inputs =
+        if uses_all { inputs == spec.inputs } else { inputs.iter().all(|input| spec.inputs.contains(input)) };
+    if surrogate.method() == planned.method && same_inputs && outputs == spec.outputs {
+        return Ok(());
+    }
+    let reason = format!(
+        "it is not the surrogate of this fit, which is {} from {} to {}, but {} from {} to {}; remove the file, and it is fitted again",
+        planned.method,
+        spec.inputs.join(", "),
+        spec.outputs.join(", "),
+        surrogate.method(),
+        inputs.join(", "),
+        outputs.join(", ")
+    );
+    Err(LearnError::SurrogateFile { file: member_file(&planned.name), reason })
+}
+
 fn fitted(
     planned: &Planned,
     training: &Dataset,
@@ -137,6 +166,7 @@ fn fitted(
     checkpoints: &Timed,
 ) -> Result<Box<dyn Surrogate>> {
     if let Some(surrogate) = observer.finished(&planned.name)? {
+        check_fit(planned, surrogate.as_ref())?;
         checkpoints.found(&planned.name, surrogate.as_ref());
         return Ok(surrogate);
     }

@@ -7,7 +7,7 @@ use crate::error::{LearnError, Result};
 
 /// The content of a surrogate in a file: any value that can be represented in JSON.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Content(pub(super) serde_json::Value);
+pub struct Content(pub(crate) serde_json::Value);
 
 impl Content {
     /// The content from any serialisable value.

@@ -42,7 +42,7 @@ struct Header {
 }
 
 /// A file whose digest has been verified.
-pub(super) struct Opened {
+pub(crate) struct Opened {
     pub method: String,
     pub columns: Columns,
     pub content: Content,
@@ -92,10 +92,9 @@ pub fn save(path: &Path, surrogate: &dyn Surrogate) -> Result<()> {
     Ok(())
 }
 
-pub(super) fn read(path: &Path) -> Result<Opened> {
+pub(crate) fn read(path: &Path) -> Result<Opened> {
     let name = path.shown();
-    let size = granum_core::input::open(path).and_then(|file| file.metadata());
-    let size = size.map_err(Error::file("read", path))?.len();
+    let size = granum_core::input::size_of(path).map_err(Error::file("read", path))?;
     if size > LARGEST_FILE {
         let reason = format!("it has {size} bytes; a surrogate has at most {LARGEST_FILE}");
         return Err(LearnError::SurrogateFile { file: name, reason });
@@ -104,7 +103,7 @@ pub(super) fn read(path: &Path) -> Result<Opened> {
     parse(&text, &name)
 }
 
-pub(super) fn parse(text: &str, name: &str) -> Result<Opened> {
+pub(crate) fn parse(text: &str, name: &str) -> Result<Opened> {
     opened(text).map_err(|reason| LearnError::SurrogateFile { file: name.to_owned(), reason })
 }
 

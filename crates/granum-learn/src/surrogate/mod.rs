@@ -78,64 +78,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod boosted_trees;
-mod cascade;
-mod content;
-mod curve_process;
-mod feed_forward;
+pub(crate) mod checkpoints;
+pub(crate) mod content;
 pub(crate) mod file;
-mod left_out_errors;
-pub(crate) mod mean_curve;
+pub(crate) mod onnx_estimates;
+pub(crate) mod possible_values;
+pub(crate) mod prediction;
+pub(crate) mod run_inputs;
+pub(crate) mod run_memory;
+pub(crate) mod run_steps;
+pub(crate) mod settings;
+pub(crate) mod spec;
+pub(crate) mod stream;
 #[cfg(test)]
-mod memory_tests;
-mod method_words;
-mod nearest_run;
-mod neighbours;
-mod networks_of_parts;
-mod path;
-mod possible_values;
-mod prediction;
-mod recurrent;
-mod recurrent_onnx;
-mod recurrent_steps;
-mod registry;
-mod ridge;
-mod run_inputs;
-mod run_memory;
-mod run_steps;
-mod scatter_of_networks;
-mod spec;
-mod stream;
-#[cfg(test)]
-mod stream_test;
-mod surrogate_trait;
-#[cfg(test)]
-mod tests;
+pub(crate) mod stream_tests;
+pub(crate) mod sub_model;
+pub(crate) mod surrogate_trait;
 
-pub use boosted_trees::BoostedTrees;
-pub use cascade::{Cascade, FittedCascade};
-pub use content::Content;
-pub use curve_process::{
-    CorrelatedCurve, EndedEarly, ErrorCorrelation, FittedCurves, FurtherRun, GaussianProcessOfCurves,
-    LeftOutCurves, NextRuns,
+pub use crate::methods::{
+    BoostedTrees, Cascade, CorrelatedCurve, EndedEarly, ErrorCorrelation, FeedForward, FittedCascade,
+    FittedCurves, FurtherRun, GaussianProcessOfCurves, LeftOutCurves, MeanCurve, NearestRun, NextRuns,
+    PathCell, PathNetworks, Recurrent, RidgeRegression, SurrogateMethods, method_of_words,
 };
-pub use feed_forward::FeedForward;
+pub use content::Content;
 pub use file::{save, to_json};
-pub use mean_curve::MeanCurve;
-pub use method_words::method_of_words;
-pub use nearest_run::NearestRun;
-pub(crate) use path::{COMPONENTS, STRAINS, SUFFIXES, deviator};
-pub use path::{PathCell, PathNetworks};
 pub use possible_values::possible_values;
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, UnseenCombination, causes, outside_of};
-pub use recurrent::Recurrent;
-pub use registry::SurrogateMethods;
-pub(crate) use ridge::FittedRidge;
-pub use ridge::RidgeRegression;
 pub use run_inputs::RunInputs;
 pub use run_memory::RunMemory;
 pub use run_steps::RunSteps;
 pub use spec::{Columns, FitSpec};
 pub use stream::PredictionStream;
-pub(crate) use surrogate_trait::check_finite;
 pub use surrogate_trait::{Surrogate, SurrogateMethod};
+pub(crate) use surrogate_trait::{check_finite, check_level};

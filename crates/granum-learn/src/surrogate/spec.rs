@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Category, Dataset, Variable};
 use crate::error::{LearnError, Result};
-use crate::networks::{SubModel, is_within};
+use crate::methods::networks::{SubModel, is_within};
 
 /// The specification of a fit, which is the same for all methods.
 ///

@@ -14,8 +14,8 @@ use super::run_steps::RunSteps;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
-use crate::networks::{NetworkCheckpoints, NetworkSettings};
-use crate::onnx::{self, OnnxGraph};
+use crate::methods::networks::{NetworkCheckpoints, NetworkSettings};
+use crate::onnx::{self, OnnxAnswer, OnnxGraph, Value};
 
 /// A method of fitting surrogates; the documentation of [this module](super) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
@@ -90,7 +90,7 @@ pub trait SurrogateMethod: Send + Sync {
 ///
 /// # Errors
 /// [`LearnError::Stopped`] if the observer requests the end.
-pub(super) fn report_output(observer: &mut dyn Observer, outputs: &[Variable], done: usize) -> Result<()> {
+pub(crate) fn report_output(observer: &mut dyn Observer, outputs: &[Variable], done: usize) -> Result<()> {
     let total = outputs.len();
     let progress = Progress::new("training", "outputs", done as u64).out_of(total as u64);
     let progress = match outputs.get(done) {
@@ -140,7 +140,22 @@ pub trait Surrogate: Any + Send + Sync {
     /// # Errors
     /// If it has no ONNX form, with the reason.
     fn onnx(&self, graph: &mut OnnxGraph, level: f64) -> Result<()> {
-        let _ = (graph, level);
+        let inputs = onnx::inputs(graph, self.columns());
+        let answer = self.onnx_answer(graph, &inputs, level)?;
+        onnx::state_ranges(graph, self.columns(), &answer.ranges);
+        let outputs = 0..self.columns().outputs.len();
+        let possible: Vec<[f64; 2]> = outputs.map(|output| self.possible_values(output)).collect();
+        onnx::outputs_within(graph, self.columns(), &answer.estimates, &answer.outside, &possible);
+        Ok(())
+    }
+
+    /// What it predicts for a table of a graph with a column for each input, for a surrogate without memory. [`Surrogate::onnx`] gives the answer as outputs,
+    /// and a surrogate that is made of others can go on from theirs.
+    ///
+    /// # Errors
+    /// As [`Surrogate::onnx`].
+    fn onnx_answer(&self, graph: &mut OnnxGraph, inputs: &Value, level: f64) -> Result<OnnxAnswer> {
+        let _ = (graph, inputs, level);
         Err(onnx::refused(self.method()))
     }
 
@@ -220,7 +235,7 @@ pub trait Surrogate: Any + Send + Sync {
 }
 
 /// Refuses a level that is no share.
-pub(super) fn check_level(method: &str, level: f64) -> Result<()> {
+pub(crate) fn check_level(method: &str, level: f64) -> Result<()> {
     if level > 0.0 && level < 1.0 {
         return Ok(());
     }
@@ -229,7 +244,7 @@ pub(super) fn check_level(method: &str, level: f64) -> Result<()> {
 }
 
 /// Refuses rows that do not have a finite value for every input.
-pub(super) fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
+pub(crate) fn check_inputs(method: &str, columns: &Columns, inputs: &RunInputs) -> Result<()> {
     let problem = |reason: String| Err(LearnError::Surrogate { method: method.into(), reason });
     let names = columns.input_names();
     if names.len() != inputs.columns() {

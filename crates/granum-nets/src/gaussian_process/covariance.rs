@@ -12,7 +12,7 @@
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, ScalarKernel, dispatch, exp, fused};
 
 use super::rows::RowLanes;
-use crate::symmetric::Symmetric;
+use crate::linear_algebra::symmetric::Symmetric;
 
 /// Parameters beside those of each input: pairs, product, constant, noise.
 pub(super) const SHARED: usize = 4;
@@ -61,6 +61,26 @@ impl Covariance {
             slopes: values(2 * inputs).collect(),
             shared: std::array::from_fn(|k| exp(logarithms[shared + k])),
         }
+    }
+
+    /// `1 / 2 l_d^2` for each input.
+    pub fn narrowness(&self) -> &[f64] {
+        &self.narrowness
+    }
+
+    /// `w_d` for each input.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// `s_d` for each input.
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    /// The weights of pairs and of the product, and the constant.
+    pub fn shared(&self) -> [f64; 3] {
+        [PAIRS, PRODUCT, CONSTANT].map(|place| self.shared[place])
     }
 
     /// Variance of the noise.

@@ -11,8 +11,8 @@ use granum_simd::{Isa, LANES, Row8};
 
 use super::covariance::Covariance;
 use super::rows::RowLanes;
-use crate::minimise::Slope;
-use crate::symmetric::{Cholesky, Symmetric};
+use crate::linear_algebra::minimise::Slope;
+use crate::linear_algebra::symmetric::{Cholesky, Symmetric};
 
 /// Added to the diagonal beside the noise, so that rows that are equal can be factorised without noise.
 const SLIGHT: f64 = 1e-8;
@@ -55,6 +55,23 @@ impl Factorised {
     pub fn quadratic(&self, mut vector: Vec<Row8>) -> f64 {
         self.factor.solve_transposed(&mut vector);
         Row8::numbers(&vector).iter().map(|y| y * y).sum()
+    }
+
+    /// The matrix `F`, row-major and lower triangular, with `|F b|^2 = b^T A^-1 b`: the solutions for the unit vectors are its columns.
+    pub fn inverse_factor(&self) -> Vec<f64> {
+        let size = self.size;
+        let mut factor = vec![0.0; size * size];
+        let mut unit = vec![0.0; size];
+        for column in 0..size {
+            unit[column] = 1.0;
+            let mut vector = self.packed(&unit);
+            unit[column] = 0.0;
+            self.factor.solve_transposed(&mut vector);
+            for (row, value) in Row8::numbers(&vector)[..size].iter().enumerate() {
+                factor[row * size + column] = *value;
+            }
+        }
+        factor
     }
 
     /// The diagonal of `A^-1`.

@@ -12,7 +12,7 @@ use granum_simd::{Isa, LANES, Row8};
 
 use super::evidence::Factorised;
 use super::process::{GaussianProcess, ProcessPrediction};
-use crate::symmetric::{Cholesky, Symmetric};
+use crate::linear_algebra::symmetric::{Cholesky, Symmetric};
 
 /// A process from which blocks of rows are left out in turn.
 #[derive(Clone, Debug)]

@@ -11,8 +11,8 @@ use super::error::GaussianProcessError;
 use super::evidence::{Factorised, posterior};
 use super::prior::Prior;
 use super::rows::{RowLanes, Rows};
-use crate::initialisation::uniform;
-use crate::minimise::minimise;
+use crate::linear_algebra::minimise::minimise;
+use crate::random::uniform;
 
 /// Decrease of the logarithm of the posterior at which the search for its maximum ends.
 const TOLERANCE: f64 = 1e-4;
@@ -275,8 +275,21 @@ impl GaussianProcess {
         (&self.solved, self.scale[1])
     }
 
+    /// The lower triangular matrix `F`, row-major, with which `|F b|^2 = b^T A^-1 b` for the covariance `A` of the targets, scaled to a standard deviation of one, with
+    /// their noise. It takes as many operations as `A^-1` does.
+    pub fn inverse_factor(&self) -> Vec<f64> {
+        self.factorised.inverse_factor()
+    }
+
+    pub(super) fn covariance(&self) -> &Covariance {
+        &self.covariance
+    }
+
+    pub(super) fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
     /// Mean and standard deviation by which targets are scaled.
-    #[cfg(test)]
     pub(super) fn scale(&self) -> [f64; 2] {
         self.scale
     }

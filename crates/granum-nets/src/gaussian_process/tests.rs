@@ -8,7 +8,7 @@ use rand_chacha::rand_core::SeedableRng;
 use super::evidence::posterior;
 use super::rows::RowLanes;
 use super::*;
-use crate::initialisation::uniform;
+use crate::random::uniform;
 
 fn rows(count: usize, columns: usize, seed: u64) -> Rows {
     let mut random = ChaCha8Rng::seed_from_u64(seed);

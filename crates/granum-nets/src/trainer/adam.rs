@@ -18,15 +18,16 @@ use granum_simd::Isa;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
+use super::trainer_trait::{SharedTrainer, Trainer, training_progress};
 use super::traingdx::norm;
-use crate::data::Data;
 use crate::differentiable::Differentiable;
+use crate::differentiable::check_columns;
+use crate::table::data::Data;
+use crate::training_error::{TerminationReason, TrainingError};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
@@ -352,8 +353,8 @@ fn shuffled(count: usize, seed: u64, epoch: u64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gru::Gru;
-    use crate::sequences::Sequences;
+    use crate::recurrent::gru::Gru;
+    use crate::table::sequences::Sequences;
     use crate::trainer::{LevenbergMarquardt, NoObserver, Progress};
 
     /// Tests whose target is a decaying memory of the inputs, plus a start value.

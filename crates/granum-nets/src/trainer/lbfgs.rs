@@ -10,16 +10,17 @@ use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::Isa;
 
-use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
+use super::trainer_trait::{SharedTrainer, Trainer, training_progress};
 use super::traingdx::norm;
-use crate::data::Data;
+use crate::differentiable::check_columns;
 use crate::differentiable::{Batch, Differentiable};
-use crate::minimise::{dot, quasi_newton};
+use crate::linear_algebra::minimise::{dot, quasi_newton};
+use crate::table::data::Data;
+use crate::training_error::{TerminationReason, TrainingError};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
@@ -317,7 +318,7 @@ impl<'a> Descent<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::Network;
+    use crate::feed_forward::network::Network;
     use crate::trainer::{NoObserver, Traingdx};
 
     fn wave() -> Data {

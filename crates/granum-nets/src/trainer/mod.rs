@@ -71,9 +71,9 @@
 //! ```
 
 mod adam;
-pub(crate) mod error;
 mod kind;
 mod lbfgs;
+pub(crate) mod left_out;
 mod levenberg_marquardt;
 mod options;
 mod registry;
@@ -82,8 +82,8 @@ pub(crate) mod state;
 pub(crate) mod trainer_trait;
 mod traingdx;
 
+pub use crate::training_error::{TerminationReason, TrainingError};
 pub use adam::Adam;
-pub use error::{TerminationReason, TrainingError};
 pub use granum_core::observer::{Flow, NoObserver, Observer, Progress};
 pub use kind::TrainerKind;
 pub use lbfgs::Lbfgs;

@@ -1,13 +1,13 @@
 //! The registry of trainers. A new trainer needs a file in this folder and a line in [`ALL`].
 
 use super::adam;
-use super::error::TrainingError;
 use super::kind::TrainerKind;
 use super::lbfgs;
 use super::levenberg_marquardt::{self, LevenbergMarquardt};
 use super::options::Options;
 use super::trainer_trait::SharedTrainer;
 use super::traingdx;
+use crate::training_error::TrainingError;
 
 /// The trainers of this crate, starting with the default.
 pub const ALL: [&TrainerKind; 4] = [&levenberg_marquardt::KIND, &traingdx::KIND, &adam::KIND, &lbfgs::KIND];

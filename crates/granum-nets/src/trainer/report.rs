@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::TerminationReason;
 use super::state::{HistoryPoint, TrainerState};
+use crate::training_error::TerminationReason;
 
 /// The result of Bayesian regularisation (MacKay 1992; Foresee and Hagan 1997), in scaled units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

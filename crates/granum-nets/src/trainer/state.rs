@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{TerminationReason, TrainingError};
-use crate::data::Data;
 use crate::differentiable::{Batch, Differentiable};
+use crate::table::data::Data;
+use crate::training_error::{TerminationReason, TrainingError};
 use granum_simd::Isa;
 
 /// Largest number of points of a history.

@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use granum_simd::Isa;
 
 use super::*;
-use crate::activation::Activation;
-use crate::backprop::Workspace;
-use crate::data::Data;
-use crate::network::Network;
+use crate::feed_forward::activation::Activation;
+use crate::feed_forward::backprop::Workspace;
+use crate::feed_forward::network::Network;
+use crate::table::data::Data;
 
 /// Deterministic noise of standard deviation one (sum of twelve uniform numbers).
 fn noise(k: usize) -> f64 {

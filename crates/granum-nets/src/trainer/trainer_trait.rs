@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use granum_core::observer::{Observer, Progress};
 
-use super::error::TrainingError;
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::TrainerState;
-use crate::data::Data;
 use crate::differentiable::Differentiable;
+use crate::table::data::Data;
+use crate::training_error::TrainingError;
 
 /// An algorithm that trains any model that gives its error and gradient over rows or sequences; the documentation of [this module](super) contains a user-defined example.
 pub trait Trainer: Send + Sync {
@@ -86,19 +86,6 @@ impl std::fmt::Debug for SharedTrainer {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.debug_tuple("SharedTrainer").field(&self.name()).finish()
     }
-}
-
-/// Refuses data whose numbers of columns do not match the model.
-pub(crate) fn check_columns(model: &dyn Differentiable, data: &Data) -> Result<(), TrainingError> {
-    if (model.inputs(), model.outputs()) == (data.input_columns(), data.target_columns()) {
-        return Ok(());
-    }
-    Err(TrainingError::Columns {
-        inputs: model.inputs(),
-        outputs: model.outputs(),
-        columns: data.input_columns(),
-        targets: data.target_columns(),
-    })
 }
 
 /// The progress of a training, with the mean squared errors over the training rows and the validation rows, in scaled units,

@@ -16,14 +16,15 @@ use granum_core::clock::Instant;
 use granum_core::observer::{Flow, Observer};
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch, mul_add};
 
-use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
-use crate::data::Data;
+use super::trainer_trait::{SharedTrainer, Trainer, training_progress};
+use crate::differentiable::check_columns;
 use crate::differentiable::{Batch, Differentiable};
+use crate::table::data::Data;
+use crate::training_error::{TerminationReason, TrainingError};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {

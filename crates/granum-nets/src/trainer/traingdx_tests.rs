@@ -2,8 +2,8 @@
 
 use super::tests::surface;
 use super::*;
-use crate::data::Data;
-use crate::network::Network;
+use crate::feed_forward::network::Network;
+use crate::table::data::Data;
 
 /// The rule of `traingdx` in plain loops for one hidden layer; returns the weights and the number of rejected steps after
 /// some epochs.

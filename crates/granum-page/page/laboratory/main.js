@@ -3,13 +3,13 @@
 
 import { announce, element, replace } from "../modules/dom.js";
 import { figure } from "../modules/figure.js";
-import { counted, quantity, words } from "../modules/numbers.js";
-import { choice, trouble } from "../modules/parts.js";
-import { stage } from "../modules/stage.js";
-import { show } from "../modules/viewer.js";
+import { counted, words } from "../modules/numbers.js";
+import { choice, rich, richTable, tiles, trouble, trust } from "../modules/parts.js";
+import { show, stage } from "../modules/viewer.js";
 import { caseOf } from "./address.js";
 import { CallFailed, Engine, kind } from "./engine.mjs";
 import { catalogue, compiled } from "./files.js";
+import { handed } from "./handed.js";
 import { mappings } from "./paper.js";
 import { Run } from "./run.js";
 import { sliders } from "./sliders.js";
@@ -35,6 +35,7 @@ const now = {
   paints: 0,
   lastCurves: 0,
   drawing: false,
+  presenting: false,
   /** The last figure of the curves. */ figure: "",
 };
 
@@ -65,7 +66,7 @@ function page(tools) {
   /** Shows the mistakes of the text at their places. @returns {boolean} */
   function checked() {
     try {
-      const found = engine.call("check", { case: text.value });
+      const found = files.reader().call("check", { case: text.value });
       replace(mistakes);
       replace(summary, `The case has ${counted(found.grains, "grain")}${found.pieces > found.grains ? ` of ${found.pieces} spheres` : ""} and ${counted(found.stages.length, "stage")}: ${found.stages.join(", ")}. Here it is tested with the number of grains above, from seed ${found.seed} on.`);
       test.disabled = false;
@@ -76,6 +77,7 @@ function page(tools) {
       replace(mistakes, places.map(place => element("li", {}, element("button", { type: "button", onclick: () => goTo(place.span) },
         place.line ? `Line ${place.line}: ${place.message}` : place.message, place.help ? ` (${place.help})` : ""))));
       replace(summary, counted(places.length, "mistake"));
+      if (places.some(place => place.message.includes("files of the case"))) files.offer.setAttribute("open", "");
       test.disabled = true;
       return false;
     }
@@ -103,13 +105,13 @@ function page(tools) {
     now.runs.forEach(run => run.stop());
     now.update = null;
     now.drawn = null;
-    const base = Number(engine.call("check", { case: text.value }).seed);
+    const base = Number(files.reader().call("check", { case: text.value }).seed);
     const count = Number(seeds.value);
     const limit = Math.max(50, Math.min(5000, Number(grains.value) || 300));
     try {
       now.runs = Array.from({ length: count }, (_, k) => {
         const values = { "grains.count": String(limit), "preparation.seed": String(base + k) };
-        return new Run(tools.module, engine.call("with", { case: text.value, values }).case, `${now.title}, seed ${base + k}`, () => paint(tools));
+        return new Run(tools.module, files.reader().call("with", { case: text.value, values }).case, `${now.title}, seed ${base + k}`, () => paint(tools));
       });
     } catch (error) {
       replace(area, trouble(error));
@@ -131,6 +133,12 @@ function page(tools) {
   };
   const visit = element("div", { id: "visit-place" }), addressed = element("div", { id: "addressed" });
   const surrogate = element("section", {}, element("h2", {}, "A surrogate answers at once"));
+  const files = handed(tools, text, { changed: () => void checked(), open: (found, name) => {
+    now.asked = null;
+    put(found);
+    if (now.title === "own case") now.title = name.replace(/\.toml$/i, "");
+    checked();
+  } });
   const shown = element("section", { "aria-label": "The test" }, element("h2", {}, "The test"), area);
   replace(main,
     element("h1", {}, "A laboratory of grains"),
@@ -141,7 +149,7 @@ function page(tools) {
         element("div", { class: "tools" },
           chosen,
           element("label", {}, "Grains", grains), element("label", {}, "Seeds at once", seeds)),
-        element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, test, element("div", { class: "tools", id: "compared" })),
+        element("label", { for: "case", class: "note" }, "Its text, which you may change"), text, element("div", { role: "alert" }, mistakes), summary, files.offer, test, element("div", { class: "tools", id: "compared" })),
       shown),
     mappings(tools),
     element("p", { class: "note" }, `granum ${engine.call("about").version}; products are added ${tools.which === "relaxed" ? "by an instruction that this browser rounds once" : "by an exact emulation, since this browser has no instruction that rounds once"}.`));
@@ -212,7 +220,7 @@ function paint(tools) {
     now.paints += 1;
     by("stage").dataset.pictures = String(now.paints);
   }
-  if (ended) void curves(tools).then(() => results(tools));
+  if (ended) void curves(tools).then(() => results(tools)).catch(error => replace(by("results"), trouble(error)));
   else if (performance.now() - now.lastCurves > CURVES_EVERY) void curves(tools);
 }
 
@@ -256,10 +264,10 @@ async function curves(tools) {
     }
     const columns = /** @type {Run} */ (shown[0]).columns, has = (/** @type {string} */ name) => columns.some(column => column.name === name);
     const x = ALONG.find(name => has(name) && moves(shown, name)) ?? "state";
-    const axis = (/** @type {string} */ name) => { const unit = columns.find(column => column.name === name)?.unit; return unit ? `${words(name)} (${unit})` : words(name); };
+    const unit = (/** @type {string} */ name) => columns.find(column => column.name === name)?.unit ?? "";
     const drawn = [...now.compared.filter(run => !shown.includes(run)), ...shown];
     const panels = SHOWN.flatMap(names => names.find(name => has(name) && name !== x) ?? []).map(y => ({
-      x: axis(x), y: axis(y), curves: drawn.map(run => ({ name: run.name, points: run.points(x, y) })).filter(curve => curve.points.length > 1),
+      x: words(x), y: words(y), x_unit: unit(x), y_unit: unit(y), curves: drawn.map(run => ({ name: run.name, points: run.points(x, y) })).filter(curve => curve.points.length > 1),
     }));
     now.figure = surrogates.call("curves", { panels }).figure;
     replace(place, figure(now.figure, "Curves of the test", "Compression is positive; strains are logarithmic.", gone.signal));
@@ -275,22 +283,27 @@ function moves(runs, name) {
   return runs.some(run => { const values = run.points("state", name).map(point => point[1]); return Math.max(...values) - Math.min(...values) > 1e-6; });
 }
 
-/** What is offered once all runs have ended. @param {Tools} tools */
-function results(tools) {
+/** What the report of the first run says first, and what is offered, once all runs have ended. @param {Tools} tools */
+async function results(tools) {
   const first = now.runs.find(run => run.digest);
   const place = document.getElementById("results");
-  if (!first || !place || place.childElementCount) return;
-  const measures = first.answer.measures.filter((/** @type {any} */ one) => typeof one.value === "number").slice(0, 12);
-  const missed = (first.answer.quality ?? []).filter((/** @type {any} */ flag) => !flag.passed);
+  if (!first || !place || place.childElementCount || now.presenting) return;
+  now.presenting = true;
+  const [{ result }, surrogates] = await Promise.all([first.ask("result"), tools.surrogates()]).finally(() => { now.presenting = false; });
+  /** @type {import("../modules/parts.js").Presented} */
+  const found = surrogates.call("presented", { result, name: first.name });
+  // A test that has begun meanwhile has its own place.
+  if (!place.isConnected) return;
   const report = async () => {
-    const [{ result }, surrogates] = [await first.ask("result", { assemblies: true }), await tools.surrogates()];
+    const { result } = await first.ask("result", { assemblies: true });
     save("report.html", "text/html", surrogates.call("report", { result, name: first.name }).html);
   };
   const button = (/** @type {string} */ label, /** @type {() => unknown} */ onclick) => element("button", { type: "button", onclick }, label);
   replace(place,
     element("h3", {}, `What ${first.name} has shown`),
-    element("ul", { class: "tiles" }, measures.map((/** @type {any} */ one) => element("li", { class: "tile" }, element("b", {}, quantity(one.value, one.unit, 3)), element("span", {}, words(one.name))))),
-    missed.map((/** @type {any} */ flag) => element("p", { class: "callout bad" }, `${words(flag.name)} is ${quantity(flag.value, "", 3)} and should be at most ${quantity(flag.limit, "", 3)}. ${flag.advice}`)),
+    found.unfinished && element("p", { class: "callout" }, rich(found.unfinished)),
+    tiles(found.tiles), trust(found),
+    found.strength && element("details", {}, element("summary", {}, "Strength at a glance"), richTable(found.strength)),
     element("p", {}, `Its digest is ${first.digest}: granum run case.toml and granum digest give the same on any machine.`),
     element("div", { class: "tools" },
       button("Case", () => save("case.toml", "application/toml", first.text)),

@@ -1,7 +1,8 @@
 // @ts-check
 // Elements, made from text alone: nothing that a file holds can become markup.
 
-/** @typedef {Node | string | null | undefined | false} Child */
+/** @typedef {Node | string | null | undefined | false} Single */
+/** What stands in an element: text, nodes, lists of them, or nothing. @typedef {Single | (Single | Single[])[]} Child */
 
 /**
  * An element with attributes and children. Texts become text. An attribute that is false, null or undefined is left out, one that is true is empty;
@@ -10,7 +11,7 @@
  * @template {keyof HTMLElementTagNameMap} K
  * @param {K} name
  * @param {Record<string, unknown>} [attributes]
- * @param {...(Child | Child[])} children
+ * @param {...Child} children
  * @returns {HTMLElementTagNameMap[K]}
  */
 export function element(name, attributes = {}, ...children) {
@@ -31,10 +32,10 @@ export function element(name, attributes = {}, ...children) {
 /**
  * Adds children.
  * @param {Node} parent
- * @param {(Child | Child[])[]} children
+ * @param {Child[]} children
  */
 function append(parent, children) {
-  for (const child of children.flat()) {
+  for (const child of children.flat(2)) {
     if (child !== null && child !== undefined && child !== false) {
       parent.appendChild(typeof child === "string" ? document.createTextNode(child) : child);
     }
@@ -44,7 +45,7 @@ function append(parent, children) {
 /**
  * Puts children in the place of those that an element has.
  * @param {Element} parent
- * @param {...(Child | Child[])} children
+ * @param {...Child} children
  */
 export function replace(parent, ...children) {
   parent.replaceChildren();

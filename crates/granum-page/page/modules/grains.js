@@ -1,11 +1,10 @@
 // @ts-check
 // The grains of a run in three dimensions, by the viewer of granum's reports.
 
-import { show } from "./viewer.js";
+import { show, stage } from "./viewer.js";
 import { element, replace } from "./dom.js";
 import { choice, trouble } from "./parts.js";
 import { data } from "./server.js";
-import { stage } from "./stage.js";
 
 /**
  * A part of a page that shows the grains when it is opened.

@@ -67,13 +67,64 @@ export function table(caption, columns, address) {
     element("caption", {}, caption), element("thead", {}, element("tr", {}, head)), element("tbody", {}, body)));
 }
 
+/** A marked-up text as the program tells it: its parts, each with the names of its elements. @typedef {[string, string][]} Rich */
+/** @typedef {{ passed: boolean, name: Rich, before: Rich, value: Rich, after: Rich, advice: string }} Check */
+/** @typedef {{ label: string, caption: Rich, groups: [Rich, number][], columns: Rich[], rows: Rich[][], words: number, note: Rich }} PageTable */
+/** @typedef {{ tiles: [Rich, Rich, Rich][], signs: Rich, unfinished: Rich | null, verdict: Rich, checks: Check[], strength: PageTable | null }} Presented */
+
+/**
+ * A marked-up text.
+ * @param {Rich} parts
+ * @returns {(Node | string)[]}
+ */
+export const rich = parts => parts.map(([text, kinds]) => kinds.split(" ").reverse().reduce(
+  (/** @type {Node | string} */ inner, kind) => (kind === "i" || kind === "sub" || kind === "sup" ? element(kind, {}, inner) : inner), text));
+
+/**
+ * The main numbers side by side, as a report has them.
+ * @param {[Rich, Rich, Rich][]} found
+ */
+export function tiles(found) {
+  return found.length === 0 ? null : element("ul", { class: "tiles" }, found.map(([value, name, remark]) =>
+    element("li", { class: "tile" }, element("b", {}, rich(value)), element("span", {}, rich(name)), remark.length > 0 && element("small", {}, rich(remark)))));
+}
+
+/**
+ * Whether a result can be trusted, as its report says it; open where it cannot.
+ * @param {Presented} found
+ */
+export function trust({ verdict, checks }) {
+  if (checks.length === 0) return null;
+  const line = (/** @type {Check} */ check) => element("li", { class: check.passed ? "passed" : "missed" },
+    rich(check.name), ": ", rich(check.before), element("b", {}, rich(check.value)), rich(check.after),
+    check.advice && [" What to do: ", element("span", { class: "advice" }, `${check.advice}.`)]);
+  return element("details", { open: checks.some(check => !check.passed) },
+    element("summary", {}, "Can it be trusted? ", rich(verdict)), element("ul", { class: "checks" }, checks.map(line)));
+}
+
+/**
+ * A table of marked-up text, as a report has it.
+ * @param {PageTable} table
+ */
+export function richTable({ label, caption, groups, columns, rows, words, note }) {
+  const kind = (/** @type {number} */ place) => (place < words ? "word" : null);
+  const name = caption.map(([text]) => text).join("");
+  return scrolling(label || name, element("table", {},
+    element("caption", {}, label && element("b", {}, `${label}. `), rich(caption)),
+    element("thead", {},
+      groups.length > 0 && element("tr", {}, groups.map(([head, span]) => element("th", { colspan: span, class: head.length > 0 ? "group" : null }, rich(head)))),
+      element("tr", {}, columns.map((head, place) => element("th", { scope: "col", class: kind(place) }, rich(head))))),
+    element("tbody", {}, rows.map(row => element("tr", {}, row.map((cell, place) => element("td", { class: kind(place) }, rich(cell))))))),
+    note.length > 0 && element("p", { class: "note" }, rich(note)));
+}
+
 /**
  * What scrolls where it has no room, with the keyboard as well.
  * @param {string} label
- * @param {Node} content
+ * @param {...import("./dom.js").Child} content
  */
-export function scrolling(label, content) {
-  return element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, content);
+export function scrolling(label, ...content) {
+  return element("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, ...content);
 }
 
 /**

@@ -3,6 +3,7 @@
 use granum_core::Table;
 use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, Run, RunKind, RunRecord, RunStatus};
+use granum_report::{Presented, RoleInStudy, RunReport};
 use granum_run::runs_table::{RunEntry, RunsTable, Selection};
 use serde_json::{Value, json};
 
@@ -53,10 +54,7 @@ pub fn run(site: &Site, query: &Query) -> Answered {
         "seconds": number(seconds),
         "case": case.resolved_toml(),
         "measures": measures(&entry),
-        "checks": record.quality.iter().map(|check| json!({
-            "name": check.name, "value": number(check.value), "limit": number(check.limit), "passed": check.passed,
-            "advice": check.advice,
-        })).collect::<Vec<_>>(),
+        "presented": presented(&run),
         "notes": record.notes,
         "columns": series.as_ref().map(columns),
         "snapshots": snapshots,
@@ -64,6 +62,12 @@ pub fn run(site: &Site, query: &Query) -> Answered {
         "next": site.without_root(next.text),
         "commands": lines,
     })))
+}
+
+/// What its report says first; null of a run that has nothing to tell yet.
+fn presented(run: &Run) -> Option<Value> {
+    let report = RunReport::read_without_pictures(run, RoleInStudy::Single).ok()?;
+    Some(Presented::of_run(&report).to_json())
 }
 
 /// How far it is: `path`.

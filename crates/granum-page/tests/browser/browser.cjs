@@ -23,6 +23,14 @@ const problems = [];
 
 function problem(text) { problems.push(text); console.log("FAILED:", text); }
 
+/** Numbers as reports write them; a test of the crate asks the same of those. */
+async function numbers() {
+  const { quantity } = await import(`data:text/javascript;base64,${fs.readFileSync(path.join(__dirname, "../../page/modules/numbers.js")).toString("base64")}`);
+  for (const [value, unit, text] of JSON.parse(fs.readFileSync(path.join(__dirname, "numbers.json"), "utf8"))) {
+    if (quantity(value, unit) !== text) problem(`${value} ${unit} is written ${quantity(value, unit)}, and should be ${text}`);
+  }
+}
+
 async function settled(page) {
   await page.waitForFunction(() => !document.querySelector("main[aria-busy]") && ![...document.querySelectorAll(".note")]
     .some(note => /^(Reading|Drawing|Predicting)/.test(note.textContent)), null, { timeout: 60000 });
@@ -94,6 +102,7 @@ async function byKeyboard(page) {
 }
 
 (async () => {
+  await numbers();
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
     args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
       "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });

@@ -59,6 +59,8 @@ fn a_run_is_shown_and_nothing_is_written() {
     let run: serde_json::Value = serde_json::from_str(&get("/api/run?path=a%20run")).unwrap();
     assert_eq!(run["progress"]["status"], "finished");
     assert!(run["measures"].as_array().unwrap().iter().any(|m| m["name"] == "peak_stress_ratio"), "{run}");
+    assert!(run["presented"]["tiles"].to_string().contains("quality checks passed"), "{run}");
+    assert!(run["presented"]["checks"].as_array().unwrap().len() > 5, "{run}");
     assert!(
         run["columns"].as_array().unwrap().iter().any(|c| c["name"] == "mean_stress" && c["unit"] == "Pa")
     );

@@ -121,6 +121,20 @@ impl Rich {
         out
     }
 
+    /// The text as data: its parts in their order, each a text with the names of what it is in HTML, as `"i"`, `"sub"` or `"sub i"`; none for
+    /// upright text on the line.
+    pub fn parts(&self) -> Vec<(&str, &'static str)> {
+        let part = |span: &'_ Span| match (span.script, span.italic) {
+            (Script::Base, false) => "",
+            (Script::Base, true) => "i",
+            (Script::Sub, false) => "sub",
+            (Script::Sub, true) => "sub i",
+            (Script::Super, false) => "sup",
+            (Script::Super, true) => "sup i",
+        };
+        self.spans.iter().map(|span| (span.text.as_str(), part(span))).collect()
+    }
+
     /// Width at a font size, px, by the widths of Helvetica.
     pub fn width(&self, size: f64) -> f64 {
         self.spans

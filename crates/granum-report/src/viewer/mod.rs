@@ -10,6 +10,8 @@ mod view;
 use granum_core::{Assembly, Parts};
 use maud::{Markup, html};
 
+use super::page::COMPONENTS;
+
 pub use colour::{Colour, GrainColour};
 pub use view::View;
 
@@ -37,7 +39,12 @@ pub fn page(assembly: &Assembly, parts: Parts, view: &View) -> String {
     while let Some(at) = rest.find("__") {
         let (before, after) = rest.split_at(at);
         page.push_str(before);
-        let places = [("__TITLE__", title.as_str()), ("__DATA__", &data), ("__VIEWER__", VIEWER)];
+        let places = [
+            ("__TITLE__", title.as_str()),
+            ("__DATA__", &data),
+            ("__VIEWER__", VIEWER),
+            ("__COMPONENTS__", COMPONENTS),
+        ];
         let found = places.into_iter().find(|(place, _)| after.starts_with(place));
         let (place, text) = found.unwrap_or(("__", "__"));
         page.push_str(text);

@@ -1,5 +1,5 @@
 // The viewer of grains: grains with all of their spheres, forces, force chains, bonds and cracks in three dimensions, by WebGL 2, without anything
-// from elsewhere. `show(root, data)` is all that a page calls; `granum_report::viewer` makes the data.
+// from elsewhere. `stage(title)` makes the elements that it fills, and `show(root, data)` fills them; `granum_report::viewer` makes the data.
 
 const bytes = text => Uint8Array.from(atob(text || ""), c => c.charCodeAt(0)).buffer;
 
@@ -184,6 +184,26 @@ function start(root, by, first, canvas, gl) {
   new ResizeObserver(draw).observe(canvas);
   draw();
   return next => { fill(next); soon(); };
+}
+// The elements: a canvas, and a panel with what can be switched, a scale of colours and a note. Texts become text.
+export function stage(title) {
+  const made = (name, attributes, ...children) => {
+    const element = document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) if (value !== false) element.setAttribute(key, value === true ? "" : value);
+    element.append(...children);
+    return element;
+  };
+  const box = (id, text, checked) => made("label", {}, made("input", { type: "checkbox", id, checked }), text);
+  const slider = (id, min, value) => made("label", {}, id, made("input", { type: "range", id, min, max: 1, step: 0.01, value }));
+  const help = "turn with the mouse or the arrow keys, nearer and farther with the wheel or plus and minus";
+  return made("div", { id: "stage" },
+    made("canvas", { id: "view", tabindex: "0", role: "img", "aria-label": `${title}: ${help}` }),
+    made("div", { id: "panel" },
+      box("grains", "grains", true), slider("opacity", 0, 0.25), slider("size", 0.1, 1), slider("cut", 0, 0),
+      box("forces", "forces", true), box("chains", "force chains alone", false), box("bonds", "bonds", true), box("cracks", "cracks", true),
+      made("div", { class: "scale" }, made("div", { id: "scale" }),
+        made("div", { id: "ends" }, made("span", { id: "low" }), made("span", { id: "name" }), made("span", { id: "high" }))),
+      made("p", { id: "note" })));
 }
 // Shows what `data` holds in the elements of a page: `view` is the canvas, and the inputs of the panel have the names below. What it returns shows other
 // data in its place, as of a run under way; the eye and what is switched on stay.

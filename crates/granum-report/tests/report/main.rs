@@ -34,7 +34,7 @@ fn a_run_has_every_section_and_figure() {
 fn a_run_without_anything_is_still_a_page() {
     let document = report::run_report(&RunReport::default());
     check(&document);
-    assert!(document.html.contains("stopped before its end"));
+    assert!(document.html.contains("did not reach its end"));
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use granum_dem::observer::SimulationObserver;
 use granum_io::run::RunRecord;
 
-use super::sink::Sink;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
 
 /// The work of an [`EngineRun`].
 type Work = dyn FnOnce(&mut dyn Sink, &mut dyn SimulationObserver) -> Result<(), LaboratoryError> + Send;

@@ -5,12 +5,12 @@ use granum_io::case::Vocabulary;
 use granum_io::run::RunRecord;
 use granum_io::{Case, RunFolder};
 
-use super::engine_error::EngineError;
 use super::engine_run::EngineRun;
-use super::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::definition::Task;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
 
-/// An engine computes a sample or a test. It gets a [`Task`], and puts what it finds into a [`Sink`](super::sink::Sink): the
+/// An engine computes a sample or a test. It gets a [`Task`], and puts what it finds into a [`Sink`](crate::task::sink::Sink): the
 /// states as they come, the measurements, snapshots, a checkpoint or restart files of its own, and the record of the run.
 ///
 /// ```

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use granum_core::RegistrationError;
 use granum_core::names::suggestion;
 
-use super::engine_error::EngineError;
 use super::engine_trait::Engine;
 use super::lammps::Lammps;
 use super::native::Native;
+use crate::task::engine_error::EngineError;
 
 /// The registry of the engines of a program.
 ///

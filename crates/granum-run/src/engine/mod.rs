@@ -3,7 +3,6 @@
 //! [`RunRegistry::with_engine`](crate::RunRegistry::with_engine).
 
 mod checks;
-pub(crate) mod engine_error;
 pub(crate) mod engine_run;
 pub(crate) mod engine_trait;
 pub(crate) mod engines;
@@ -11,20 +10,17 @@ mod flags;
 mod foreseen;
 mod lammps;
 pub mod native;
-pub(crate) mod resources;
-pub(crate) mod sink;
-pub(crate) mod task;
 
+pub use crate::task::definition::Task;
+pub use crate::task::engine_error::EngineError;
+pub use crate::task::resources::{CHECKPOINT_EVERY, GRAINS_PER_THREAD, Resources};
+pub use crate::task::sink::Sink;
 pub use checks::CHECKS;
-pub use engine_error::EngineError;
 pub use engine_run::EngineRun;
 pub use engine_trait::Engine;
 pub use engines::Engines;
 pub use foreseen::{ForeseenFailure, foreseen_failures};
 pub use lammps::{LAMMPS, Lammps, LammpsStart};
-pub use resources::{CHECKPOINT_EVERY, GRAINS_PER_THREAD, Resources};
-pub use sink::Sink;
-pub use task::Task;
 
 #[cfg(test)]
 mod tests;

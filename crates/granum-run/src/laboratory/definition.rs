@@ -8,15 +8,15 @@ use granum_io::run::{OWN_ENGINE, RunFolder, RunKind, RunRecord, RunStatus};
 use granum_io::{Case, Error as FileError};
 
 use super::folder_sink::FolderSink;
-use super::laboratory_error::LaboratoryError;
 use super::planned_run::{FAILED, PlannedRun, finish, write_case};
 use super::run_result::RunResult;
-use super::source::Source;
 use crate::engine::engine_trait::Engine;
 use crate::engine::native::{self, Native, RunInPieces};
-use crate::engine::resources::Resources;
-use crate::engine::task::Task;
 use crate::registry::RunRegistry;
+use crate::task::definition::Task;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::resources::Resources;
+use crate::task::source::Source;
 
 /// Makes samples and tests them.
 ///

@@ -8,8 +8,8 @@ use granum_io::run::{RunFolder, RunRecord};
 use granum_io::{Case, Result};
 use granum_sensors::{Record, RecordedState};
 
-use crate::engine::sink::Sink;
 use crate::record::write_record;
+use crate::task::sink::Sink;
 
 /// Writes what an engine finds into the folder of a run.
 pub(super) struct FolderSink<'a> {

@@ -7,7 +7,7 @@ use granum_io::Result;
 use granum_io::run::RunRecord;
 use granum_sensors::Record;
 
-use crate::engine::sink::Sink;
+use crate::task::sink::Sink;
 
 /// Keeps the record, the measurements and the last state of a run that writes no files.
 pub(super) struct MemorySink {

@@ -6,8 +6,8 @@ use granum_dem::simulation::Properties;
 use granum_io::formats::ObservedAssembly;
 use granum_io::{Case, Packing};
 
-use super::laboratory_error::LaboratoryError;
 use crate::engine::native::simulation;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// What is known of a packing without a contact law.
 const OF_PACKING: [Part; 5] = [Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps];

@@ -6,10 +6,10 @@ use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
 
 use super::folder_sink::FolderSink;
-use super::laboratory_error::LaboratoryError;
 use super::memory_sink::MemorySink;
 use super::run_result::RunResult;
 use crate::engine::engine_run::EngineRun;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// Beginning of the note of a run that failed.
 pub(super) const FAILED: &str = "failed: ";

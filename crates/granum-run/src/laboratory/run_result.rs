@@ -7,8 +7,8 @@ use granum_dem::simulation::Simulation;
 use granum_io::RunRecord;
 use granum_sensors::Record;
 
-use super::laboratory_error::LaboratoryError;
-use crate::engine::engine_error::EngineError;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// The result of a run that was kept in memory.
 #[derive(Clone)]

@@ -10,8 +10,8 @@ use super::outcome::RunError;
 use super::queue_error::QueueError;
 use super::queued_run::QueuedRun;
 use crate::laboratory::definition::Laboratory;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::source::Source;
 
 /// What the folder of a planned run holds.
 #[derive(Clone, Debug, PartialEq)]

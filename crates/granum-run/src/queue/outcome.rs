@@ -3,7 +3,7 @@
 use granum_io::RunRecord;
 use thiserror::Error;
 
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// How a run of a queue ended.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use granum_io::Case;
 use granum_io::run::RunKind;
 
-use crate::laboratory::source::Source;
+use crate::task::source::Source;
 
 /// A run that is planned: what it does, with which case and sample, and in which folder.
 #[derive(Clone, Debug, PartialEq)]

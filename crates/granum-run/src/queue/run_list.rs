@@ -14,8 +14,8 @@ use granum_io::run::RunKind;
 
 use super::queued_run::QueuedRun;
 use super::runner::Queue;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::source::Source;
 
 /// Name of the file.
 pub const RUN_LIST: &str = "runs.json";

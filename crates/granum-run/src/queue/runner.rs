@@ -19,12 +19,12 @@ use super::queue_observer::QueueObserver;
 use super::queued_run::QueuedRun;
 use super::samples;
 use super::schedule::{Next, Schedule};
-use crate::engine::resources::GRAINS_PER_THREAD;
 use crate::laboratory::definition::Laboratory;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::memory;
-use crate::laboratory::shared::Shared;
-use crate::laboratory::source::Source;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::memory;
+use crate::task::resources::GRAINS_PER_THREAD;
+use crate::task::shared::Shared;
+use crate::task::source::Source;
 
 /// Planned runs that are executed together. See [the module](super) for an example.
 #[derive(Clone, Debug, PartialEq)]

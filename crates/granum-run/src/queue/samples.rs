@@ -8,7 +8,7 @@ use granum_io::Case;
 use granum_io::run::RunKind;
 
 use super::queued_run::QueuedRun;
-use crate::laboratory::source::Source;
+use crate::task::source::Source;
 
 /// Number of digits of the preparation digest in the name of a sample.
 const DIGITS: usize = 12;

@@ -9,7 +9,7 @@ use granum_io::{Case, Run, RunStatus};
 
 use super::*;
 use crate::laboratory::Laboratory;
-use crate::laboratory::source::Source;
+use crate::task::source::Source;
 
 const SMALL: &str = "grains.count = 60\npreparation.solid_fraction = 'none'\npreparation.unbalanced_force = 0.05\n\
                      preparation.friction = 0.1\nshear.deviator_strain = 0.01\nshear.inertial_number = 0.01\n\

@@ -5,8 +5,8 @@ use granum_dem::loading::{Measure, Speed, Stage, Until};
 use granum_io::run::RunKind;
 
 use super::queued_run::QueuedRun;
-use crate::laboratory::memory;
-use crate::laboratory::source::Source;
+use crate::task::memory;
+use crate::task::source::Source;
 
 /// Strain of a compaction.
 const STRAIN_OF_COMPACTION: f64 = 0.3;

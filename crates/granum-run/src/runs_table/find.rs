@@ -1,10 +1,9 @@
 //! The runs in folders.
 
-use granum_io::RunKind;
-
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use granum_io::{Error, Result, Run};
+use granum_io::{Error, Result, Run, RunKind};
 
 use crate::queue::RunList;
 
@@ -19,6 +18,7 @@ const DEPTH: usize = 6;
 /// If a folder does not exist or contains no run, or a folder in it has the series of a run without its record.
 pub fn find_runs(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut found: Vec<PathBuf> = Vec::new();
+    let mut known: HashSet<PathBuf> = HashSet::new();
     for folder in folders {
         if !folder.is_dir() {
             return Err(Error::content(folder, "there is no such folder"));
@@ -34,11 +34,7 @@ pub fn find_runs(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
         if inside.len() > 1 && inside.iter().any(is_test) {
             inside.retain(is_test);
         }
-        for run in inside {
-            if !found.contains(&run) {
-                found.push(run);
-            }
-        }
+        found.extend(inside.into_iter().filter(|run| known.insert(run.clone())));
     }
     Ok(found)
 }

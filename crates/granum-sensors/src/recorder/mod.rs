@@ -1,7 +1,6 @@
 //! Averages observations into recorded states during a test.
 
 mod schedule;
-pub(crate) mod sums;
 
 use std::sync::Arc;
 
@@ -11,9 +10,9 @@ use granum_dem::loading;
 use serde::{Deserialize, Serialize, Serializer};
 
 use self::schedule::Schedule;
-use self::sums::StateSums;
 use crate::recorded_state::RecordedState;
 use crate::registry::Known;
+use crate::state_sums::StateSums;
 use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensors, Values};
 
 /// Makes observations during a test and averages them into states.

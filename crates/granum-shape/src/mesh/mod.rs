@@ -32,6 +32,9 @@ const LARGEST_FILE: u64 = 1 << 30;
 /// # Errors
 /// The key `file`, with the name of the file, what is wrong with it and what would be right.
 pub fn read(path: &Path, notices: &mut Vec<String>) -> Result<TriangleMesh, ShapeError> {
+    if !input::are_there() {
+        return Err(fault(path, "cannot be read: add it to the files of the case"));
+    }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let parse: fn(&Path, &[u8]) -> Result<TriangleMesh, ShapeError> = match ending.as_str() {
         "stl" => stl::parse,

@@ -62,7 +62,7 @@ pub(crate) fn text_stl(mesh: &TriangleMesh) -> String {
     text + "endsolid grain\n"
 }
 
-fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
+pub(crate) fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     let mut bytes = b"solid that is binary".to_vec();
     bytes.resize(80, 0);
     bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
@@ -74,13 +74,13 @@ fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     bytes
 }
 
-fn obj(mesh: &TriangleMesh) -> String {
+pub(crate) fn obj(mesh: &TriangleMesh) -> String {
     let corners = mesh.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
     let faces = mesh.triangles.iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));
     corners.chain(faces).collect()
 }
 
-fn ply(mesh: &TriangleMesh) -> String {
+pub(crate) fn ply(mesh: &TriangleMesh) -> String {
     let head = format!(
         "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",

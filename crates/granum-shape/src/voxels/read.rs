@@ -18,8 +18,11 @@ const MOST_VOXELS: usize = 500_000_000;
 /// # Errors
 /// The key `file`, with the name of the file, what is wrong with it and what would be right.
 pub fn read(path: &Path) -> Result<LabelledStack, ShapeError> {
+    if !input::are_there() {
+        return Err(fault(path, "cannot be read: add it to the files of the case"));
+    }
     let mut stack = LabelledStack::default();
-    if path.is_dir() {
+    if input::is_folder(path) {
         for file in files(path)? {
             add_images(&mut stack, &file)?;
         }
@@ -46,13 +49,8 @@ fn is_tiff(path: &Path) -> bool {
 /// The images of a folder: slice_2.tif comes before slice_10.tif.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, ShapeError> {
     let refused = |why: std::io::Error| fault(folder, format!("cannot be read: {why}"));
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(refused)? {
-        let path = entry.map_err(refused)?.path();
-        if is_tiff(&path) {
-            files.push(path);
-        }
-    }
+    let mut files = input::files_in(folder).map_err(refused)?;
+    files.retain(|path| is_tiff(path));
     if files.is_empty() {
         return Err(fault(folder, "has no files that end in .tif or .tiff"));
     }

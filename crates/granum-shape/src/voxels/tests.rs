@@ -22,7 +22,7 @@ fn length(x: [f64; 3]) -> f64 {
 }
 
 /// Writes a stack as a file of several images of 8, 16 or 32 bits.
-fn write(stack: &LabelledStack, path: &Path, bits: u32) {
+pub(crate) fn write(stack: &LabelledStack, path: &Path, bits: u32) {
     let [nx, ny, _] = stack.size;
     let mut encoder = TiffEncoder::new(std::fs::File::create(path).unwrap()).unwrap();
     for image in stack.labels.chunks_exact(nx * ny) {

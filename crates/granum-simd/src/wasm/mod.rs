@@ -13,9 +13,16 @@ use std::arch::wasm32::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
-use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
+use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC};
 use crate::rows::{Row4, Row8};
 use fused::two_fused;
+
+/// The bits of `2^52`: combined with those of a whole number below `2^52` they are the sum of both.
+const TWO_52: u64 = 0x4330_0000_0000_0000;
+/// `2^52 + 1`.
+const NEXT_TO_TWO_52: f64 = 4_503_599_627_370_497.0;
+/// `2^52 + 2^40`: adding it to a number rounds that to a whole one, also to one below zero, whose lowest bits are then those of the sum.
+const TO_WHOLE: f64 = 4_504_699_138_998_272.0;
 
 /// Eight lanes in four 128-bit registers.
 #[derive(Clone, Copy)]
@@ -157,14 +164,21 @@ impl Real for Wasm {
             |a| f64x2_abs(a),
         )
     }
-    // Not `f64x2.pmin`: with relaxed SIMD the compiler makes `relaxed_min` of it, whose zeros and NaN depend on the processor.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Self::select(self.lt(other), self, other)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| f64x2_pmin(b, a),
+        )
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        Self::select(other.lt(self), self, other)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| f64x2_pmax(b, a),
+        )
     }
     #[inline(always)]
     fn lt(self, other: Self) -> WasmMask {
@@ -195,6 +209,12 @@ impl Real for Wasm {
         let ([m, n, o, p], [a, b, c, d], [q, r, s, t]) = (mask.0, yes.0, no.0);
         Wasm([two_selected(m, a, q), two_selected(n, b, r), two_selected(o, c, s), two_selected(p, d, t)])
     }
+    /// A mask has all bits of a lane or none.
+    #[inline(always)]
+    fn keep(self, mask: WasmMask) -> Self {
+        let ([a, b, c, d], [m, n, o, p]) = (self.0, mask.0);
+        Wasm([v128_and(a, m), v128_and(b, n), v128_and(c, o), v128_and(d, p)])
+    }
     #[inline(always)]
     fn exp2_integer(self) -> Self {
         self.map(
@@ -207,9 +227,11 @@ impl Real for Wasm {
         self.map(
             #[inline(always)]
             |a| {
-                let upper = u64x2_shr(a, 32);
-                // The upper halves are below 2^32, so that this is an exact product of 64 bits.
-                let third = u64x2_shr(i64x2_mul(upper, u64x2_splat(THIRD as u64)), 33);
+                // A product of 64 bits takes a dozen instructions of most processors. The upper half of the bits, less one, is a number whose third is never half-way
+                // between two whole ones: rounded to the nearest it is the third of the upper half, rounded down.
+                let less_one =
+                    f64x2_sub(v128_or(u64x2_shr(a, 32), u64x2_splat(TWO_52)), f64x2_splat(NEXT_TO_TWO_52));
+                let third = f64x2_add(f64x2_mul(less_one, f64x2_splat(1.0 / 3.0)), f64x2_splat(TO_WHOLE));
                 i64x2_shl(i64x2_sub(u64x2_splat(RECIPROCAL_CBRT_MAGIC as u64), third), 32)
             },
         )

@@ -181,7 +181,17 @@ struct Subject<'a> {
 impl Subject<'_> {
     fn judge(&self, line: &'static Line) -> Result<Vec<Fault>, String> {
         // What the command before has written.
-        for out in ["out", "out.csv", "out.data", "out.gsd", "out.parquet", "out.svg", "out.vtp", "out.xyz"] {
+        for out in [
+            "out",
+            "out.csv",
+            "out.data",
+            "out.toml",
+            "out.gsd",
+            "out.parquet",
+            "out.svg",
+            "out.vtp",
+            "out.xyz",
+        ] {
             let path = self.folder.join(out);
             let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }

@@ -111,6 +111,10 @@ const DIMERS: &str = "[grains.shape]\nkind = \"dimer\"\n";
 /// Grains of a mesh.
 const OF_MESH: &str = "[grains.shape]\nkind = \"mesh\"\nfile = \"grain.obj\"\npieces = 6\n";
 
+/// Grains of labelled images, between two sieves.
+const OF_IMAGES: &str = "[grains.shape]\nkind = \"voxels\"\nfile = \"grain.tif\"\npieces = 6\n";
+const SIEVE: &str = "size (mm),passing (%)\n0.1,0\n0.2,100\n";
+
 /// A box of twelve triangles.
 const OBJECT: &str = "v 0 0 0\nv 3 0 0\nv 0 2 0\nv 3 2 0\nv 0 0 2\nv 3 0 2\nv 0 2 2\nv 3 2 2\n\
     f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n";
@@ -126,6 +130,7 @@ pub struct Ground {
     pub folder: PathBuf,
     /// How long the runs took, by which kills are timed.
     pub test: Duration,
+    pub of_clumps: Duration,
     pub training: Duration,
 }
 
@@ -155,11 +160,21 @@ impl Ground {
         write("mesh.toml", &format!("{CASE}{OF_MESH}"))?;
         write("grain.obj", OBJECT)?;
         write("grain.stl", &stl())?;
+        write("grain.ply", &ply())?;
+        let images = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("tests/end_to_end/sixteen_cases/files-of-the-case.tif");
+        files::copy(&images, &folder.join("grain.tif"))
+            .map_err(|error| format!("{}: {error}", images.display()))?;
+        write("sieve.csv", SIEVE)?;
+        let sieved = "count = 60\ndistribution = \"sieve-curve\"\nsieve_curve = \"sieve.csv\"";
+        write("images.toml", &format!("{}{OF_IMAGES}", CASE.replace("count = 60\nspread = 0.1", sieved)))?;
         let done = |line: &str| done(program, folder, line);
         done("prepare case.toml --out sample")?;
         write("bonds.toml", &format!("{CASE}{BONDS}"))?;
         done("run bonds.toml --out bonded")?;
+        let begun = Instant::now();
         done("run dimers.toml --out clumps")?;
+        let of_clumps = begun.elapsed();
         done("export clumps -o clumps.data --snapshot start")?;
         let begun = Instant::now();
         done("shear case.toml --out run-1")?;
@@ -183,10 +198,38 @@ impl Ground {
         files::copy(&results, &folder.join("results"))
             .map_err(|error| format!("{}: {error}", results.display()))?;
         interrupted(program, folder, "shear case.toml --out stopped --checkpoint-every 0.05", test)?;
+        let clumps = "run dimers.toml --out stopped-clumps --checkpoint-every 0.05";
+        interrupted(program, folder, clumps, of_clumps)?;
         let train = format!("train run-1 --unseen run-2 --out stopped-study --checkpoint-every 0.05 {TRAIN}");
         interrupted(program, folder, &train, training)?;
-        Ok(Ground { folder: folder.to_path_buf(), test, training })
+        Ok(Ground { folder: folder.to_path_buf(), test, of_clumps, training })
     }
+}
+
+/// The same box as PLY.
+fn ply() -> String {
+    let [mut corners, mut triangles] = [const { Vec::new() }; 2];
+    for row in OBJECT.lines() {
+        let numbers: Vec<&str> = row.split(' ').skip(1).collect();
+        match row.starts_with('v') {
+            true => corners.push(numbers.join(" ")),
+            false => {
+                let from_zero = numbers
+                    .iter()
+                    .filter_map(|corner| corner.parse::<u32>().ok())
+                    .map(|corner| (corner - 1).to_string());
+                triangles.push(format!("3 {}", from_zero.collect::<Vec<_>>().join(" ")));
+            }
+        }
+    }
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n{}\n{}\n",
+        corners.len(),
+        triangles.len(),
+        corners.join("\n"),
+        triangles.join("\n")
+    )
 }
 
 /// The same box as STL.

@@ -293,11 +293,13 @@ pub const ALL: &[Target] = &[
     },
     Target {
         name: "shapes",
-        needs: &["grain.obj", "grain.stl", "mesh.toml", "dimers.toml", "clumps.data"],
-        damaged: &["grain.obj", "grain.stl", "mesh.toml", "dimers.toml", "clumps.data"],
+        needs: &["grain.obj", "grain.stl", "grain.ply", "mesh.toml", "dimers.toml", "clumps.data"],
+        damaged: &["grain.obj", "grain.stl", "grain.ply", "mesh.toml", "dimers.toml", "clumps.data"],
         lines: &[
             line("shape grain.obj --pieces 6 --out out.svg", Calm),
             line("--json shape grain.stl --pieces 6 --kind mesh-euclidean", Calm),
+            line("--json shape grain.ply --pieces 6 --kind mesh-tangent", Calm),
+            line("shape grain.ply --pieces 6 --case out.toml", Calm),
             line("shape mesh.toml", Calm),
             line("shape dimers.toml --set grains.shape.separation=0.7", Calm),
             line("measure clumps.data", Calm),
@@ -306,6 +308,30 @@ pub const ALL: &[Target] = &[
             simulation("prepare dimers.toml --packing clumps.data --out out", Calm),
         ],
         weight: 3,
+    },
+    Target {
+        name: "images",
+        needs: &["grain.tif", "sieve.csv", "images.toml"],
+        damaged: &["grain.tif", "grain.tif", "grain.tif", "sieve.csv", "images.toml"],
+        lines: &[
+            line("shape grain.tif --kind voxels --pieces 6 --out out.svg", Calm),
+            line("--json shape grain.tif --kind voxels", Calm),
+            line("shape images.toml", Calm),
+            simulation("prepare images.toml --out out", Calm),
+        ],
+        weight: 3,
+    },
+    Target {
+        name: "interrupted-clumps",
+        needs: &["stopped-clumps"],
+        damaged: &["stopped-clumps"],
+        lines: &[
+            line("status stopped-clumps", Calm),
+            line("shape stopped-clumps", Calm),
+            line("measure stopped-clumps", Calm),
+            simulation("resume stopped-clumps", Like("stopped-clumps", "clumps")),
+        ],
+        weight: 2,
     },
     Target {
         name: "laboratory",

@@ -46,6 +46,11 @@ fn works(ground: &Ground) -> Vec<Work> {
             "staged",
         ),
         Work {
+            whole: ground.of_clumps,
+            ..grains("run dimers.toml --out out --checkpoint-every 0.05", &["dimers.toml"], "clumps")
+        },
+        grains("run bonds.toml --out out --checkpoint-every 0.05", &["bonds.toml"], "bonded"),
+        Work {
             begun: "runs.json",
             whole: 2 * ground.test,
             ..grains(
@@ -249,10 +254,10 @@ impl Place<'_> {
             "export out -o out.gsd",
             "export out --to lammps -o deck",
         ];
-        // The last is for laws that LAMMPS has, the first is for any number of runs.
+        // The last is for laws and bonds that LAMMPS has, the first is for any number of runs.
         let number = match self.work.like {
             "several" => 1,
-            "staged" => 3,
+            "staged" | "bonded" => 3,
             _ => 4,
         };
         let line = *case.random.pick(&outputs[..number]);

@@ -30,18 +30,18 @@ use crate::output;
 /// began; for a case file it is that of --packing. LAMMPS first brings it to rest, since files of LAMMPS hold no tangential forces.
 ///
 /// With --to onnx it writes a surrogate as an ONNX file, which answers as `granum predict` does: inputs and outputs in physical units under the names of its
-/// columns, with standard deviations and intervals.
+/// columns, with standard deviations and intervals. The name of a family writes the surrogate that comes with the program, along the path of --path.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum export run-1 -o series.csv\n  granum export run-1 -o end.vtp\n  granum export run-1 --snapshot all -o \
                   run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv\n  \
                   granum export run-1 --to lammps --out deck\n  granum export sample --to lammps --path drained-triaxial --with \
                   axial_strain=0.05 --out deck\n  granum export my-sand.toml --packing packing.csv --to lammps --out deck\n  granum export study -o states.csv\n  granum export study --table runs -o runs.csv\n  \
-                  granum export study --to grainlearning -o study.hdf5\n  granum export surrogate.json --to onnx -o surrogate.onnx"
+                  granum export study --to grainlearning -o study.hdf5\n  granum export surrogate.json --to onnx -o surrogate.onnx\n  granum export sand --to onnx --path undrained-triaxial -o sand.onnx"
 )]
 pub struct Export {
     /// A run folder, a campaign or its data set, a packing file, or files of results of another program; with --to lammps a run folder or
-    /// a case file; with --to onnx the file of a surrogate or the folder of a study.
+    /// a case file; with --to onnx the file of a surrogate, the folder of a study or the name of a family.
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
     /// File to write; with --to lammps the folder.
@@ -172,13 +172,13 @@ impl Export {
 
     /// Writes a surrogate as an ONNX file.
     fn onnx(&self, context: &Context) -> Result<(), Failure> {
-        self.deck.check_unused()?;
+        let family_path = self.deck.only_path()?;
         let other = self.snapshot.as_ref().map(|_| "--snapshot").or(self.sources.first_given());
         if let Some(flag) = other {
             return Err(Failure::new(format!("{flag} does not go with --to onnx, which writes a surrogate")));
         }
         let _alone = context.nothing_written(Some("exporting"));
-        let what = export_onnx::write(context, &self.data, self.model.as_deref(), &self.output)?;
+        let what = export_onnx::write(context, &self.data, self.model.as_deref(), family_path, &self.output)?;
         self.say(context, &what)
     }
 

@@ -21,7 +21,7 @@ pub struct DeckFlags {
     /// With --to lammps and a case file: the packing that is the sample.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
-    /// With --to lammps: this named path instead of the test of the case.
+    /// With --to lammps: this named path instead of the test of the case. With --to onnx and the name of a family: the path of its tests.
     #[arg(long, value_name = "NAME")]
     path: Option<String>,
     /// With --to lammps: a parameter of the path, e.g. --with axial_strain=0.1; can be repeated.
@@ -34,11 +34,17 @@ pub struct DeckFlags {
 impl DeckFlags {
     /// Checks that none of these flags is given to an export of data.
     pub fn check_unused(&self) -> Result<(), Failure> {
-        let given = [
-            ("--packing", self.packing.is_some()),
-            ("--path", self.path.is_some()),
-            ("--set", self.flags.is_given()),
-        ];
+        self.check(("--path", self.path.is_some()))
+    }
+
+    /// The path, after a check that no other flag is given.
+    pub fn only_path(&self) -> Result<Option<&str>, Failure> {
+        self.check(("--with", !self.with.is_empty()))?;
+        Ok(self.path.as_deref())
+    }
+
+    fn check(&self, other: (&str, bool)) -> Result<(), Failure> {
+        let given = [("--packing", self.packing.is_some()), other, ("--set", self.flags.is_given())];
         match given.into_iter().find(|(_, given)| *given) {
             Some((flag, _)) => {
                 Err(Failure::new(format!("{flag} belongs to --to lammps: other exports take no case")))

@@ -7,6 +7,7 @@ use granum::families;
 use granum_core::quantity::Dimension;
 use granum_io::Case;
 use granum_io::case::ParameterValue;
+use granum_io::shell::ShowPath;
 use granum_learn::dataset::RunStates;
 use granum_learn::family::{ALL, FamilyDefinition, FamilyModel, by_name};
 use granum_run::derived_columns::single_parameters;
@@ -251,6 +252,50 @@ pub fn fitted(name: &str, path: Option<&str>) -> Result<FamilyModel, Failure> {
     match path.filter(|path| *path != own) {
         Some(path) => Err(Failure::new(format!("--path {path}: the tests of {name} have the path {own}"))),
         None => Ok(model),
+    }
+}
+
+/// The family that a command is given where it takes a surrogate: that of a name, if there is no file of that name, or that in a file; `None` if it is something else, which may be a
+/// `model` of a study. `family_path` is the path of its tests.
+pub fn chosen_family(
+    path: &Path,
+    family_path: Option<&str>,
+    model: Option<&str>,
+) -> Result<Option<FamilyModel>, Failure> {
+    let mut names: Vec<&str> = families::FITTED.iter().map(|known| known.name).collect();
+    names.dedup();
+    let found = match path.exists() {
+        // Files of families and of surrogates have the same ending.
+        true if path.is_file() => FamilyModel::load(path).ok(),
+        true => None,
+        false => match names.iter().find(|name| Some(**name) == path.to_str()) {
+            Some(name) => Some(fitted(name, family_path)?),
+            None => {
+                let family = granum_core::names::suggestion(&path.to_string_lossy(), names.into_iter());
+                return Err(Failure::new(format!(
+                    "{}: there is no such file or folder, and no such family ({family}); give the file of a surrogate, the folder of a study, as \
+                     `granum train` writes them, or the name of a family",
+                    path.shown()
+                )));
+            }
+        },
+    };
+    match (&found, family_path, model) {
+        (None, Some(family_path), _) => Err(Failure::new(format!(
+            "--path {family_path} goes with the name of a family, and {} is none",
+            path.shown()
+        ))),
+        (Some(family), Some(family_path), _) if family.definition().path != family_path => {
+            let own = family.definition().path;
+            Err(Failure::new(format!(
+                "--path {family_path}: the tests of {} have the path {own}",
+                path.shown()
+            )))
+        }
+        (Some(_), _, Some(name)) => Err(Failure::new(format!(
+            "--model {name}: a family has one surrogate for each path, which --path chooses"
+        ))),
+        _ => Ok(found),
     }
 }
 

@@ -97,8 +97,12 @@ fn text(context: &Context, folder: &Path, record: &RunRecord) -> String {
             _ => String::new(),
         };
         let stress = measure("preparation_stress").unwrap_or(0.0) / 1e3;
+        let denser = match measure("preparation_densified") {
+            Some(_) => ", then made denser up to the density that was asked for",
+            None => "",
+        };
         lines.push(format!(
-            "compacted with friction {friction:.4} at {stress:.4} kPa{cycles}, after {trials} trial(s)"
+            "compacted with friction {friction:.4} at {stress:.4} kPa{cycles}, after {trials} trial(s){denser}"
         ));
     }
     if let Some(steps) = record.steps.get("consolidation") {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum_dem::shape::{ShapeEntry, ShapeKind, SizeMeasure};
 use granum_io::shell::ShowPath;
-use granum_io::{Case, atomic::write_atomically, check_output_file};
+use granum_io::{Case, Run, atomic::write_atomically, check_output_file};
 use granum_report::shapes::{ShownShape, figure};
 use serde_json::{Value, json};
 
@@ -93,6 +93,10 @@ impl DescribeShape {
     fn entries(&self, context: &Context) -> Result<(Vec<ShapeEntry>, Option<SizeMeasure>), Failure> {
         let in_folder = self.file.join(CASE);
         let is_run = in_folder.is_file();
+        if is_run {
+            // A case that was changed since the run began would give other shapes for those of the run.
+            Run::at(&self.file)?.case()?;
+        }
         if is_run || ending(&self.file) == "toml" {
             let case = if is_run { &in_folder } else { &self.file };
             return self.of_case(context, case);

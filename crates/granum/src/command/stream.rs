@@ -2,12 +2,15 @@
 
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
+use granum_learn::family::FamilyStates;
 use granum_learn::surrogate::PredictionStream;
 
 use super::chosen_model::ChosenModel;
+use super::family_flags::chosen_family;
 use super::prediction_input::LEVEL;
 use super::stream_line::{Answer, StreamInputs};
 use crate::context::Context;
@@ -31,15 +34,18 @@ const LONGEST_LINE: usize = 1 << 20;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  sensors | granum stream surrogate.json | controller\n  echo '{\"sequence\": 1, \"deviator_strain\": 0.12, \
-                  \"deviator_fabric\": 0.1}' | granum stream study --model F2"
+                  \"deviator_fabric\": 0.1}' | granum stream study --model F2\n  sensors | granum stream sand --path undrained-triaxial"
 )]
 pub struct Stream {
-    /// The file of a surrogate, or the folder of a study with --model.
+    /// The file of a surrogate, the folder of a study with --model, or the name of a family: all of its inputs must then be in a line, and the coordinate.
     #[arg(value_name = "MODEL")]
     path: PathBuf,
     /// The surrogate of a study (stress_ratio-ridge), or the mapping (F2).
     #[arg(short, long, visible_alias = "mapping", value_name = "NAME")]
     model: Option<String>,
+    /// The path of the tests of a family.
+    #[arg(long = "path", value_name = "NAME")]
+    family_path: Option<String>,
     /// End with an error at the first line that cannot be answered.
     #[arg(long)]
     strict: bool,
@@ -49,9 +55,16 @@ pub struct Stream {
 }
 
 impl Stream {
+    fn chosen(&self, context: &Context) -> Result<ChosenModel, Failure> {
+        match chosen_family(&self.path, self.family_path.as_deref(), self.model.as_deref())? {
+            Some(family) => Ok(ChosenModel::File(Box::new(FamilyStates::new(Arc::new(family))))),
+            None => ChosenModel::read(context, &self.path, self.model.as_deref()),
+        }
+    }
+
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(None);
-        let model = ChosenModel::read(context, &self.path, self.model.as_deref())?;
+        let model = self.chosen(context)?;
         let surrogate = model.surrogate()?;
         let mut stream = PredictionStream::new(surrogate, LEVEL)?;
         let mut inputs = StreamInputs::new(context, surrogate)?;

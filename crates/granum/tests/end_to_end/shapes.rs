@@ -216,4 +216,12 @@ fn a_run_and_its_report_tell_about_shapes() {
         .map(|file| file.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
     assert!(figures.iter().any(|name| name.ends_with("-shapes.svg")), "{figures:?}");
+    // The case of a run is its record: shapes of another one would be given for its own.
+    let case = here.join("run/case.toml");
+    let text = std::fs::read_to_string(&case).unwrap();
+    let other =
+        |line: &str| if line.starts_with("separation") { "separation = 0.7" } else { line }.to_owned() + "\n";
+    std::fs::write(&case, text.lines().map(other).collect::<String>()).unwrap();
+    let message = refused(here, 1, &["shape", "run"]);
+    assert!(message.contains("the case was changed since the run began"), "{message}");
 }

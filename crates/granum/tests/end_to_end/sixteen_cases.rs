@@ -1,9 +1,18 @@
-//! Sixteen cases of spheres of all kinds, two of grains of other shapes, and two with bonds that rupture, keep the bits of their runs, from one version to the next and from one machine to another.
+//! Sixteen cases of spheres of all kinds, two of grains of other shapes, two with bonds that rupture, and one that names a mesh, an image, a
+//! sieve curve and a history in files beside it, keep the bits of their runs, from one version to the next and from one machine to another.
 //!
 //! The cases lie beside this file; `digests.txt` has the digest of each run. A change that must alter them says so in CHANGELOG.md, with the
 //! reason, and writes the file anew: the test prints what it should hold.
 
 use super::{digest, done};
+
+/// The files that one of the cases names.
+const FILES: [(&str, &[u8]); 4] = [
+    ("files-of-the-case.obj", include_bytes!("sixteen_cases/files-of-the-case.obj")),
+    ("files-of-the-case.tif", include_bytes!("sixteen_cases/files-of-the-case.tif")),
+    ("files-of-the-case-sieve.csv", include_bytes!("sixteen_cases/files-of-the-case-sieve.csv")),
+    ("files-of-the-case-history.csv", include_bytes!("sixteen_cases/files-of-the-case-history.csv")),
+];
 
 /// The name of each case and its text.
 macro_rules! cases {
@@ -12,7 +21,7 @@ macro_rules! cases {
     };
 }
 
-const CASES: [(&str, &str); 20] = cases![
+const CASES: [(&str, &str); 21] = cases![
     "bridges-of-constant-volume",
     "bridges-that-share-films",
     "cemented-grains",
@@ -20,6 +29,7 @@ const CASES: [(&str, &str); 20] = cases![
     "drained-cycles-with-twisting",
     "drained-triaxial",
     "elastic-plastic-grains",
+    "files-of-the-case",
     "grains-of-three-shapes",
     "grains-that-crush",
     "history-of-strains",
@@ -39,6 +49,9 @@ const CASES: [(&str, &str); 20] = cases![
 fn sixteen_cases_keep_their_bits() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path();
+    for (name, content) in FILES {
+        std::fs::write(place.join(name), content).unwrap();
+    }
     let mut digests = String::new();
     for (name, text) in CASES {
         let file = format!("{name}.toml");

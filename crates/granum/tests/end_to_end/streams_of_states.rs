@@ -230,16 +230,59 @@ fn surrogates_are_written_as_onnx_or_refused_by_name() {
     }
     let text = refused(here, 1, &["export", "ridge.json", "--to", "onnx", "-o", "model.onnx"]);
     assert!(text.contains("model.onnx exists already"), "{text}");
-    let text = refused(here, 1, &["export", "sand", "--to", "onnx", "-o", "sand.onnx"]);
+    let text = done(here, &["export", "powder", "--to", "onnx", "--path", "oedometer", "-o", "powder.onnx"]);
     assert!(
-        text.contains("family sand, gaussian-process: it has no ONNX form: a Gaussian process"),
+        text.contains("the family powder along oedometer (gaussian-process, 7 inputs, 38 outputs)"),
         "{text}"
     );
+    let text =
+        refused(here, 1, &["export", "sand", "--to", "onnx", "--path", "oedometer", "-o", "sand.onnx"]);
+    assert!(text.contains("path") && text.contains("undrained-triaxial"), "{text}");
+    let text = refused(here, 1, &["export", "ridge.json", "--to", "onnx", "--path", "x", "-o", "sand.onnx"]);
+    assert!(text.contains("--path x goes with the name of a family"), "{text}");
     let text = refused(here, 1, &["export", "ridge.json", "--model", "x", "--to", "onnx", "-o", "x.onnx"]);
     assert!(text.contains("is the file of one surrogate"), "{text}");
     let text = refused(here, 1, &["export", "ridge.json", "--model", "x", "-o", "x.csv"]);
     assert!(text.contains("--model x belongs to --to onnx"), "{text}");
     assert!(!here.join("sand.onnx").exists() && !here.join("x.onnx").exists());
+}
+
+/// The states of a test of a family, of which all inputs are given, are those of its whole curves, line by line.
+#[test]
+fn families_are_streams_too() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let definition = granum_learn::family::by_name("powder", Some("oedometer")).unwrap();
+    let model = granum::families::fitted(definition).unwrap().unwrap();
+    let given: Vec<f64> = model.ranges().iter().map(|[low, high]| 0.6 * low + 0.4 * high).collect();
+    let curves = model.predict(&given.iter().map(|value| Some(*value)).collect::<Vec<_>>(), 0.9).unwrap();
+    let mut stream = Stream::new(here, &["powder", "--path", "oedometer"]);
+    let mut line = serde_json::Map::new();
+    for (input, value) in definition.inputs.iter().zip(&given) {
+        line.insert(input.name.into(), json!(value));
+    }
+    for point in [0, 30, 64] {
+        line.insert(definition.coordinate.into(), json!(curves.points[point]));
+        let answer = stream.asked(Value::Object(line.clone()).to_string().as_bytes());
+        assert_eq!(answer["outside"], json!([]), "{answer}");
+        for curve in &curves.curves {
+            assert_eq!(
+                answer[format!("predicted_{}", curve.column)],
+                json!(curve.mean[point]),
+                "{}",
+                curve.column
+            );
+        }
+    }
+    line.remove(definition.inputs[0].name);
+    let answer = stream.asked(Value::Object(line).to_string().as_bytes());
+    assert!(
+        answer["error"].as_str().unwrap().starts_with("missing: friction; a state has test_progress"),
+        "{answer}"
+    );
+    assert_eq!(stream.ended().0, Some(0));
+    let text = refused(here, 1, &["stream", "powder", "--path", "drained-triaxial"]);
+    assert!(text.contains("oedometer"), "{text}");
 }
 
 const CHAPTER: &str = include_str!("../../../../docs/src/real-time.md");
@@ -268,7 +311,7 @@ fn the_chapter_shows_lines_and_their_answers() {
     }
     assert_eq!(stream.ended().0, Some(0));
     let help = done(here, &["stream", "--help"]);
-    for flag in ["--model", "--strict", "--latency"] {
+    for flag in ["--model", "--path", "--strict", "--latency"] {
         assert!(CHAPTER.contains(flag) && help.contains(flag), "{flag}");
     }
 }
@@ -281,7 +324,7 @@ fn the_table_of_methods_is_whole() {
     for name in methods.names() {
         let row = chapter.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{name}`")));
         let row = row.unwrap_or_else(|| panic!("{name} is not in the table"));
-        let exported = ["feed-forward", "sub-models", "ridge", "recurrent"].contains(&name);
+        let exported = name != "nearest-run";
         assert_eq!(row.contains("refused"), !exported, "{row}");
         if !exported {
             let reason = granum_learn::onnx::refused(name).to_string();
@@ -294,11 +337,16 @@ fn the_table_of_methods_is_whole() {
 fn what_is_not_there_is_said_with_what_is_asked_for() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    for command in [&["stream", "nothing.json"][..], &["predict", "nothing.json", "--set", "x=1"]] {
+    for (command, asked) in [
+        (&["stream", "nothing.json"][..], "the file of a surrogate, the folder of a study"),
+        (&["predict", "nothing.json", "--set", "x=1"], "the file of a surrogate or the folder of a study"),
+    ] {
         let told = refused(here, 1, command);
         assert!(told.contains("nothing.json: there is no such file or folder"), "{told}");
-        assert!(told.contains("the file of a surrogate or the folder of a study"), "{told}");
+        assert!(told.contains(asked), "{told}");
     }
-    let told = refused(here, 1, &["stream", "sand"]);
+    let told = refused(here, 1, &["stream", "sandd"]);
+    assert!(told.contains("no such family (did you mean sand?)"), "{told}");
+    let told = refused(here, 1, &["predict", "sand", "--set", "friction=0.4"]);
     assert!(told.contains("granum predict --family sand"), "{told}");
 }

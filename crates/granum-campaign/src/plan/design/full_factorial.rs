@@ -1,9 +1,25 @@
 //! The full factorial design: all combinations of the values of all variables, those of the last variable next to each other.
 
-use super::{Coordinate, Point};
+use super::point_design::{Axis, Coordinate, DesignSize, Point, PointDesign};
+
+/// The design.
+pub(super) static FULL_FACTORIAL: PointDesign = PointDesign {
+    name: "full-factorial",
+    help: "all combinations",
+    points_in_words: "all combinations",
+    size: DesignSize::Levels,
+    points: |_, _, axes| {
+        let levels = |axis: &Axis| match axis {
+            Axis::Levels(count) => *count,
+            Axis::Continuous => 1,
+        };
+        let levels: Vec<usize> = axes.iter().map(levels).collect();
+        Box::new(full_factorial(&levels).into_iter())
+    },
+};
 
 /// All combinations of so many values on each axis.
-pub(in crate::plan) fn full_factorial(levels: &[usize]) -> Vec<Point> {
+fn full_factorial(levels: &[usize]) -> Vec<Point> {
     let mut all: Vec<Point> = vec![Vec::new()];
     for count in levels {
         let with_each = |before: &Point| {

@@ -6,7 +6,16 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::{Axis, Coordinate, Point};
+use super::point_design::{Axis, Coordinate, DesignSize, Point, PointDesign};
+
+/// The design.
+pub(super) static LATIN_HYPERCUBE: PointDesign = PointDesign {
+    name: "latin-hypercube",
+    help: "each of as many intervals of a variable as there are points has one",
+    points_in_words: "points of a Latin hypercube",
+    size: DesignSize::Points,
+    points: |points, seed, axes| Box::new(latin_hypercube(points, seed, axes).into_iter()),
+};
 
 /// Number of hypercubes of which the best is taken.
 const DRAWN: usize = 20;
@@ -14,7 +23,7 @@ const DRAWN: usize = 20;
 const MOST_COMPARED: usize = 500;
 
 /// The points of a Latin hypercube with this seed.
-pub(in crate::plan) fn latin_hypercube(points: usize, seed: u32, axes: &[Axis]) -> Vec<Point> {
+fn latin_hypercube(points: usize, seed: u32, axes: &[Axis]) -> Vec<Point> {
     let mut random = ChaCha8Rng::seed_from_u64(u64::from(seed));
     let count = if points > MOST_COMPARED { 1 } else { DRAWN };
     let mut best: Option<(f64, Vec<Vec<f64>>)> = None;

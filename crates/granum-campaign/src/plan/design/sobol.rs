@@ -3,7 +3,16 @@
 //! A campaign with more points of the same sequence keeps the points that it has. Source: Burley, Practical Hash-based Owen
 //! Scrambling, Journal of Computer Graphics Techniques 9 (2020), by the crate `sobol_burley`.
 
-use super::{Axis, Coordinate, Point};
+use super::point_design::{Axis, Coordinate, DesignSize, Point, PointDesign};
+
+/// The design.
+pub(super) static SOBOL: PointDesign = PointDesign {
+    name: "sobol",
+    help: "a scrambled Sobol sequence",
+    points_in_words: "points of a Sobol sequence",
+    size: DesignSize::PointsThatFulfil,
+    points: |_, seed, axes| Box::new((0..MOST_POINTS).map(move |point| sobol(point, seed, axes))),
+};
 
 /// Most points of a sequence.
 pub(in crate::plan) const MOST_POINTS: usize = 1 << 16;

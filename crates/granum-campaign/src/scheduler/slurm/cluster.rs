@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::scheduler::jobs::Place;
+use crate::jobs::Place;
 use crate::scheduler::scheduler_error::SchedulerError;
 
 /// An element of an array of jobs that Slurm knows.

@@ -18,7 +18,6 @@ use granum_run::queue::{Queue, QueuedRun};
 
 use self::cluster::Queued;
 use super::job_record::{JOBS, JobRecord, element_journal, element_log};
-use super::jobs::{JobState, Jobs, Place};
 use super::packing::{Filling, pack};
 use super::scheduler_error::SchedulerError;
 use super::scheduler_trait::{Order, Scheduler, SchedulerKind, SchedulerOptions, Submission, Submitted};
@@ -26,6 +25,7 @@ use crate::campaign::{Campaign, RUNS, SAMPLES, holds_finished};
 use crate::claim::{CLAIMS, Claimant};
 use crate::data_set::{self, Collected};
 use crate::execution::{CAMPAIGN_CLAIM, CampaignObserver};
+use crate::jobs::{JobState, Jobs, Place};
 use crate::journal::{JournalEvent, last_events, last_events_in};
 
 /// Its entry in the registry.

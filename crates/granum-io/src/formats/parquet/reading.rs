@@ -31,7 +31,7 @@ const VALUES_PER_BYTE: u64 = 64;
 /// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is not a Parquet file, is damaged, has a
 /// compression other than snappy and gzip, lacks a column, or a requested column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
-    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open_on_disk(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names, Taken::Numbers)
 }
 
@@ -40,7 +40,7 @@ pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 /// # Errors
 /// As for [`read`], and if a text is not UTF-8.
 pub fn read_with_words(path: &Path, names: Option<&[&str]>) -> Result<Table> {
-    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open_on_disk(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names, Taken::NumbersAndWords)
 }
 
@@ -50,7 +50,7 @@ pub fn read_with_words(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 /// As [`read_with_words`].
 pub fn read_with_lists(path: &Path) -> Result<TableWithLists> {
     let table = read_with_words(path, None)?;
-    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open_on_disk(path).map_err(Error::file("read", path))?;
     let lists = contain(|| lists::read(path, file, table.rows())).unwrap_or_else(|| {
         Err(Error::content(path, "is not a Parquet file or is damaged (its lists cannot be decoded)"))
     })?;
@@ -62,7 +62,7 @@ pub fn read_with_lists(path: &Path) -> Result<TableWithLists> {
 /// # Errors
 /// As [`read`].
 pub fn read_metadata(path: &Path, key: &str) -> Result<Option<String>> {
-    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open_on_disk(path).map_err(Error::file("read", path))?;
     let found = contain(|| {
         sizes::check_footer(&file).map_err(|why| Error::content(path, why))?;
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&file);

@@ -3,7 +3,7 @@
 use super::quantities::{Quantity, Row, rows_of, samples, strains};
 use crate::dataset::Dataset;
 use crate::error::Result;
-use crate::surrogate::COMPONENTS;
+use crate::methods::COMPONENTS;
 
 /// The state of the sample, for every state of its run.
 pub(super) fn first_states(runs: &Dataset) -> Result<Vec<Row>> {

@@ -1,7 +1,8 @@
 //! The columns of a path, of what is learned along it, and of its kind.
 
 use crate::dataset::{Dataset, RunStates};
-use crate::surrogate::{FitSpec, STRAINS, SUFFIXES};
+use crate::methods::{STRAINS, SUFFIXES};
+use crate::surrogate::FitSpec;
 
 pub(super) const TENSORS: [&str; 2] = ["stress", "fabric"];
 pub(super) const SCALARS: [&str; 2] = ["volumetric_strain", "mechanical_coordination_number"];

@@ -3,7 +3,7 @@
 use super::columns::{SCALARS, TENSORS, spec};
 use crate::dataset::Dataset;
 use crate::error::Result;
-use crate::surrogate::{COMPONENTS, STRAINS, SUFFIXES, deviator};
+use crate::methods::{COMPONENTS, STRAINS, SUFFIXES, deviator};
 
 /// A state: deviators of stress over mean stress and of fabric, volumetric strain, coordination number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,7 +9,8 @@ use super::quantities::{Quantity, Row, means, rows_of};
 use super::scatter::scatter;
 use super::work::{WorkInCycles, cycles};
 use crate::dataset::{Dataset, RunStates};
-use crate::surrogate::{Cause, Estimate, Prediction, STRAINS, SUFFIXES};
+use crate::methods::{STRAINS, SUFFIXES};
+use crate::surrogate::{Cause, Estimate, Prediction};
 
 const PRESSURE: f64 = 1e5;
 const STIFFNESS: f64 = 50.0;

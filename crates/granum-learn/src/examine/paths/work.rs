@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::quantities::{Row, strains};
 use crate::dataset::Dataset;
 use crate::error::Result;
-use crate::surrogate::COMPONENTS;
+use crate::methods::COMPONENTS;
 
 /// The work of the deviator of stress, over mean stress, in closed cycles of the deviator of strain, `W = integral of s : de / p`: what is dissipated, but for what
 /// the grains keep.

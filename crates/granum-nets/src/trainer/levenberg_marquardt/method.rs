@@ -1,8 +1,8 @@
 //! What the state of an interrupted training holds of this trainer.
 
-use crate::trainer::error::TrainingError;
 use crate::trainer::report::Evidence;
 use crate::trainer::state::{MOST, TrainerState};
+use crate::training_error::TrainingError;
 
 /// The part of the state that is specific to this trainer.
 pub(super) struct Method {

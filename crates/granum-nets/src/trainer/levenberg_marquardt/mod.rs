@@ -28,16 +28,17 @@ use granum_core::observer::{Flow, Observer};
 use granum_simd::{Isa, mul_add};
 
 use self::method::Method;
-use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
+use super::left_out::left_out_of;
 use super::options::Options;
 use super::report::{Evidence, TrainingReport};
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
+use super::trainer_trait::{SharedTrainer, Trainer, training_progress};
 use super::traingdx::norm;
-use crate::data::Data;
+use crate::differentiable::check_columns;
 use crate::differentiable::{Differentiable, GaussNewton};
-use crate::left_out::left_out_of;
+use crate::table::data::Data;
+use crate::training_error::{TerminationReason, TrainingError};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {

@@ -5,13 +5,11 @@ import { announce, element, replace } from "../dom.js";
 import { figure } from "../figure.js";
 import { grains } from "../grains.js";
 import { counted, duration, quantity, words } from "../numbers.js";
-import { commandLines, scrolling, state, trouble } from "../parts.js";
+import { commandLines, rich, richTable, scrolling, state, tiles, trouble, trust } from "../parts.js";
 import { data } from "../server.js";
 
 /** How often a run that is under way is asked, ms. */
 const AGAIN = 2000;
-/** Measures that stand above everything, as far as a run has them. */
-const FIRST = ["peak_friction_angle", "critical_friction_angle", "peak_stress_ratio", "late_stress_ratio", "void_ratio", "mechanical_coordination_number"];
 
 /** @type {import("../main.js").View} */
 export async function run(main, query, signal) {
@@ -24,7 +22,7 @@ export async function run(main, query, signal) {
     element("p", { class: "subtitle" }, [found.what, counted(found.grains, "grain"), `granum ${found.granum_version}`, found.engine === "granum" ? "" : `by ${found.engine}`,
       `${duration(found.seconds)} of work`].filter(Boolean).join(" · ")),
     progress, found.next && element("p", { class: "note" }, `${sentence(found.holds)}. Next: ${found.next}`),
-    tiles(found.measures), checks(found.checks), measures(found.measures), theCase(found),
+    found.presented && presented(found.presented), measures(found.measures), theCase(found),
     found.snapshots.length > 0 && grains(path, found.snapshots, signal),
     figures, commandLines(found.commands));
   void showFigures(figures, [path], signal);
@@ -104,23 +102,11 @@ export async function showFigures(place, paths, signal) {
   }
 }
 
-/** @param {any[]} measures */
-function tiles(measures) {
-  const shown = FIRST.map(name => measures.find(measure => measure.name === name)).filter(Boolean);
-  if (shown.length === 0) return null;
-  return element("ul", { class: "tiles" }, shown.map(measure =>
-    element("li", { class: "tile" }, element("b", {}, quantity(measure.value, measure.unit, 3)), element("span", {}, words(measure.name)))));
-}
-
-/** @param {any[]} checks */
-function checks(checks) {
-  if (checks.length === 0) return null;
-  const missed = checks.filter(check => !check.passed).length;
-  const line = (/** @type {any} */ check) => element("li", { class: check.passed ? "passed" : "missed" },
-    `${words(check.name)}: ${quantity(check.value, "", 3)}, ${check.passed ? "within" : "beyond"} its limit of ${quantity(check.limit, "", 3)}`,
-    !check.passed && check.advice && element("div", { class: "note" }, check.advice));
-  const said = missed === 0 ? `All ${checks.length} checks are passed` : `${missed} of ${counted(checks.length, "check")} are not passed`;
-  return element("details", { open: missed > 0 }, element("summary", {}, `Can it be trusted? ${said}.`), element("ul", { class: "checks" }, checks.map(line)));
+/** What its report says first. @param {import("../parts.js").Presented} found */
+function presented(found) {
+  return [found.unfinished && element("p", { class: "callout" }, rich(found.unfinished)), tiles(found.tiles), trust(found),
+    found.strength && element("details", {}, element("summary", {}, "Strength at a glance"), richTable(found.strength)),
+    found.signs.length > 0 && element("details", {}, element("summary", {}, "Signs and symbols"), element("p", {}, rich(found.signs)))];
 }
 
 /** @param {any[]} measures */

@@ -19,8 +19,8 @@ use granum_io::{Error, Packing};
 use super::events::Instant;
 use super::place::Place;
 use crate::engine::native::simulation;
-use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::hooks::COLUMNS_OF_CONTACTS;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// What LAMMPS does not tell. Of sliding contacts it does not, since it evaluates the dashpots once more for a dump, so that a tangential
 /// force at its limit does not show it (of 38 % of sliding contacts 22 % were found within a thousandth of the limit).

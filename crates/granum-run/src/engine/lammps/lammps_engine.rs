@@ -14,13 +14,13 @@ use super::place::Place;
 use super::program::{self, NAME};
 use super::run::{self, Test};
 use super::unknown::Unknown;
-use crate::engine::engine_error::EngineError;
 use crate::engine::engine_run::EngineRun;
 use crate::engine::engine_trait::Engine;
 use crate::engine::native::{SampleMaker, note};
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::LammpsDeck;
+use crate::task::definition::Task;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// Found with two spheres that were pulled apart: `compute pair/local` gives no force at overlaps below the distance across which the
 /// contact holds, nor beyond, where the sphere itself has the force of the law (LAMMPS 29 Sep 2021).

@@ -9,9 +9,9 @@ use std::time::Duration;
 use granum_io::Error;
 
 use super::place::{LOG, OUTPUT, Place};
-use crate::engine::engine_error::EngineError;
-use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::SCRIPT;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// Name of the engine that is LAMMPS.
 pub const NAME: &str = "lammps";

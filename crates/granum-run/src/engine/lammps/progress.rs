@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::events::Instant;
 use super::place::Place;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// How far a test has been read, and what was recorded.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -15,7 +15,7 @@ use super::progress::Progress;
 use super::reasons::stage_end;
 use super::unknown::Unknown;
 use crate::engine::native::{MOST_STAGES_NOTED, snapshot_name, stage_snapshot};
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// Share by which a measure may fall short of the value at which an observation is due.
 const ROUNDING: f64 = 1e-9;

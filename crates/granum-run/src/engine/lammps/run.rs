@@ -18,13 +18,13 @@ use super::progress::Progress;
 use super::quality;
 use super::reading::{News, Reading};
 use super::unknown::Unknown;
-use crate::engine::engine_error::EngineError;
 use crate::engine::native::{END, MOST_STAGES_NOTED, SampleMaker, measures, note, quality as native_quality};
-use crate::engine::sink::Sink;
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
 use crate::lammps_deck::{Confinement, LammpsDeck};
 use crate::strength;
+use crate::task::definition::Task;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
 
 /// Time between two looks at what LAMMPS has written.
 const LOOK_EVERY: Duration = Duration::from_millis(20);

@@ -6,8 +6,8 @@ use granum_io::Case;
 use granum_sensors::{Record, RecordedState, Sensors};
 
 use super::program::NAME;
-use crate::engine::engine_error::EngineError;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::engine_error::EngineError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// The columns of a test that are left out.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -10,8 +10,8 @@ use super::run_state::{RunPart, RunState};
 use super::sample::measure_sample;
 use super::segment::Segment;
 use super::task_execution::TaskExecution;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::status::Speedometer;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::status::Speedometer;
 
 /// The settings of the consolidation of a case before its first stage; `None` if this begins at the mean stress of the sample.
 pub(super) fn wanted(case: &Case) -> Option<Preparation> {

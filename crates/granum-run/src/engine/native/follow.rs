@@ -13,8 +13,8 @@ use granum_dem::observer::{Flow, SimulationObserver, SimulationProgress, Work};
 use granum_sensors::{RecordedState, Recorder};
 
 use super::pace::Interval;
-use crate::engine::sink::Sink;
-use crate::laboratory::status::Speedometer;
+use crate::task::sink::Sink;
+use crate::task::status::Speedometer;
 
 /// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
 pub(super) struct Follow<'a, 's> {

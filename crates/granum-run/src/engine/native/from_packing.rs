@@ -9,10 +9,10 @@ use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Formats, Packing};
 
-use super::packing_simulation::simulation;
 use super::task_execution::TaskExecution;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::packing_simulation::simulation;
+use crate::task::source::Source;
 
 /// Keys that have an effect only if the packing is compacted.
 const USED_IN_COMPACTION: [&str; 6] = [

@@ -17,7 +17,6 @@ mod from_packing;
 pub(in crate::engine) mod measures;
 mod native_engine;
 mod pace;
-mod packing_simulation;
 mod pieces;
 mod preparation_curve;
 pub(in crate::engine) mod quality;
@@ -32,9 +31,9 @@ mod task_execution;
 mod test;
 mod test_state;
 
+pub use crate::task::packing_simulation::{cell, simulation, spheres};
 pub(in crate::engine) use follow::{snapshot_name, stage_snapshot};
 pub use native_engine::Native;
-pub use packing_simulation::{cell, simulation, spheres};
 pub use pieces::RunInPieces;
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;

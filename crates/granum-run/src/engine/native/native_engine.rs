@@ -7,8 +7,8 @@ use granum_io::run::{RunFolder, RunRecord};
 use super::run;
 use crate::engine::engine_run::EngineRun;
 use crate::engine::engine_trait::Engine;
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::definition::Task;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// The engine of granum.
 #[derive(Clone, Copy, Debug)]

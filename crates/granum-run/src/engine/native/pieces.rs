@@ -16,10 +16,10 @@ use super::run::{self, Begun, Left};
 use super::run_state::RunState;
 use super::task_execution::TaskExecution;
 use crate::digest;
-use crate::engine::sink::Sink;
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::saved_run::SavedRun;
+use crate::task::definition::Task;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::saved_run::SavedRun;
+use crate::task::sink::Sink;
 
 /// A run in memory that goes on a piece at a time: between two pieces whoever holds it can look at its state, show it, save it, or leave it. Its
 /// results have the bits of a run in one piece.

@@ -19,13 +19,13 @@ use super::task_execution::TaskExecution;
 use super::test_state::{MOST_STAGES_NOTED, Test};
 use super::{consolidation, from_packing, measures, quality};
 use crate::engine::engine_run::EngineRun;
-use crate::engine::sink::Sink;
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
-use crate::laboratory::status::Speedometer;
 use crate::laboratory::{estimate, memory};
 use crate::strength;
+use crate::task::definition::Task;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
+use crate::task::source::Source;
+use crate::task::status::Speedometer;
 
 /// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written.
 ///

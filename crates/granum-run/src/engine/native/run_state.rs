@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use super::preparation_curve::PreparationCurve;
 use super::test_state::{SavedTest, Test};
-use crate::engine::sink::Sink;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
 
 /// The state of a run.
 pub(super) struct RunState {

@@ -22,11 +22,11 @@ use super::run_state::{RunPart, RunResults, RunState};
 use super::segment::Segment;
 use super::task_execution::TaskExecution;
 use super::{from_packing, quality};
-use crate::engine::resources::Resources;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
-use crate::laboratory::status::Speedometer;
 use crate::remark_on_shapes::remark_on_shapes;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::resources::Resources;
+use crate::task::source::Source;
+use crate::task::status::Speedometer;
 
 impl TaskExecution {
     /// The initial state of a run. A packing that has already been read can be passed in.
@@ -282,6 +282,9 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
         results.measures.insert("preparation_cycles".into(), trial.cycles as f64);
         results.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
+    if sample.densified {
+        results.measures.insert("preparation_densified".into(), 1.0);
+    }
     results.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
     if let (Some(densest), Some(loosest)) = (p.densest_void_ratio, p.loosest_void_ratio) {
         let void_ratio = 1.0 / sample.simulation.state().solid_fraction() - 1.0;
@@ -291,6 +294,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
     if let Some(target) = p.target() {
         let reached = sample.simulation.state().solid_fraction();
         let is_looser = reached < target;
+        let beyond = |density: &dyn Fn(f64) -> String| beyond(&sample.trials, target, density);
         let missed = (reached - target).abs();
         // In the measure in which it was asked for; a solid fraction is the usual one and goes without its name.
         let measure = DensityMeasure::new(p);
@@ -312,14 +316,20 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
                  preparation.solid_fraction = \"none\""
             )
         } else {
-            let procedure = sample.trials.last().map_or_else(String::new, described);
+            let mut procedure = sample.trials.last().map_or_else(String::new, described);
+            if sample.densified {
+                procedure += ", made denser,";
+            }
             let means = if is_looser {
                 "more preparation.cycles, or preparation.rolling_friction = 0, make denser samples"
             } else {
                 "more resistance to rolling of the grains or a larger preparation.inertial_number makes looser ones"
             };
+            let beyond = beyond(&|solid_fraction| {
+                format!("{} {:.4}", measure.name(), measure.value(p, solid_fraction))
+            });
             format!(
-                "target {target} not reached: compaction with {procedure} gives {reached}, and no other came closer; choose another \
+                "target {target} not reached: compaction with {procedure} gives {reached}, and no other came closer{beyond}; choose another \
                  preparation.{key}, or preparation.solid_fraction = \"none\" in its place ({means})"
             )
         };
@@ -330,6 +340,28 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
             advice,
         ));
     }
+}
+
+/// Where no procedure reached a density: that all trials are on one side of it, and what the last of the procedures gave.
+fn beyond(trials: &[Trial], target: f64, density: &dyn Fn(f64) -> String) -> String {
+    let by_density = |a: &&Trial, b: &&Trial| a.solid_fraction.total_cmp(&b.solid_fraction);
+    let [Some(loosest), Some(densest)] = [trials.iter().min_by(by_density), trials.iter().max_by(by_density)]
+    else {
+        return String::new();
+    };
+    let (end, way, which) = if densest.solid_fraction < target {
+        (densest, "looser", "densest")
+    } else if loosest.solid_fraction > target {
+        (loosest, "denser", "loosest")
+    } else {
+        return String::new();
+    };
+    let count = trials.len();
+    let reached = density(end.solid_fraction);
+    format!(
+        ": all {count} trials are {way}, and the {which} of them, with {}, has a {reached}",
+        described(end)
+    )
 }
 
 /// The procedure of a trial in words.

@@ -10,10 +10,10 @@ use granum_io::run::{RunFolder, RunRecord};
 use super::run::{self, Begun, Left};
 use super::run_state::{self, RunState};
 use super::task_execution::TaskExecution;
-use crate::engine::sink::Sink;
-use crate::engine::task::Task;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::source::Source;
+use crate::task::definition::Task;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
+use crate::task::source::Source;
 
 /// Makes the sample of a test, with checkpoints in the folder of the run.
 pub(in crate::engine) struct SampleMaker {

@@ -4,7 +4,7 @@ use granum_dem::contact::choice::registry::Laws;
 use granum_dem::simulation::Simulation;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// The bytes of a simulation; in text they are hexadecimal digits.
 #[derive(Clone)]

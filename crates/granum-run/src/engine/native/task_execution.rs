@@ -3,8 +3,8 @@
 use granum_io::Formats;
 use granum_io::case::Vocabulary;
 
-use crate::engine::resources::Resources;
-use crate::engine::task::Task;
+use crate::task::definition::Task;
+use crate::task::resources::Resources;
 
 /// Executes the parts of a run: the threads, the interval of checkpoints, and what is known by name.
 #[derive(Clone, Debug)]

@@ -14,10 +14,10 @@ use super::run_state::{RunPart, RunState};
 use super::segment::Segment;
 use super::task_execution::TaskExecution;
 use super::test_state::{MOST_STAGES_NOTED, Test};
-use crate::engine::sink::Sink;
-use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::status::Speedometer;
 use crate::strength::symmetry;
+use crate::task::laboratory_error::LaboratoryError;
+use crate::task::sink::Sink;
+use crate::task::status::Speedometer;
 
 impl TaskExecution {
     /// Prepares a sample for the test that the case defines.

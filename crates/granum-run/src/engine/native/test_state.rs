@@ -14,7 +14,7 @@ use super::energy_balance::StoredEnergy;
 use super::follow::{snapshot_name, stage_snapshot};
 use super::saved_state::SavedState;
 use super::snapshot_names::END;
-use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::task::laboratory_error::LaboratoryError;
 
 /// The state of a test in addition to that of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]

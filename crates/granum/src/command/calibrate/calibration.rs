@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use granum_calibration::file::CalibrationFile;
-use granum_calibration::likelihood::FreeParameter;
-use granum_calibration::target::TargetTest;
+use granum_calibration::inference::likelihood::FreeParameter;
+use granum_calibration::simulations::target::TargetTest;
 use granum_io::LaboratoryTest;
 
 use crate::command::campaign::CarryOutFlags;

@@ -1,9 +1,9 @@
 //! `granum calibrate --coverage N`: whether the intervals hold the truth, on simulations at known parameters in place of the tests.
 
-use granum_calibration::confirmation::simulations;
-use granum_calibration::coverage::{Coverage, coverage, synthetic, truths};
-use granum_calibration::outcome::Outcome;
-use granum_calibration::target::TargetTest;
+use granum_calibration::posterior::confirmation::simulations;
+use granum_calibration::posterior::coverage::{Coverage, coverage, synthetic, truths};
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::simulations::target::TargetTest;
 use granum_io::shell::ShowPath;
 use granum_io::{Column, Table, write_table};
 use serde_json::json;

@@ -1,15 +1,15 @@
 //! Whether the tests can be explained at all, and whether the posterior explains them.
 
 use granum_calibration::CalibrationError;
-use granum_calibration::confirmation::Confirmed;
-use granum_calibration::curve::{ForwardModel, PredictedCurve};
-use granum_calibration::emulator::Emulator;
-use granum_calibration::fit::Fit;
-use granum_calibration::known::KnownRun;
-use granum_calibration::outcome::Outcome;
-use granum_calibration::reach::{BeyondReach, beyond_reach, values_of_priors};
-use granum_calibration::simulation::parameters;
-use granum_calibration::target::{TargetTest, all_curves};
+use granum_calibration::compared::curve::{ForwardModel, PredictedCurve};
+use granum_calibration::inference::reach::{BeyondReach, beyond_reach, values_of_priors};
+use granum_calibration::posterior::confirmation::Confirmed;
+use granum_calibration::posterior::fit::Fit;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::simulations::emulator::Emulator;
+use granum_calibration::simulations::known::KnownRun;
+use granum_calibration::simulations::simulation::parameters;
+use granum_calibration::simulations::target::{TargetTest, all_curves};
 use granum_io::shell::ShowPath;
 use granum_report::calibration::{CalibratedCurve, curves_figure};
 

@@ -1,13 +1,13 @@
 //! Inference by chains on the surrogate.
 
 use granum_calibration::CalibrationError;
-use granum_calibration::chains::{ChainOptions, draw};
-use granum_calibration::emulator::Emulator;
-use granum_calibration::likelihood::{Discrepancy, Posterior};
-use granum_calibration::outcome::Outcome;
-use granum_calibration::prior::Prior;
-use granum_calibration::simulation::parameters;
-use granum_calibration::target::{TargetTest, all_curves};
+use granum_calibration::draws::chains::{ChainOptions, draw};
+use granum_calibration::inference::likelihood::{Discrepancy, Posterior};
+use granum_calibration::inference::prior::Prior;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::simulations::emulator::Emulator;
+use granum_calibration::simulations::simulation::parameters;
+use granum_calibration::simulations::target::{TargetTest, all_curves};
 use granum_core::observer::{Flow, Observer, Progress as Step};
 use granum_run::laboratory::ProgressField;
 

@@ -16,14 +16,14 @@ mod simulate;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_calibration::confirmation::{Confirmed, MOST_OUTSIDE, share_outside};
-use granum_calibration::emulator::Emulator;
 use granum_calibration::file::{CalibrationFile, Method, PredictedTests, WHY_PREDICTIONS};
-use granum_calibration::known::KnownRun;
-use granum_calibration::same_readings::{check_different, known_by_another_name};
-use granum_calibration::simulation::{CaseNumbers, parameters};
-use granum_calibration::target::{named_twice, predicted, targets, understood};
-use granum_calibration::telling::WhatTestsTell;
+use granum_calibration::posterior::confirmation::{Confirmed, MOST_OUTSIDE, share_outside};
+use granum_calibration::questions::telling::WhatTestsTell;
+use granum_calibration::simulations::emulator::Emulator;
+use granum_calibration::simulations::known::KnownRun;
+use granum_calibration::simulations::same_readings::{check_different, known_by_another_name};
+use granum_calibration::simulations::simulation::{CaseNumbers, parameters};
+use granum_calibration::simulations::target::{named_twice, predicted, targets, understood};
 use granum_io::shell::ShowPath;
 use granum_io::{LaboratoryTest, OutputFolder, read_laboratory};
 
@@ -303,7 +303,7 @@ impl Calibration<'_> {
     }
 
     fn telling(&self, emulator: &Emulator) -> Result<WhatTestsTell, Failure> {
-        let curves = granum_calibration::target::all_curves(self.targets);
+        let curves = granum_calibration::simulations::target::all_curves(self.targets);
         let threads = super::hardware::processors();
         let seed = self.file.calibration.seed;
         let telling = WhatTestsTell::new(&self.parameters, &curves, emulator, seed, threads)?;
@@ -324,12 +324,13 @@ impl Calibration<'_> {
         if draws.is_empty() {
             return Ok((Vec::new(), Runs { simulated: Vec::new() }));
         }
-        let simulations = granum_calibration::confirmation::simulations(self.file, self.all.len(), &draws);
+        let simulations =
+            granum_calibration::posterior::confirmation::simulations(self.file, self.all.len(), &draws);
         let runs = self.simulate(&format!("confirmation-{round}"), 1000 + round, &simulations)?;
         for one in &runs.simulated {
-            granum_calibration::emulator::check(self.file, &one.name, &one.curves)?;
+            granum_calibration::simulations::emulator::check(self.file, &one.name, &one.curves)?;
         }
-        let confirmed = granum_calibration::confirmation::confirm(
+        let confirmed = granum_calibration::posterior::confirmation::confirm(
             self.file,
             self.all,
             &runs.simulated,

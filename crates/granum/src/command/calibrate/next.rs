@@ -1,9 +1,9 @@
 //! Which further test and which further simulation would tell most.
 
-use granum_calibration::candidate_tests::{new_tests, unused_tests};
-use granum_calibration::emulator::Emulator;
-use granum_calibration::next_run::NextRun;
-use granum_calibration::next_test::NextTest;
+use granum_calibration::questions::candidate_tests::{new_tests, unused_tests};
+use granum_calibration::questions::next_run::NextRun;
+use granum_calibration::questions::next_test::NextTest;
+use granum_calibration::simulations::emulator::Emulator;
 use granum_io::write_table;
 
 use super::calibration::Calibration;

@@ -1,8 +1,8 @@
 //! The posterior as files, which are written as soon as it is found, so that nothing is lost if its confirmation is interrupted.
 
-use granum_calibration::outcome::Outcome;
-use granum_calibration::simulation::{DesignPoint, of_test, plan, planned};
-use granum_calibration::target::all_curves;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::simulations::simulation::{DesignPoint, of_test, plan, planned};
+use granum_calibration::simulations::target::all_curves;
 use granum_campaign::plan::VariableKind;
 use granum_core::quantity::format_number;
 use granum_io::shell::ShowPath;

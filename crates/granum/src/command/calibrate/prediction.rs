@@ -1,7 +1,7 @@
 //! Predictions of tests that were not calibrated on.
 
-use granum_calibration::emulator::Emulator;
-use granum_calibration::prediction::{Prediction, errors_table, predict, readings_table};
+use granum_calibration::posterior::prediction::{Prediction, errors_table, predict, readings_table};
+use granum_calibration::simulations::emulator::Emulator;
 use granum_io::write_table;
 
 use super::calibration::Calibration;

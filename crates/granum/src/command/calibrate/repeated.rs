@@ -1,10 +1,10 @@
 //! Repeated inference on one surrogate: each test left out of it in turn and predicted, and each test alone.
 
-use granum_calibration::emulator::Emulator;
-use granum_calibration::known::KnownRun;
-use granum_calibration::outcome::Outcome;
-use granum_calibration::prediction::{Prediction, errors_table, predict, readings_table};
-use granum_calibration::target::TargetTest;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::posterior::prediction::{Prediction, errors_table, predict, readings_table};
+use granum_calibration::simulations::emulator::Emulator;
+use granum_calibration::simulations::known::KnownRun;
+use granum_calibration::simulations::target::TargetTest;
 use granum_io::shell::ShowPath;
 use granum_io::{Column, Table, write_table};
 use serde_json::json;
@@ -110,7 +110,7 @@ fn parameters_table(found: &[(String, Outcome)]) -> Result<Table, Failure> {
             tests.push(test.clone());
             names.push(name.clone());
             let sorted = outcome.sorted(k);
-            let at = |share| granum_calibration::diagnostics::quantile_of_sorted(&sorted, share);
+            let at = |share| granum_calibration::draws::diagnostics::quantile_of_sorted(&sorted, share);
             for (numbers, value) in numbers.iter_mut().zip([mean[k], at(0.05), at(0.5), at(0.95)]) {
                 numbers.push(value);
             }

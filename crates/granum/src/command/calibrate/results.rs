@@ -3,15 +3,15 @@
 use std::io::Write;
 use std::path::Path;
 
-use granum_calibration::band::{BAND_DRAWS, Band};
-use granum_calibration::confirmation::Confirmed;
-use granum_calibration::emulator::Emulator;
-use granum_calibration::next_run::NextRun;
-use granum_calibration::next_test::NextTest;
-use granum_calibration::prediction::Prediction;
-use granum_calibration::simulation::Simulated;
-use granum_calibration::target::{TargetTest, understood};
-use granum_calibration::telling::WhatTestsTell;
+use granum_calibration::posterior::band::{BAND_DRAWS, Band};
+use granum_calibration::posterior::confirmation::Confirmed;
+use granum_calibration::posterior::prediction::Prediction;
+use granum_calibration::questions::next_run::NextRun;
+use granum_calibration::questions::next_test::NextTest;
+use granum_calibration::questions::telling::WhatTestsTell;
+use granum_calibration::simulations::emulator::Emulator;
+use granum_calibration::simulations::simulation::Simulated;
+use granum_calibration::simulations::target::{TargetTest, understood};
 use granum_io::shell::{ShowPath, quoted_path};
 use granum_io::{Table, atomic::write_atomically};
 use granum_report::calibration::{CalibratedCurve, CalibrationReport, curves_figure, report};
@@ -182,7 +182,7 @@ impl Calibration<'_> {
             "next_test": surrogate.map(|told| &told.next_test),
             "next_run": surrogate.and_then(|told| told.next_run.as_ref()),
             "confirmation": confirmed,
-            "share_outside_intervals": granum_calibration::confirmation::share_outside(confirmed),
+            "share_outside_intervals": granum_calibration::posterior::confirmation::share_outside(confirmed),
             "predictions": predictions,
             "remarks": remarks,
         })

@@ -1,14 +1,14 @@
 //! Inference by rounds of simulations, without a surrogate.
 
-use granum_calibration::curve::{ForwardModel, PredictedCurve};
-use granum_calibration::emulator::{at_strains, check};
-use granum_calibration::likelihood::Posterior;
-use granum_calibration::outcome::Outcome;
-use granum_calibration::prior::Prior;
-use granum_calibration::sample_scatter::{SampleScatter, push_predicted};
-use granum_calibration::sequential::{Sequential, SequentialOptions};
-use granum_calibration::simulation::{DesignPoint, Simulated, of_test};
-use granum_calibration::target::all_curves;
+use granum_calibration::compared::curve::{ForwardModel, PredictedCurve};
+use granum_calibration::compared::sample_scatter::{SampleScatter, push_predicted};
+use granum_calibration::draws::sequential::{Sequential, SequentialOptions};
+use granum_calibration::inference::likelihood::Posterior;
+use granum_calibration::inference::prior::Prior;
+use granum_calibration::posterior::outcome::Outcome;
+use granum_calibration::simulations::emulator::{at_strains, check};
+use granum_calibration::simulations::simulation::{DesignPoint, Simulated, of_test};
+use granum_calibration::simulations::target::all_curves;
 
 use super::calibration::Calibration;
 use super::earlier_results::OF_POSTERIOR;

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use granum_calibration::known::{EarlierRuns, KnownRun};
-use granum_calibration::simulation::{CaseNumbers, DesignPoint, Simulated, plan, planned, simulated};
-use granum_calibration::unvaried::check_varied;
+use granum_calibration::simulations::known::{EarlierRuns, KnownRun};
+use granum_calibration::simulations::simulation::{
+    CaseNumbers, DesignPoint, Simulated, plan, planned, simulated,
+};
+use granum_calibration::simulations::unvaried::check_varied;
 use granum_campaign::data_set::{DATA_SET, DataSet};
 use granum_campaign::plan::FixedKey;
 use granum_io::OutputFolder;
@@ -30,7 +32,7 @@ impl Calibration<'_> {
     /// The simulations from which the surrogate learns, with what decides one: those of the earlier campaign, or of the design, which are
     /// carried out as far as they are not finished.
     pub fn known(&self) -> Result<(CaseNumbers, Vec<KnownRun>), Failure> {
-        let design = granum_calibration::simulation::design(self.file, self.targets.len());
+        let design = granum_calibration::simulations::simulation::design(self.file, self.targets.len());
         if self.earlier.is_empty() {
             let numbers = CaseNumbers::new(self.file);
             let Runs { simulated } = self.simulate("design", 0, &design)?;

@@ -47,10 +47,8 @@ pub fn text(plan: &Plan, planned: &PlannedRuns) -> String {
 fn design(plan: &Plan) -> String {
     let design = &plan.design;
     let what = match &design.kind {
-        DesignKind::Sobol => "points of a Sobol sequence",
+        DesignKind::Points(design) => design.points_in_words,
         DesignKind::Chosen(_) => "chosen points of a Sobol sequence",
-        DesignKind::LatinHypercube => "points of a Latin hypercube",
-        DesignKind::FullFactorial => "all combinations",
         DesignKind::Rows(_) => "listed points",
     };
     let seeds = match (design.replicates, design.sample_seeds) {

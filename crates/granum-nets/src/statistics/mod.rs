@@ -1,0 +1,4 @@
+//! Distributions, with the same bits on every machine.
+
+pub mod normal;
+pub(crate) mod student_t;
