@@ -212,6 +212,16 @@ pub const PLANS: &[ReadyPlan] = &[
         case: "rolling-resistance",
         text: include_str!("../gallery/plans/random-paths-cycles.toml"),
     },
+    ReadyPlan {
+        name: "sand-step",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/sand-step.toml"),
+    },
+    ReadyPlan {
+        name: "sand-step-unseen",
+        case: "rolling-resistance",
+        text: include_str!("../gallery/plans/sand-step-unseen.toml"),
+    },
 ];
 
 impl ReadyPlan {

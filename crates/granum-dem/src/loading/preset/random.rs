@@ -1,39 +1,52 @@
-//! Random path of deviatoric strain at constant mean stress, from a seed: for surrogates that must know any path.
+//! Random path of deviatoric strain from a seed, for surrogates that must know any path: at constant mean stress, at constant volume, or while the mean
+//! stress goes from one random value to another.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::{INERTIAL_NUMBER, INTERVAL, PathParameter, PathParameterDefault, Preset, number, stress, word};
-use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Stage, Until};
+use super::{
+    INERTIAL_NUMBER, INTERVAL, PathFault, PathParameter, PathParameterDefault, PathValues, Preset, number,
+    stress, word,
+};
+use crate::loading::{Constraint, Control, Drive, Measure, RecordedStates, Speed, Stage, Target, Until};
 use crate::random::unit;
 
 pub(super) const PRESET: Preset = Preset {
     name: "random",
-    help: "Deviatoric strains along a path of straight lines that a seed decides, at constant mean stress: turning points \
-           anywhere, one line, cycles, or all of them in turn.",
+    help: "Deviatoric strains along a path of straight lines that a seed decides, at constant or changing mean stress or at constant \
+           volume: turning points anywhere, one line, cycles, or all of them in turn.",
     own: PARAMETERS,
     faults: |values| {
         let (length, amplitude) = (values.number("length"), values.number("amplitude"));
-        values.not_whole("seed").or_else(|| {
+        let too_long = || {
             let message = || {
-                format!("length = {length} must be at most {MOST_AMPLITUDES} times amplitude, which is {amplitude}")
+                format!(
+                    "length = {length} must be at most {MOST_AMPLITUDES} times amplitude, which is {amplitude}"
+                )
             };
             (length > MOST_AMPLITUDES * amplitude).then(|| ("length", message()))
-        })
+        };
+        values.not_whole("seed").or_else(too_long).or_else(|| fault_of_mean_stress(values))
     },
     stages: |values| {
         let kinds = [("monotonic", Kind::Monotonic), ("cyclic", Kind::Cyclic), ("mixed", Kind::Mixed)];
         let chosen = kinds.into_iter().find(|(name, _)| values.is("kind", name));
         let kind = chosen.map_or(Kind::Random, |(_, kind)| kind);
         let [amplitude, length] = ["amplitude", "length"].map(|key| values.number(key));
-        let points = turning_points(kind, values.number("seed") as u64, amplitude, length);
+        let seed = values.number("seed") as u64;
+        let points = turning_points(kind, seed, amplitude, length);
+        let stresses = mean_stresses(values, seed, points.len());
         let record = RecordedStates::every(Measure::ArcLength, values.number("interval"));
         let lines = points.windows(2).enumerate().map(|(k, ends)| {
             let [from, to] = [ends[0], ends[1]];
             let distance = norm(&minus(&to, &from));
-            let held = Constraint::mean_stress(values.target("mean_stress"));
-            let mut control = control(&minus(&to, &from), distance).with(held);
-            control.speed = values.speed();
+            let volume = match stresses.get(k..k + 2) {
+                _ if values.is("drainage", "undrained") => Constraint::strains(VOLUME, 0.0),
+                Some(ends) => moving_mean_stress(&from, &to, [ends[0], ends[1]]),
+                None => Constraint::mean_stress(values.target("mean_stress")),
+            };
+            let mut control = control(&minus(&to, &from), distance).with(volume);
+            control.speed = speed(values);
             let stage = Stage::new(format!("line {}", k + 1), control, vec![end(&from, &to)]);
             let most_arc_length = Some(2.0 * distance + 0.01);
             Stage { resets: k == 0, most_arc_length, record: record.clone(), ..stage }
@@ -48,6 +61,9 @@ const MOST_AMPLITUDES: f64 = 1000.0;
 
 /// Smallest share of the amplitude that cycles have.
 const LEAST_CYCLE: f64 = 0.25;
+
+/// The weights of the normal strains in the volumetric strain.
+const VOLUME: [f64; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -169,18 +185,79 @@ fn control(line: &Point, length: f64) -> Control {
         .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], yy - zz))
 }
 
-/// The end of a line: of the strains that are measured exactly, the one that changes most reaches its value, so that errors do
-/// not add up over many lines.
-fn end(from: &Point, to: &Point) -> Until {
+/// Of the strains that are measured exactly, the one that changes most along a line: its place in a [`Point`], and the factor of the coordinate in it.
+fn leading(from: &Point, to: &Point) -> (usize, f64) {
     let root = 3f64.sqrt();
     let measures = [(0, 1.5), (2, root), (3, root), (4, root)];
     let change = |(k, factor): &(usize, f64)| factor * (to[*k] - from[*k]).abs();
-    let (k, factor) = measures.into_iter().max_by(|a, b| change(a).total_cmp(&change(b))).unwrap_or((0, 1.5));
+    measures.into_iter().max_by(|a, b| change(a).total_cmp(&change(b))).unwrap_or((0, 1.5))
+}
+
+/// The end of a line: the strain that changes most reaches its value, so that errors do not add up over many lines.
+fn end(from: &Point, to: &Point) -> Until {
+    let (k, factor) = leading(from, to);
     let measure = match k {
         0 => Measure::AxialDeviatorStrain,
         _ => Measure::Strain(k as u8 + 1),
     };
     Until::Reaches { measure, value: factor * to[k] }
+}
+
+/// The speed: at constant volume the mean stress may vanish, and with it the rate that belongs to an inertial number, so that the first one counts.
+fn speed(values: &PathValues) -> Speed {
+    let at = values.optional("mean_stress").filter(|_| values.is("drainage", "undrained"));
+    match values.speed() {
+        Speed::InertialNumber { number, .. } => Speed::InertialNumber { number, at },
+        rate => rate,
+    }
+}
+
+/// The mean stresses at the turning points, Pa, of which the first is that of the sample and the logarithms of the others have a uniform density; none
+/// where the mean stress is held or the volume is.
+fn mean_stresses(values: &PathValues, seed: u64, count: usize) -> Vec<f64> {
+    let [first, low, high] = STRESSES.map(|key| values.optional(key));
+    let (true, Some(first), Some(low), Some(high)) = (values.is("drainage", "moving"), first, low, high)
+    else {
+        return Vec::new();
+    };
+    // The numbers of the turning points are another stream, so that a seed has one path of strain.
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(1);
+    let others = (1..count).map(|_| low * libm::pow(high / low, unit(random)));
+    std::iter::once(first).chain(others).collect()
+}
+
+/// The constraint that the mean stress goes from one value to another along a line, in proportion to the strain that changes most: a combination of the
+/// stresses and of that strain is held.
+fn moving_mean_stress(from: &Point, to: &Point, [first, last]: [f64; 2]) -> Constraint {
+    let (k, factor) = leading(from, to);
+    let slope = 3.0 * (last - first) / (factor * (to[k] - from[k]));
+    let mut strain = [0.0; 6];
+    match k {
+        0 => [strain[0], strain[1], strain[2]] = [-slope, 0.5 * slope, 0.5 * slope],
+        _ => strain[k + 1] = -slope,
+    }
+    let target = Target::held(3.0 * first - slope * factor * from[k]);
+    Constraint { strain, ..Constraint::mean_stress(target) }
+}
+
+/// The mean stress at the start and its bounds.
+const STRESSES: [&str; 3] = ["mean_stress", "lowest_mean_stress", "highest_mean_stress"];
+
+/// What is wrong with the mean stresses, where they move.
+fn fault_of_mean_stress(values: &PathValues) -> Option<PathFault> {
+    let [first, lowest, highest] = STRESSES;
+    if !values.is("drainage", "moving") {
+        return None;
+    }
+    if values.optional(first).is_none() {
+        return Some((
+            "drainage",
+            format!("drainage = \"moving\" needs {first}, from which the mean stress goes on"),
+        ));
+    }
+    let [low, high] = [lowest, highest].map(|key| values.number(key));
+    (low > high).then(|| (lowest, format!("{lowest} = {low} must be at most {highest}, which is {high}")))
 }
 
 const PARAMETERS: &[PathParameter] = &[
@@ -211,9 +288,35 @@ const PARAMETERS: &[PathParameter] = &[
         [1e-6, 1.0],
     ),
     number("length", "Length of the path: the sum of sqrt(2/3 de:de) over its lines.", 0.1, [1e-6, 100.0]),
-    stress("mean_stress", "Mean stress p, to which the sample is consolidated first and which is then held."),
+    word(
+        "drainage",
+        "What happens to the volume and the mean stress.",
+        &[
+            ["drained", "the mean stress is held and the volume is free"],
+            ["undrained", "the volume is constant"],
+            [
+                "moving",
+                "along each line the mean stress goes to a random value from lowest_mean_stress to highest_mean_stress, of uniform density in its logarithm",
+            ],
+        ],
+    ),
+    stress(
+        "mean_stress",
+        "Mean stress p, to which the sample is consolidated first and which is then held, unless drainage says otherwise.",
+    ),
     PathParameter {
-        help: "Speed: inertial number I of the rate of the deviatoric strain at the mean stress at the start of each line.",
+        default: PathParameterDefault::Value(20e3),
+        ..stress("lowest_mean_stress", "Lowest mean stress of a turning point, where the mean stress moves.")
+    },
+    PathParameter {
+        default: PathParameterDefault::Value(500e3),
+        ..stress(
+            "highest_mean_stress",
+            "Highest mean stress of a turning point, where the mean stress moves.",
+        )
+    },
+    PathParameter {
+        help: "Speed: inertial number I of the rate of the deviatoric strain at the mean stress at the start of each line, undrained at mean_stress.",
         ..INERTIAL_NUMBER
     },
     PathParameter {
@@ -226,6 +329,54 @@ const PARAMETERS: &[PathParameter] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::loading::preset::Given;
+
+    fn given(values: &[(&str, f64)], drainage: &str) -> Given {
+        let numbers = values.iter().map(|(key, value)| ((*key).to_string(), (*value).into()));
+        numbers.chain([("drainage".to_string(), drainage.into())]).collect()
+    }
+
+    #[test]
+    fn a_moving_mean_stress_has_its_value_at_every_turning_point() {
+        let bounds = [("mean_stress", 100e3), ("lowest_mean_stress", 20e3), ("highest_mean_stress", 500e3)];
+        let moving = given(&bounds, "moving");
+        assert_eq!(PRESET.fault(&moving), None);
+        let values = PathValues { preset: &PRESET, given: &moving };
+        let stresses = mean_stresses(&values, 1, 4000);
+        assert_eq!(stresses[0], 100e3);
+        assert!(stresses.iter().all(|p| (20e3..=500e3).contains(p)));
+        // The median of logarithms of uniform density is the geometric mean.
+        let below = stresses.iter().filter(|p| **p < 100e3).count();
+        assert!((1850..2150).contains(&below), "{below}");
+        let points = turning_points(Kind::Random, 1, 0.01, 0.1);
+        let six = |c: &Point| {
+            let (half, root) = (-0.5 * c[0], 3f64.sqrt());
+            [c[0], half + 0.5 * root * c[1], half - 0.5 * root * c[1], root * c[2], root * c[3], root * c[4]]
+        };
+        for (ends, p) in points.windows(2).zip(stresses.windows(2)) {
+            let held = moving_mean_stress(&ends[0], &ends[1], [p[0], p[1]]);
+            for (point, p) in ends.iter().zip(p) {
+                let of_strain: f64 =
+                    held.strain.iter().zip(six(point)).map(|(weight, strain)| weight * strain).sum();
+                assert!((3.0 * p + of_strain - held.target.value.unwrap()).abs() < 1e-6, "{p}");
+            }
+        }
+        // The path of strain is that of the same seed at constant mean stress.
+        let ends = |stages: &[Stage]| stages.iter().map(|stage| stage.until.clone()).collect::<Vec<_>>();
+        let drained = given(&bounds[..1], "drained");
+        assert_eq!(ends(&PRESET.expand(&moving)), ends(&PRESET.expand(&drained)));
+    }
+
+    #[test]
+    fn a_moving_mean_stress_needs_a_start_and_bounds() {
+        let fault = |values: &[(&str, f64)], drainage: &str| {
+            PRESET.fault(&given(values, drainage)).map(|(key, _)| key)
+        };
+        assert_eq!(fault(&[("lowest_mean_stress", 2e4)], "moving"), Some("drainage"));
+        let turned = [("mean_stress", 1e5), ("lowest_mean_stress", 5e5), ("highest_mean_stress", 2e4)];
+        assert_eq!(fault(&turned, "moving"), Some("lowest_mean_stress"));
+        assert_eq!(fault(&turned, "undrained"), None);
+    }
 
     #[test]
     fn a_seed_decides_a_path_of_its_length_within_its_amplitude() {

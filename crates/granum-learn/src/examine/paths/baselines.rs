@@ -1,13 +1,14 @@
 //! What must be beaten: the state of the sample, and the simplest law of any path.
 
+use super::columns::Learned;
 use super::quantities::{Quantity, Row, rows_of, samples, strains};
 use crate::dataset::Dataset;
 use crate::error::Result;
 use crate::methods::COMPONENTS;
 
 /// The state of the sample, for every state of its run.
-pub(super) fn first_states(runs: &Dataset) -> Result<Vec<Row>> {
-    let samples = samples(runs)?;
+pub(super) fn first_states(learned: &Learned, runs: &Dataset) -> Result<Vec<Row>> {
+    let samples = samples(learned, runs)?;
     let each = runs.runs().iter().zip(samples);
     Ok(each.flat_map(|(run, sample)| std::iter::repeat_n(sample, run.rows())).collect())
 }
@@ -26,9 +27,9 @@ const STEPS: usize = 12;
 
 impl ElasticPerfectlyPlastic {
     /// Searches a grid: stiffnesses from 10 to 2000, and limits up to the largest norm.
-    pub fn fit(training: &Dataset) -> Result<ElasticPerfectlyPlastic> {
-        let (rows, strains) = (rows_of(training)?, strains(training)?);
-        let starts = samples(training)?;
+    pub fn fit(learned: &Learned, training: &Dataset) -> Result<ElasticPerfectlyPlastic> {
+        let (rows, strains) = (rows_of(learned, training)?, strains(training)?);
+        let starts = samples(learned, training)?;
         let norm = |row: &Row| row.stress.iter().map(|c| c * c).sum::<f64>().sqrt();
         let most = rows.iter().map(norm).fold(0.0, f64::max);
         let mut best = (f64::INFINITY, ElasticPerfectlyPlastic { stiffness: 100.0, limit: most });
@@ -50,8 +51,8 @@ impl ElasticPerfectlyPlastic {
     }
 
     /// The states along runs; only stresses mean something.
-    pub fn rows(&self, runs: &Dataset) -> Result<Vec<Row>> {
-        Ok(self.stresses(runs, &strains(runs)?, &samples(runs)?))
+    pub fn rows(&self, learned: &Learned, runs: &Dataset) -> Result<Vec<Row>> {
+        Ok(self.stresses(runs, &strains(runs)?, &samples(learned, runs)?))
     }
 
     fn stresses(&self, runs: &Dataset, strains: &[[f64; COMPONENTS]], starts: &[Row]) -> Vec<Row> {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::{ALL, SCALARS, TENSORS, kind, kinds};
+use super::columns::{SCALARS, TENSORS, is_of, kinds};
 use super::quantities::{Quantity, strains};
 use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
@@ -78,6 +78,8 @@ impl Places {
 fn columns_of(quantity: Quantity, columns: &Columns) -> Vec<usize> {
     let is_own = |name: &str| match quantity {
         Quantity::Stress => name.starts_with(TENSORS[0]),
+        // It is no output of its own.
+        Quantity::Pressure => false,
         Quantity::Fabric => name.starts_with(TENSORS[1]),
         Quantity::Volume => name == SCALARS[0],
         Quantity::Coordination => name == SCALARS[1],
@@ -111,7 +113,7 @@ pub(super) fn held(
     method: &str,
     runs: &Dataset,
     places: &Places,
-    columns: &Columns,
+    (columns, quantities): (&Columns, &[Quantity]),
     predictions: &[Prediction],
 ) -> Result<Vec<HeldStates>> {
     let is_known = |prediction: &Prediction| prediction.values.iter().all(|own| own.interval.is_some());
@@ -121,8 +123,11 @@ pub(super) fn held(
     let names = columns.output_names();
     let exact = runs.values(&names)?;
     let mut found = Vec::new();
-    for quantity in Quantity::ALL {
-        let own = columns_of(quantity, columns);
+    for quantity in quantities {
+        let own = columns_of(*quantity, columns);
+        if own.is_empty() {
+            continue;
+        }
         // The share of the components of each state.
         let of_state = |(row, prediction): (usize, &Prediction)| {
             let is_held = |place: &&usize| {
@@ -135,8 +140,8 @@ pub(super) fn held(
         };
         let states: Vec<f64> = predictions.iter().enumerate().map(of_state).collect();
         for of_kind in kinds(runs) {
-            let is_chosen = |run: &RunStates| of_kind == ALL || kind(run) == of_kind;
-            found.push(of_runs(&states, runs, places, is_chosen).named(method, &of_kind, quantity));
+            let is_chosen = |run: &RunStates| is_of(run, &of_kind);
+            found.push(of_runs(&states, runs, places, is_chosen).named(method, &of_kind, *quantity));
         }
     }
     Ok(found)

@@ -1,18 +1,22 @@
 //! What is judged of a state on a path.
 
-use super::columns::{SCALARS, TENSORS, spec};
+use super::columns::{Learned, SCALARS, TENSORS};
 use crate::dataset::Dataset;
 use crate::error::Result;
 use crate::methods::{COMPONENTS, STRAINS, SUFFIXES, deviator};
 
-/// A state: deviators of stress over mean stress and of fabric, volumetric strain, coordination number.
+/// A state: deviators of stress over mean stress and of fabric, volumetric strain or logarithm of the mean stress, coordination number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     pub stress: [f64; COMPONENTS],
     pub fabric: [f64; COMPONENTS],
     pub volume: f64,
+    pub pressure: f64,
     pub coordination: f64,
 }
+
+/// The least mean stress whose logarithm is judged, Pa: a sample of grains that flows with its water carries less by chance.
+const LEAST_PRESSURE: f64 = 1e3;
 
 /// The norm of the deviator of stress over mean stress where two of the principal stresses are zero, the square root of 6: grains that do not stick to
 /// each other bear no larger one.
@@ -30,15 +34,27 @@ fn stress_over_pressure(stress: [f64; COMPONENTS], pressure: f64) -> [f64; COMPO
 }
 
 impl Row {
-    /// From the outputs of the specification, in their order.
-    pub fn of_outputs(row: &[f64]) -> Row {
+    /// From the outputs of what is learned, in their order.
+    pub fn of_outputs(learned: &Learned, row: &[f64]) -> Row {
         let six = |first: usize| std::array::from_fn(|k| row[first + k]);
         let (stress, pressure) = deviator(six(0));
-        Row {
-            stress: stress_over_pressure(stress, pressure),
-            fabric: deviator(six(6)).0,
-            volume: row[12],
-            coordination: row[13],
+        let known = Row { fabric: deviator(six(6)).0, ..Row::default() };
+        match learned.volume_is_input {
+            false => Row {
+                stress: stress_over_pressure(stress, pressure),
+                volume: row[12],
+                coordination: row[13],
+                ..known
+            },
+            true => {
+                let pressure = pressure.max(LEAST_PRESSURE);
+                Row {
+                    stress: stress_over_pressure(stress, pressure),
+                    pressure: libm::log(pressure),
+                    coordination: row[12],
+                    ..known
+                }
+            }
         }
     }
 }
@@ -48,18 +64,23 @@ impl Row {
 pub(super) enum Quantity {
     Stress,
     Volume,
+    Pressure,
     Fabric,
     Coordination,
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 4] =
-        [Quantity::Stress, Quantity::Volume, Quantity::Fabric, Quantity::Coordination];
+    /// What is judged of what is learned.
+    pub fn of(learned: &Learned) -> [Quantity; 4] {
+        let second = if learned.volume_is_input { Quantity::Pressure } else { Quantity::Volume };
+        [Quantity::Stress, second, Quantity::Fabric, Quantity::Coordination]
+    }
 
     pub fn name(self) -> &'static str {
         match self {
             Quantity::Stress => "stress deviator",
             Quantity::Volume => "volumetric strain",
+            Quantity::Pressure => "logarithm of mean stress",
             Quantity::Fabric => "fabric deviator",
             Quantity::Coordination => "coordination number",
         }
@@ -74,13 +95,14 @@ impl Quantity {
             Quantity::Stress => tensors(&a.stress, &b.stress),
             Quantity::Fabric => tensors(&a.fabric, &b.fabric),
             Quantity::Volume => (a.volume - b.volume) * (a.volume - b.volume),
+            Quantity::Pressure => (a.pressure - b.pressure) * (a.pressure - b.pressure),
             Quantity::Coordination => (a.coordination - b.coordination) * (a.coordination - b.coordination),
         }
     }
 
     /// The reference of its errors: zero for tensors, the mean of the training states for scalars.
     fn reference(self, means: &Row) -> Row {
-        Row { volume: means.volume, coordination: means.coordination, ..Row::default() }
+        Row { stress: [0.0; COMPONENTS], fabric: [0.0; COMPONENTS], ..*means }
     }
 
     /// Sums over states: of the squared error, and of the squared difference from the reference.
@@ -92,13 +114,14 @@ impl Quantity {
 }
 
 /// The states of all runs.
-pub(super) fn rows_of(runs: &Dataset) -> Result<Vec<Row>> {
-    let outputs = spec().outputs;
-    Ok(runs.values(&outputs)?.chunks_exact(outputs.len()).map(Row::of_outputs).collect())
+pub(super) fn rows_of(learned: &Learned, runs: &Dataset) -> Result<Vec<Row>> {
+    let outputs = learned.spec().outputs;
+    let rows = runs.values(&outputs)?;
+    Ok(rows.chunks_exact(outputs.len()).map(|row| Row::of_outputs(learned, row)).collect())
 }
 
 /// The states of the samples, for each run.
-pub(super) fn samples(runs: &Dataset) -> Result<Vec<Row>> {
+pub(super) fn samples(learned: &Learned, runs: &Dataset) -> Result<Vec<Row>> {
     let tensors = TENSORS.iter().flat_map(|name| SUFFIXES.map(|suffix| format!("sample.{name}_{suffix}")));
     let names: Vec<String> = tensors.chain([format!("sample.{}", SCALARS[1])]).collect();
     let of_run = |run: &crate::dataset::RunStates| -> Result<Row> {
@@ -106,8 +129,10 @@ pub(super) fn samples(runs: &Dataset) -> Result<Vec<Row>> {
         for name in &names {
             row.push(run.values(name)?.first().copied().unwrap_or_default());
         }
-        row.insert(12, 0.0);
-        Ok(Row::of_outputs(&row))
+        if !learned.volume_is_input {
+            row.insert(12, 0.0);
+        }
+        Ok(Row::of_outputs(learned, &row))
     };
     runs.runs().iter().map(of_run).collect()
 }
@@ -120,8 +145,8 @@ pub(super) fn strains(runs: &Dataset) -> Result<Vec<[f64; COMPONENTS]>> {
 }
 
 /// The mean of all states.
-pub(super) fn means(runs: &Dataset) -> Result<Row> {
-    let rows = rows_of(runs)?;
+pub(super) fn means(learned: &Learned, runs: &Dataset) -> Result<Row> {
+    let rows = rows_of(learned, runs)?;
     let count = rows.len().max(1) as f64;
     let mut mean = Row::default();
     for row in &rows {
@@ -130,6 +155,7 @@ pub(super) fn means(runs: &Dataset) -> Result<Row> {
             mean.fabric[c] += row.fabric[c] / count;
         });
         mean.volume += row.volume / count;
+        mean.pressure += row.pressure / count;
         mean.coordination += row.coordination / count;
     }
     Ok(mean)

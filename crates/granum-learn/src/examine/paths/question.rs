@@ -5,7 +5,7 @@ use std::sync::Arc;
 use granum_core::observer::Observer;
 
 use super::answers::{Drift, PathAnswer, PathAnswers};
-use super::columns::{self, ALL, kind, kinds};
+use super::columns::{Learned, is_of, kinds};
 use super::held::{LEVEL, Places, held};
 use super::quantities::{self, Quantity, Row};
 use super::work::{self, WorkInCycles};
@@ -24,6 +24,11 @@ const PART: f64 = 0.1;
 pub struct AnyPath {
     /// Methods, with settings where they have some: `path-gru`, `path-tensor:internal=0,hidden=12` (see [`method_of_words`]).
     pub methods: Vec<String>,
+    /// True if the volume is an input, as all other strains are: the mean stress is learned in its place. For paths at changing mean stress, and for surrogates
+    /// that a finite element can use.
+    pub volume_is_input: bool,
+    /// Parameters of the runs that are inputs beside the state of the sample: those of the material.
+    pub properties: Vec<String>,
     /// Seed of the methods.
     pub seed: u64,
     /// Number of threads; 0 for the number of processors. Answers do not depend on it.
@@ -31,9 +36,13 @@ pub struct AnyPath {
 }
 
 impl AnyPath {
-    /// What is learned: stress, fabric, volumetric strain and mechanical coordination number, from the strains and the state of the sample.
-    pub fn spec() -> FitSpec {
-        columns::spec()
+    /// What is learned: stress, fabric, volumetric strain unless it is an input, and mechanical coordination number, from the strains and the state of the sample.
+    pub fn spec(&self) -> FitSpec {
+        self.learned().spec()
+    }
+
+    fn learned(&self) -> Learned {
+        Learned { volume_is_input: self.volume_is_input, properties: self.properties.clone() }
     }
 
     /// Fits each method to the training runs, and judges it on the unseen and the long ones.
@@ -48,21 +57,23 @@ impl AnyPath {
         methods: &SurrogateMethods,
         observer: &mut dyn Observer,
     ) -> Result<PathAnswers> {
-        let spec = columns::spec().with_seed(self.seed).with_threads(self.threads);
+        let learned = &self.learned();
+        let judged = Quantity::of(learned);
+        let spec = learned.spec().with_seed(self.seed).with_threads(self.threads);
         let method = |word: &String| -> Result<(String, Arc<dyn SurrogateMethod>)> {
             Ok((word.clone(), method_of_words(word, methods)?))
         };
         let methods = self.methods.iter().map(method).collect::<Result<Vec<_>>>()?;
-        let means = quantities::means(training)?;
-        let exact = quantities::rows_of(unseen)?;
+        let means = quantities::means(learned, training)?;
+        let exact = quantities::rows_of(learned, unseen)?;
         let mut answers = PathAnswers::default();
         let mut add = |name: &str, rows: &[Row]| {
-            answers.errors.extend(errors(name, unseen, &exact, rows, &means, &Quantity::ALL));
+            answers.errors.extend(errors(name, unseen, &exact, rows, &means, &judged));
         };
         add("mean of the training states", &vec![means; exact.len()]);
-        add("first state", &baselines::first_states(unseen)?);
-        let elastic = baselines::ElasticPerfectlyPlastic::fit(training)?;
-        let stresses = elastic.rows(unseen)?;
+        add("first state", &baselines::first_states(learned, unseen)?);
+        let elastic = baselines::ElasticPerfectlyPlastic::fit(learned, training)?;
+        let stresses = elastic.rows(learned, unseen)?;
         answers.errors.extend(errors(
             "elastic, perfectly plastic",
             unseen,
@@ -71,11 +82,11 @@ impl AnyPath {
             &means,
             &[Quantity::Stress],
         ));
-        answers.errors.extend(scatter::scatter(unseen, &exact, &means));
+        answers.errors.extend(scatter::scatter(unseen, &exact, &means, &judged));
         let cycles = work::cycles(unseen)?;
         answers.work.push(WorkInCycles::new("simulation", &cycles, &exact, &exact));
         answers.work.push(WorkInCycles::new("elastic, perfectly plastic", &cycles, &exact, &stresses));
-        let long_exact = long.map(quantities::rows_of).transpose()?;
+        let long_exact = long.map(|long| quantities::rows_of(learned, long)).transpose()?;
         let columns = spec.columns(training)?;
         let inputs = |runs: &Dataset| RunInputs::from_dataset(runs, &columns);
         let (unseen_inputs, long_inputs) = (inputs(unseen)?, long.map(inputs).transpose()?);
@@ -88,19 +99,25 @@ impl AnyPath {
                 let predictions = fitted.predict(inputs, LEVEL)?;
                 check_finite(&name, &predictions)?;
                 let row = |own: &Prediction| {
-                    Row::of_outputs(&own.values.iter().map(|value| value.mean).collect::<Vec<_>>())
+                    Row::of_outputs(learned, &own.values.iter().map(|value| value.mean).collect::<Vec<_>>())
                 };
                 Ok((predictions.iter().map(row).collect(), predictions))
             };
             let (rows, predictions) = predicted(&unseen_inputs)?;
-            answers.intervals.extend(held(&name, unseen, &places, &columns, &predictions)?);
-            answers.errors.extend(errors(&name, unseen, &exact, &rows, &means, &Quantity::ALL));
+            answers.intervals.extend(held(&name, unseen, &places, (&columns, &judged), &predictions)?);
+            answers.errors.extend(errors(&name, unseen, &exact, &rows, &means, &judged));
             answers.work.push(WorkInCycles::new(&name, &cycles, &exact, &rows));
             if let (Some(long), Some(exact), Some(inputs)) = (long, &long_exact, &long_inputs) {
                 let (rows, predictions) = predicted(inputs)?;
-                answers.drift.extend(drift(&name, long, exact, &rows, &means));
+                answers.drift.extend(drift(&name, long, exact, &rows, &means, &judged));
                 let places = Places::new(long)?;
-                answers.intervals_of_long.extend(held(&name, long, &places, &columns, &predictions)?);
+                answers.intervals_of_long.extend(held(
+                    &name,
+                    long,
+                    &places,
+                    (&columns, &judged),
+                    &predictions,
+                )?);
             }
         }
         Ok(answers)
@@ -139,7 +156,7 @@ fn errors(
             for run in runs.runs() {
                 let own = first..first + run.rows();
                 first += run.rows();
-                if of_kind == ALL || kind(run) == of_kind {
+                if is_of(run, &of_kind) {
                     sums.push(quantity.squares(&exact[own.clone()], &rows[own], means));
                 }
             }
@@ -155,7 +172,14 @@ fn errors(
 }
 
 /// Errors over the first and the last part of each run.
-fn drift(method: &str, runs: &Dataset, exact: &[Row], rows: &[Row], means: &Row) -> Vec<Drift> {
+fn drift(
+    method: &str,
+    runs: &Dataset,
+    exact: &[Row],
+    rows: &[Row],
+    means: &Row,
+    quantities: &[Quantity],
+) -> Vec<Drift> {
     let of = |quantity: &Quantity| {
         let mut sums = [Vec::new(), Vec::new()];
         let mut first = 0;
@@ -172,5 +196,5 @@ fn drift(method: &str, runs: &Dataset, exact: &[Row], rows: &[Row], means: &Row)
         let error = sums.map(|sums| PooledError::new(&sums));
         Drift { method: method.into(), quantity: quantity.name().into(), error }
     };
-    Quantity::ALL.iter().map(of).collect()
+    quantities.iter().map(of).collect()
 }

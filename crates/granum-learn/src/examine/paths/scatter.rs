@@ -3,7 +3,7 @@
 use granum_io::case::CaseParameter;
 
 use super::answers::PathAnswer;
-use super::columns::{ALL, kind, kinds};
+use super::columns::{is_of, kinds};
 use super::quantities::{Quantity, Row};
 use crate::dataset::{Dataset, RunStates};
 use crate::pooled_error::PooledError;
@@ -21,7 +21,12 @@ fn is_same_path(a: &RunStates, b: &RunStates) -> bool {
 }
 
 /// The standard deviation of single runs about the mean of all samples, from pairs of runs on the same path.
-pub(super) fn scatter(runs: &Dataset, exact: &[Row], means: &Row) -> Vec<PathAnswer> {
+pub(super) fn scatter(
+    runs: &Dataset,
+    exact: &[Row],
+    means: &Row,
+    quantities: &[Quantity],
+) -> Vec<PathAnswer> {
     let mut firsts = Vec::new();
     let mut row = 0;
     for run in runs.runs() {
@@ -34,7 +39,7 @@ pub(super) fn scatter(runs: &Dataset, exact: &[Row], means: &Row) -> Vec<PathAns
         // Each run with the next on the same path.
         pairs.extend((a + 1..all.len()).find(|b| is_same_path(&all[a], &all[*b])).map(|b| (a, b)));
     }
-    // The states that both runs of a pair have, with the kind of their path.
+    // The states that both runs of a pair have, with one of them.
     let in_both = |(a, b): &(usize, usize)| {
         let (of_a, of_b) = (keys(&all[*a]), keys(&all[*b]));
         let (mut first, mut second) = (Vec::new(), Vec::new());
@@ -44,13 +49,13 @@ pub(super) fn scatter(runs: &Dataset, exact: &[Row], means: &Row) -> Vec<PathAns
                 second.push(exact[firsts[*b] + other]);
             }
         }
-        (kind(&all[*a]), first, second)
+        (&all[*a], first, second)
     };
     let pairs: Vec<_> = pairs.iter().map(in_both).collect();
     let mut found = Vec::new();
     for of_kind in kinds(runs) {
-        for quantity in Quantity::ALL {
-            let own = pairs.iter().filter(|(kind, ..)| of_kind == ALL || *kind == of_kind);
+        for quantity in quantities {
+            let own = pairs.iter().filter(|(run, ..)| is_of(run, &of_kind));
             let squares = own.map(|(_, first, second)| {
                 let [errors, values] = quantity.squares(first, second, means);
                 [0.5 * errors, values]

@@ -3,7 +3,7 @@
 use granum_core::{Column, Table};
 
 use super::baselines::{ElasticPerfectlyPlastic, first_states};
-use super::columns::spec;
+use super::columns::Learned;
 use super::held::{Places, held};
 use super::quantities::{Quantity, Row, means, rows_of};
 use super::scatter::scatter;
@@ -15,6 +15,11 @@ use crate::surrogate::{Cause, Estimate, Prediction};
 const PRESSURE: f64 = 1e5;
 const STIFFNESS: f64 = 50.0;
 const LIMIT: f64 = 0.4;
+
+/// With a volume that is an output.
+fn usual() -> Learned {
+    Learned::default()
+}
 
 /// Two closed cycles between the strains of an amplitude, from one and from the next turning point; `more` is added to the norm of the stress deviator over mean stress.
 fn run(name: &str, path: f64, seed: f64, amplitude: f64, more: f64) -> RunStates {
@@ -45,7 +50,7 @@ fn run(name: &str, path: f64, seed: f64, amplitude: f64, more: f64) -> RunStates
     let names = names.chain(["volumetric_strain".into(), "mechanical_coordination_number".into()]);
     let table = names.zip(columns).map(|(name, values)| Column::new(name, "", values)).collect();
     let mut run = RunStates::new(name, Table::new(table).unwrap()).unwrap();
-    let spec = spec();
+    let spec = Learned::default().spec();
     let first = |name: &str| run.column(name).map_or(0.7, |values| values[0]);
     let of_sample = |name: &String| Some((name.clone(), first(name.strip_prefix("sample.")?)));
     let samples: Vec<(String, f64)> = spec.inputs.iter().filter_map(of_sample).collect();
@@ -61,15 +66,15 @@ fn run(name: &str, path: f64, seed: f64, amplitude: f64, more: f64) -> RunStates
 fn a_known_law_is_found_and_its_work_is_that_of_hysteresis() {
     let runs = Dataset::new(vec![run("plastic", 1.0, 1.0, 0.02, 0.0), run("elastic", 2.0, 2.0, 0.004, 0.0)])
         .unwrap();
-    let (exact, means) = (rows_of(&runs).unwrap(), means(&runs).unwrap());
-    let found = ElasticPerfectlyPlastic::fit(&runs).unwrap().rows(&runs).unwrap();
+    let (exact, means) = (rows_of(&usual(), &runs).unwrap(), means(&usual(), &runs).unwrap());
+    let found = ElasticPerfectlyPlastic::fit(&usual(), &runs).unwrap().rows(&usual(), &runs).unwrap();
     let error = |rows| {
         let [error, value] = Quantity::Stress.squares(&exact, rows, &means);
         (error / value).sqrt()
     };
     // The grid has the limit, and stiffnesses within a fifth.
     assert!(error(&found) < 0.1, "{}", error(&found));
-    assert!((error(&first_states(&runs).unwrap()) - 1.0).abs() < 1e-9);
+    assert!((error(&first_states(&usual(), &runs).unwrap()) - 1.0).abs() < 1e-9);
     // Two closed cycles lie between the four turning points of each run; those of the elastic one cost nothing.
     let cycles = cycles(&runs).unwrap();
     let work = WorkInCycles::new("exact", &cycles, &exact, &exact);
@@ -88,8 +93,8 @@ fn the_scatter_is_that_of_samples_on_the_same_path() {
     let all =
         vec![run("a", 1.0, 1.0, 0.02, 0.0), run("b", 1.0, 2.0, 0.02, 0.1), run("alone", 2.0, 3.0, 0.02, 0.3)];
     let runs = Dataset::new(all).unwrap();
-    let (exact, means) = (rows_of(&runs).unwrap(), means(&runs).unwrap());
-    let found = scatter(&runs, &exact, &means);
+    let (exact, means) = (rows_of(&usual(), &runs).unwrap(), means(&usual(), &runs).unwrap());
+    let found = scatter(&runs, &exact, &means, &Quantity::of(&usual()));
     let stress = found.iter().find(|own| own.quantity == "stress deviator").unwrap();
     let size =
         exact[..50].iter().map(|row| row.stress.iter().map(|c| c * c).sum::<f64>()).sum::<f64>() / 50.0;
@@ -104,7 +109,7 @@ fn a_mean_stress_near_zero_gives_the_largest_ratio_that_grains_bear() {
     let norm = |stresses: [f64; 6]| {
         let mut outputs = [0.0; 14];
         outputs[..6].copy_from_slice(&stresses);
-        Row::of_outputs(&outputs).stress.iter().map(|c| c * c).sum::<f64>().sqrt()
+        Row::of_outputs(&usual(), &outputs).stress.iter().map(|c| c * c).sum::<f64>().sqrt()
     };
     let most = 6f64.sqrt();
     // Uniaxial stress is the limit; beyond it, where the mean stress is tiny, zero or negative, the norm is the same.
@@ -127,7 +132,7 @@ fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
         void(run("b", 2.0, 2.0, 0.02, 0.0), 0.8),
     ])
     .unwrap();
-    let columns = spec().columns(&runs).unwrap();
+    let columns = usual().spec().columns(&runs).unwrap();
     let names = columns.output_names();
     let exact = runs.values(&names).unwrap();
     let prediction = |(row, values): (usize, &[f64])| {
@@ -143,7 +148,7 @@ fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
     };
     let predictions: Vec<Prediction> = exact.chunks_exact(names.len()).enumerate().map(prediction).collect();
     let places = Places::new(&runs).unwrap();
-    let found = held("method", &runs, &places, &columns, &predictions).unwrap();
+    let found = held("method", &runs, &places, (&columns, &Quantity::of(&usual())), &predictions).unwrap();
     let of = |quantity: &str| found.iter().find(|own| own.quantity == quantity).unwrap();
     assert_eq!((of("fabric deviator").held, of("coordination number").held), (1.0, 1.0));
     let volume = of("volumetric strain");
@@ -158,5 +163,26 @@ fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
     // Without intervals nothing is told.
     let none: Vec<Prediction> =
         predictions.iter().map(|_| Prediction::new(vec![Estimate::new(0.0); names.len()])).collect();
-    assert!(held("method", &runs, &places, &columns, &none).unwrap().is_empty());
+    assert!(held("method", &runs, &places, (&columns, &Quantity::of(&usual())), &none).unwrap().is_empty());
+}
+
+/// Where the volume is an input, the mean stress is judged by its logarithm, and the properties are inputs.
+#[test]
+fn the_mean_stress_is_judged_where_the_volume_is_an_input() {
+    let learned = Learned { volume_is_input: true, properties: vec!["friction".into()] };
+    let spec = learned.spec();
+    assert!(
+        spec.outputs.iter().all(|name| name != "volumetric_strain")
+            && spec.inputs.contains(&"friction".into())
+    );
+    let runs = Dataset::new(vec![run("a", 1.0, 1.0, 0.02, 0.0)]).unwrap();
+    let exact = rows_of(&learned, &runs).unwrap();
+    assert!(exact.iter().all(|row| (row.pressure - PRESSURE.ln()).abs() < 1e-12 && row.volume == 0.0));
+    let half: Vec<Row> = exact.iter().map(|row| Row { pressure: row.pressure - 2f64.ln(), ..*row }).collect();
+    let [_, pressure, ..] = Quantity::of(&learned);
+    let [errors, _] = pressure.squares(&exact, &half, &exact[0]);
+    assert!((errors / 50.0 - 2f64.ln().powi(2)).abs() < 1e-12, "{errors}");
+    // A sample that carries nothing, and one that pulls, have the least logarithm.
+    let none = Row::of_outputs(&learned, &[0.0; 13]);
+    assert_eq!((none.pressure, none.stress), (1e3f64.ln(), [0.0; 5]));
 }

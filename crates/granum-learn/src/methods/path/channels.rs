@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::growth::{PathPlace, PathPlaces, norm};
 use super::rotation::{COMPONENTS, parts, whole};
+use super::tensor_channel::{TensorChannel, moments, offset_of, six};
 use crate::error::{LearnError, Result};
 use crate::surrogate::run_inputs::RunInputs;
 use crate::surrogate::spec::Columns;
@@ -32,7 +33,7 @@ pub(super) const LEAST: f64 = 1e-9;
 #[serde(deny_unknown_fields)]
 pub(super) struct Channels {
     /// Places of the six strains among the inputs, if all are there: the path.
-    strain: Option<[usize; 6]>,
+    pub(super) strain: Option<[usize; 6]>,
     /// True if the volume is prescribed: it is not an output.
     has_volume: bool,
     /// Other inputs that vary along a run, with the root mean square of their increments.
@@ -40,36 +41,15 @@ pub(super) struct Channels {
     /// Mean norm of an increment.
     length: f64,
     /// Inputs that are constant in a run and no first values of outputs, and the first values of those that vary, with mean and deviation.
-    start: Vec<(usize, [f64; 2])>,
-    tensors: Vec<TensorChannel>,
-    scalars: Vec<ScalarChannel>,
-}
-
-/// An output of six columns.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TensorChannel {
-    outputs: [usize; 6],
-    /// Inputs with its components before the first row.
-    start: Option<[usize; 6]>,
-    /// Root mean square of a component of the deviator.
-    scale: f64,
-    /// A third of the trace if it is constant.
-    mean: Option<f64>,
-}
-
-/// A value of a network and columns: the sum of some of these with factors, or a contribution to each of them, with the middle and the scale of the value.
-pub(super) struct LinearTerm {
-    /// Places of columns with their factors.
-    pub factors: Vec<(usize, f64)>,
-    pub middle: f64,
-    pub scale: f64,
+    pub(super) start: Vec<(usize, [f64; 2])>,
+    pub(super) tensors: Vec<TensorChannel>,
+    pub(super) scalars: Vec<ScalarChannel>,
 }
 
 /// Where a scalar comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Source {
+pub(super) enum Source {
     /// An output.
     Output(usize),
     /// A third of the trace of a tensor.
@@ -78,14 +58,14 @@ enum Source {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ScalarChannel {
-    source: Source,
+pub(super) struct ScalarChannel {
+    pub source: Source,
     /// Input with its value before the first row.
-    start: Option<usize>,
+    pub start: Option<usize>,
     /// Mean and deviation.
-    scale: [f64; 2],
+    pub scale: [f64; 2],
     /// The value before the first row where no input has it.
-    first: f64,
+    pub first: f64,
 }
 
 /// Numbers of values of a network.
@@ -124,19 +104,6 @@ fn tensor(names: &[String], prefix: &str) -> Option<[usize; 6]> {
     all.try_into().ok()
 }
 
-fn six(row: &[f64], places: &[usize; 6]) -> [f64; 6] {
-    places.map(|place| row[place])
-}
-
-/// Mean and standard deviation, which is one for a constant.
-fn moments(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
-    let count = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    let variance = values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / count;
-    let deviation = variance.sqrt();
-    [mean, if deviation > 1e-12 * mean.abs().max(1e-300) { deviation } else { 1.0 }]
-}
-
 impl Channels {
     /// For the rows of training runs.
     ///
@@ -156,7 +123,7 @@ impl Channels {
                 let start = tensor(&names, &format!("sample.{prefix}"));
                 taken.extend(start.iter().flatten());
                 in_tensors.extend(places);
-                tensors.push(TensorChannel { outputs: places, start, scale: 1.0, mean: None });
+                tensors.push(TensorChannel { outputs: places, start, scale: 1.0, mean: None, offset: None });
             }
         }
         let rows = || targets.chunks_exact(outputs.len());
@@ -168,12 +135,14 @@ impl Channels {
             scalars.push(ScalarChannel { source: Source::Output(place), start, scale, first: 0.0 });
         }
         for (number, channel) in tensors.iter_mut().enumerate() {
+            let tensors = rows().map(|row| six(row, &channel.outputs));
+            channel.offset = offset_of(tensors.clone().map(|tensor| parts(tensor).1));
             let squares =
-                rows().map(|row| parts(six(row, &channel.outputs)).0.iter().map(|c| c * c).sum::<f64>());
+                tensors.clone().map(|tensor| channel.deviator(tensor).iter().map(|c| c * c).sum::<f64>());
             let mean_square = squares.sum::<f64>() / (COMPONENTS * rows().count()) as f64;
+            let scale = moments(tensors.map(|tensor| channel.mean_part(tensor)));
             channel.scale = if mean_square > 0.0 { mean_square.sqrt() } else { 1.0 };
-            let scale = moments(rows().map(|row| parts(six(row, &channel.outputs)).1));
-            if scale[1] < CONSTANT * scale[0].abs() {
+            if channel.offset.is_none() && scale[1] < CONSTANT * scale[0].abs() {
                 channel.mean = Some(scale[0]);
             } else {
                 scalars.push(ScalarChannel {
@@ -220,8 +189,27 @@ impl Channels {
     fn value(&self, source: &Source, row: &[f64]) -> f64 {
         match source {
             Source::Output(place) => row[*place],
-            Source::MeanOf(number) => parts(six(row, &self.tensors[*number].outputs)).1,
+            Source::MeanOf(number) => {
+                let channel = &self.tensors[*number];
+                channel.mean_part(six(row, &channel.outputs))
+            }
         }
+    }
+
+    /// The scalar of a channel before the first row of a run, before it is scaled.
+    fn first_value(&self, channel: &ScalarChannel, row: &[f64]) -> f64 {
+        match (channel.start, self.sample_of_mean(channel)) {
+            (Some(place), _) => row[place],
+            (None, Some((tensor, places))) => tensor.mean_part(six(row, &places)),
+            (None, None) => channel.first,
+        }
+    }
+
+    /// The tensor of which a scalar is the mean part, and the inputs with its components before the first row, if the mean part varies by much.
+    pub(super) fn sample_of_mean(&self, channel: &ScalarChannel) -> Option<(&TensorChannel, [usize; 6])> {
+        let Source::MeanOf(number) = channel.source else { return None };
+        let tensor = &self.tensors[number];
+        tensor.offset.and(tensor.start).map(|places| (tensor, places))
     }
 
     fn increments_and_starts(&mut self, inputs: &RunInputs, taken: &[usize]) -> Result<()> {
@@ -345,14 +333,13 @@ impl Channels {
         for run in inputs.runs() {
             let row = &run[..inputs.columns()];
             let deviator = |channel: &TensorChannel| match &channel.start {
-                Some(places) => parts(six(row, places)).0.map(|c| c / channel.scale),
+                Some(places) => channel.deviator(six(row, places)),
                 None => [0.0; COMPONENTS],
             };
             let deviators: Vec<_> = self.tensors.iter().map(deviator).collect();
             values.extend((0..COMPONENTS).flat_map(|c| deviators.iter().map(move |own| own[c])));
             let scalar = |channel: &ScalarChannel| {
-                let first = channel.start.map_or(channel.first, |place| row[place]);
-                (first - channel.scale[0]) / channel.scale[1]
+                (self.first_value(channel, row) - channel.scale[0]) / channel.scale[1]
             };
             values.extend(self.scalars.iter().map(scalar));
             values
@@ -365,8 +352,7 @@ impl Channels {
     pub fn measured(&self, rows: &[f64], outputs: usize) -> Vec<f64> {
         let mut values = Vec::new();
         for row in rows.chunks_exact(outputs) {
-            let deviator =
-                |channel: &TensorChannel| parts(six(row, &channel.outputs)).0.map(|c| c / channel.scale);
+            let deviator = |channel: &TensorChannel| channel.deviator(six(row, &channel.outputs));
             let deviators: Vec<_> = self.tensors.iter().map(deviator).collect();
             values.extend((0..COMPONENTS).flat_map(|c| deviators.iter().map(move |own| own[c])));
             let scalar = |channel: &ScalarChannel| {
@@ -383,19 +369,20 @@ impl Channels {
         let mut rows = Vec::new();
         for own in values.chunks_exact(width) {
             let mut row = vec![0.0; outputs];
-            let mut means: Vec<f64> =
-                self.tensors.iter().map(|channel| channel.mean.unwrap_or(0.0)).collect();
+            let constant = |channel: &TensorChannel| [channel.mean.unwrap_or(0.0), 1.0];
+            let mut means: Vec<[f64; 2]> = self.tensors.iter().map(constant).collect();
             let scalars = &own[COMPONENTS * self.tensors.len()..];
             for (channel, value) in self.scalars.iter().zip(scalars) {
                 let value = channel.scale[0] + channel.scale[1] * value;
                 match channel.source {
                     Source::Output(place) => row[place] = value,
-                    Source::MeanOf(number) => means[number] = value,
+                    Source::MeanOf(number) => means[number] = self.tensors[number].mean_and_unit(value),
                 }
             }
             for (number, channel) in self.tensors.iter().enumerate() {
-                let c = std::array::from_fn(|c| channel.scale * own[c * self.tensors.len() + number]);
-                for (place, value) in channel.outputs.iter().zip(whole(c, means[number])) {
+                let [mean, unit] = means[number];
+                let c = std::array::from_fn(|c| channel.scale * own[c * self.tensors.len() + number] * unit);
+                for (place, value) in channel.outputs.iter().zip(whole(c, mean)) {
                     row[*place] = value;
                 }
             }
@@ -404,64 +391,20 @@ impl Channels {
         rows
     }
 
+    /// By what the errors of each output of a row are divided before they are compared with those of other rows: for the components of a tensor whose mean part varies
+    /// by much, that mean part of the row; for all else one.
+    pub fn units(&self, row: &[f64]) -> Vec<f64> {
+        let mut units = vec![1.0; row.len()];
+        for channel in &self.tensors {
+            let unit = channel.unit(six(row, &channel.outputs));
+            channel.outputs.iter().for_each(|place| units[*place] = unit);
+        }
+        units
+    }
+
     /// Mean norm of an increment.
     pub fn mean_length(&self) -> f64 {
         self.length
-    }
-
-    /// For each input true if its first increment counts from zero: that of a strain, which is one of the sample.
-    pub fn begin_at_zero(&self, inputs: usize) -> Vec<bool> {
-        let is_strain = |place: usize| self.strain.iter().flatten().any(|strain| *strain == place);
-        (0..inputs).map(is_strain).collect()
-    }
-
-    /// The start values in their order as linear functions of the first row.
-    pub fn start_terms(&self) -> Vec<LinearTerm> {
-        let component = |channel: &TensorChannel, c: usize| {
-            let unit = |k: usize| parts(std::array::from_fn(|j| f64::from(u8::from(j == k)))).0[c];
-            let places = channel.start.iter().flat_map(|places| places.iter().enumerate());
-            let factors = places.map(|(k, place)| (*place, unit(k))).collect();
-            LinearTerm { factors, middle: 0.0, scale: channel.scale }
-        };
-        let components = (0..COMPONENTS).flat_map(|c| self.tensors.iter().map(move |own| component(own, c)));
-        let scalars = self.scalars.iter().map(|channel| {
-            let [mean, scale] = channel.scale;
-            match channel.start {
-                Some(place) => LinearTerm { factors: vec![(place, 1.0)], middle: mean, scale },
-                None => LinearTerm { factors: Vec::new(), middle: mean - channel.first, scale },
-            }
-        });
-        let others = self.start.iter().map(|(place, [middle, scale])| LinearTerm {
-            factors: vec![(*place, 1.0)],
-            middle: *middle,
-            scale: *scale,
-        });
-        components.chain(scalars).chain(others).collect()
-    }
-
-    /// The outputs of a network with their scales, `scale y + middle`, the places of the outputs to which each of them contributes and by what factor, and what the outputs
-    /// are where these are zero.
-    pub fn output_terms(&self, outputs: usize) -> (Vec<LinearTerm>, Vec<f64>) {
-        let component = |channel: &TensorChannel, c: usize| {
-            let unit = std::array::from_fn(|k| f64::from(u8::from(k == c)));
-            let factors = channel.outputs.iter().copied().zip(whole(unit, 0.0)).collect();
-            LinearTerm { factors, middle: 0.0, scale: channel.scale }
-        };
-        let components = (0..COMPONENTS).flat_map(|c| self.tensors.iter().map(move |own| component(own, c)));
-        let scalars = self.scalars.iter().map(|channel| {
-            let factors = match channel.source {
-                Source::Output(place) => vec![(place, 1.0)],
-                Source::MeanOf(number) => {
-                    self.tensors[number].outputs[..3].iter().map(|place| (*place, 1.0)).collect()
-                }
-            };
-            LinearTerm { factors, middle: channel.scale[0], scale: channel.scale[1] }
-        });
-        let mut constant = vec![0.0; outputs];
-        for channel in &self.tensors {
-            channel.outputs[..3].iter().for_each(|place| constant[*place] = channel.mean.unwrap_or(0.0));
-        }
-        (components.chain(scalars).collect(), constant)
     }
 
     /// True if it can be that of so many inputs and outputs, read from a file.

@@ -76,15 +76,16 @@ fn mean_and_variance(networks: &[Vec<f64>], place: usize) -> (f64, f64) {
 }
 
 impl PathErrors {
-    /// From the outputs of each network in row-major order and what was measured, where run `r` was left out by network `r % networks`. `None` from fewer
+    /// From the outputs of each network in row-major order, what was measured, and by what the errors of each are divided ([`super::channels::Channels::units`]), where run `r` was left out by network `r % networks`. `None` from fewer
     /// than three runs, or if nothing is finite.
     pub fn new(
         networks: &[Vec<f64>],
         targets: &[f64],
-        outputs: usize,
+        units: &[f64],
         places: &PathPlaces,
     ) -> Option<PathErrors> {
         let (rows, runs, run_of_row) = (places.length.len(), places.samples.len(), &places.run);
+        let outputs = units.len() / rows.max(1);
         if runs < FEWEST_RUNS || networks.len() < 2 {
             return None;
         }
@@ -95,9 +96,12 @@ impl PathErrors {
         let of_output = |output: usize| {
             let error = |row: usize| {
                 let place = row * outputs + output;
-                networks[run_of_row[row] % networks.len()][place] - targets[place]
+                (networks[run_of_row[row] % networks.len()][place] - targets[place]) / units[place]
             };
-            let between = |row: usize| mean_and_variance(networks, row * outputs + output).1;
+            let between = |row: usize| {
+                let place = row * outputs + output;
+                mean_and_variance(networks, place).1 / (units[place] * units[place])
+            };
             let mean = (0..rows).map(|row| error(row) * error(row)).sum::<f64>() / rows as f64;
             let excess: Vec<f64> = (0..rows).map(|row| error(row) * error(row) - between(row)).collect();
             let growth = Growth::new(places, &excess, mean);
@@ -159,18 +163,18 @@ impl PathErrors {
         samples.iter().map(of_sample).collect()
     }
 
-    /// The estimate of an output in a row; the size is that for its sample, and the factor that of its intervals.
+    /// The estimate of an output in a row; the size is that for its sample, the unit that of its errors, and the factor that of its intervals.
     pub fn estimate(
         &self,
         networks: &[Vec<f64>],
         (row, output): (usize, usize),
         places: &PathPlaces,
-        [size, factor]: [f64; 2],
+        [size, unit, factor]: [f64; 3],
     ) -> Estimate {
         let (mean, between) = mean_and_variance(networks, row * self.outputs.len() + output);
         let growth = &self.outputs[output].growth;
         let runs = growth.variance(places.length[row], self.farthest(places, row)).sqrt();
-        let causes = vec![(Cause::Parameters, size * between.sqrt()), (Cause::Runs, size * runs)];
+        let causes = vec![(Cause::Parameters, size * between.sqrt()), (Cause::Runs, size * unit * runs)];
         Estimate::new(mean).by(causes, factor)
     }
 
@@ -199,7 +203,7 @@ impl PathErrors {
         answers: &[Value],
         output: usize,
         [length, farthest]: [&Value; 2],
-        (size, factor): (&Value, f64),
+        (size, unit, factor): (&Value, Option<&Value>, f64),
     ) -> OnnxEstimate {
         let [mean, between] = onnx::mean_and_variance(graph, answers, output);
         let farthest = match self.largest_ratio > 0.0 {
@@ -210,7 +214,11 @@ impl PathErrors {
             }
             false => farthest.clone(),
         };
-        let of_runs = self.outputs[output].growth.onnx(graph, length, &farthest);
+        let mut of_runs = self.outputs[output].growth.onnx(graph, length, &farthest);
+        if let Some(unit) = unit {
+            let square = graph.apply("Mul", &[unit, unit]);
+            of_runs = graph.apply("Mul", &[&of_runs, &square]);
+        }
         let variance = graph.apply("Add", &[&between, &of_runs]);
         let deviation = graph.apply("Sqrt", &[&variance]);
         let deviation = graph.apply("Mul", &[&deviation, size]);
@@ -270,7 +278,7 @@ mod tests {
             let value = |row: usize| 1.0 + if (row / STATES) % 2 == k { error(row) } else { 0.0 };
             (0..rows).map(value).collect()
         };
-        PathErrors::new(&[network(0), network(1)], &vec![1.0; rows], 1, &places).unwrap()
+        PathErrors::new(&[network(0), network(1)], &vec![1.0; rows], &vec![1.0; rows], &places).unwrap()
     }
 
     /// The half width of an interval where the path has a length and a farthest place, and two networks say something.
@@ -282,7 +290,7 @@ mod tests {
     fn half_of(errors: &PathErrors, [length, farthest]: [f64; 2], sample: f64, networks: [f64; 2]) -> f64 {
         let (length, farthest, samples) = (vec![length], vec![farthest], vec![vec![sample]]);
         let places = PathPlaces { length, farthest, run: vec![0], samples };
-        let by = [errors.sizes(&places.samples)[0][0], errors.factors(0.9)[0]];
+        let by = [errors.sizes(&places.samples)[0][0], 1.0, errors.factors(0.9)[0]];
         let estimate = errors.estimate(&networks.map(|value| vec![value]), (0, 0), &places, by);
         let interval = estimate.interval.unwrap();
         let middle = 0.5 * (interval.upper + interval.lower);
@@ -371,6 +379,6 @@ mod tests {
             run: vec![0, 0, 1, 1],
             samples: vec![vec![0.5], vec![0.7]],
         };
-        assert!(PathErrors::new(&[network.clone(), network], &[0.0; 4], 1, &places).is_none());
+        assert!(PathErrors::new(&[network.clone(), network], &[0.0; 4], &[1.0; 4], &places).is_none());
     }
 }

@@ -76,6 +76,16 @@ impl FittedPath {
         Ok(sums.iter().map(|values| self.channels.outputs(values, outputs)).collect())
     }
 
+    /// By what errors are divided ([`Channels::units`]), from the outputs of every network in row-major order.
+    pub fn units(&self, networks: &[Vec<f64>]) -> Vec<f64> {
+        let outputs = self.columns.outputs.len();
+        let count = networks.len() as f64;
+        let places = 0..networks.first().map_or(0, Vec::len);
+        let means: Vec<f64> =
+            places.map(|place| networks.iter().map(|values| values[place]).sum::<f64>() / count).collect();
+        means.chunks_exact(outputs).flat_map(|row| self.channels.units(row)).collect()
+    }
+
     /// The rotations over which predictions are means; `None` leaves the axes as they are.
     pub fn rotations(&self) -> Vec<Option<Rotation>> {
         match self.is_mean {
@@ -96,12 +106,14 @@ impl FittedPath {
         let outputs = self.columns.outputs.len();
         let mean =
             |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / networks.len() as f64;
+        let means: Vec<f64> = (0..outputs).map(|output| mean(row * outputs + output)).collect();
+        let units = self.channels.units(&means);
         let estimate = |output: usize| match (&self.errors, known) {
             (Some(errors), Some((factors, sizes))) => {
-                let by = [sizes[path.run[row]][output], factors[output]];
+                let by = [sizes[path.run[row]][output], units[output], factors[output]];
                 errors.estimate(networks, (row, output), path, by)
             }
-            _ => Estimate::new(mean(row * outputs + output)),
+            _ => Estimate::new(means[output]),
         };
         let mut outside = outside_of(&self.columns, &self.ranges, values);
         outside.extend(self.beyond(path, row));

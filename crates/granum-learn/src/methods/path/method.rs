@@ -184,7 +184,8 @@ impl SurrogateMethod for PathNetworks {
         if count > 1 {
             let means = fitted.outputs_of_networks(&inputs)?;
             let path = fitted.channels.path(&inputs);
-            fitted.errors = PathErrors::new(&means, &targets, outputs, &path);
+            let units = fitted.units(&means);
+            fitted.errors = PathErrors::new(&means, &targets, &units, &path);
         }
         Ok(Box::new(Arc::new(fitted)))
     }

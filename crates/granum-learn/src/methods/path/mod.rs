@@ -21,11 +21,13 @@ mod growth;
 mod method;
 mod onnx_form;
 mod onnx_rotations;
+mod onnx_terms;
 mod path_surrogate;
 mod rotation;
 mod runs;
 mod sample_places;
 mod steps;
+mod tensor_channel;
 #[cfg(test)]
 mod tests;
 

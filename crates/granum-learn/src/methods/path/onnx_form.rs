@@ -4,10 +4,11 @@
 //! for the sample, the increments that a window sees beside the present one (the last one first, zeros before the first row), and the states of each network in each rotation.
 
 use super::cell::PathCell;
-use super::channels::{Channels, LEAST, LinearTerm, MEAN_LENGTH};
+use super::channels::{Channels, LEAST, MEAN_LENGTH};
 use super::errors::PathErrors;
 use super::fitted::{FittedPath, ROUNDING};
 use super::onnx_rotations::OnnxRotations;
+use super::onnx_terms::{outputs, starts, units};
 use crate::methods::onnx_memory::OnnxMemory;
 use crate::onnx::{self, OnnxEstimate, OnnxGraph, Value};
 
@@ -49,6 +50,7 @@ pub(super) fn onnx_step(fitted: &FittedPath, graph: &mut OnnxGraph, level: f64) 
         let mean = rotations.mean(graph, &step.outputs);
         answers.push(outputs(graph, channels, &mean, columns.outputs.len()));
     }
+    let units = fitted.errors.as_ref().and_then(|_| units(graph, channels, &answers, columns.outputs.len()));
     memory.write(graph);
 
     let factors = fitted.errors.as_ref().map(|errors| errors.factors(level));
@@ -56,7 +58,8 @@ pub(super) fn onnx_step(fitted: &FittedPath, graph: &mut OnnxGraph, level: f64) 
     let estimate = |graph: &mut OnnxGraph, output: usize| match &known {
         Some(((errors, sizes), factors)) => {
             let size = graph.columns(sizes, &[output]);
-            let by = (&size, factors[output]);
+            let unit = units.as_ref().map(|units| graph.columns(units, &[output]));
+            let by = (&size, unit.as_ref(), factors[output]);
             errors.onnx_estimate(graph, &answers, output, [&place.length, &place.farthest], by)
         }
         None => {
@@ -72,19 +75,6 @@ pub(super) fn onnx_step(fitted: &FittedPath, graph: &mut OnnxGraph, level: f64) 
         outside = graph.apply("Max", &[&outside, &beyond]);
     }
     onnx::outputs(graph, columns, &estimates, &outside);
-}
-
-/// The start values of the sequences of which these are the first rows.
-fn starts(graph: &mut OnnxGraph, channels: &Channels, row: &Value, inputs: usize) -> Value {
-    let terms = channels.start_terms();
-    let mut factors = vec![0.0; inputs * terms.len()];
-    for (k, term) in terms.iter().enumerate() {
-        term.factors.iter().for_each(|(place, factor)| factors[place * terms.len() + k] = *factor);
-    }
-    let sums = graph.linear(row, inputs, &factors, None);
-    let middles: Vec<f64> = terms.iter().map(|term| term.middle).collect();
-    let scales: Vec<f64> = terms.iter().map(|term| 1.0 / term.scale).collect();
-    graph.scaled(&sums, &middles, &scales, &vec![0.0; terms.len()])
 }
 
 /// The increments that lead to rows.
@@ -214,17 +204,4 @@ fn seen(
     memory.keep(&graph.beside(&kept));
     let before = rotations.directions(graph, &before, earlier);
     graph.beside(&[&length, &direction, &before])
-}
-
-/// The outputs in their units from those of a network.
-fn outputs(graph: &mut OnnxGraph, channels: &Channels, values: &Value, outputs: usize) -> Value {
-    let (terms, constant) = channels.output_terms(outputs);
-    let number = |of: fn(&LinearTerm) -> f64| terms.iter().map(of).collect::<Vec<f64>>();
-    let (middles, scales) = (number(|term| term.middle), number(|term| term.scale));
-    let scaled = graph.scaled(values, &vec![0.0; terms.len()], &scales, &middles);
-    let mut factors = vec![0.0; terms.len() * outputs];
-    for (k, term) in terms.iter().enumerate() {
-        term.factors.iter().for_each(|(place, factor)| factors[k * outputs + place] = *factor);
-    }
-    graph.linear(&scaled, terms.len(), &factors, Some(&constant))
 }

@@ -39,6 +39,13 @@ pub struct PathFlags {
         default_values = ["path-gru", "path-lstm", "path-state-space", "path-window", "path-tensor"]
     )]
     method: Vec<String>,
+    /// The volume is an input, as all other strains are, and the mean stress is learned in its place: for paths at changing mean stress, such as those of the plan
+    /// sand-step.
+    #[arg(long)]
+    volume_is_input: bool,
+    /// Parameters of the runs that are inputs beside the state of the sample, such as grains.material.friction.
+    #[arg(long, num_args = 1.., value_name = "KEY")]
+    property: Vec<String>,
     /// Seed of the methods, and of --unseen-share.
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
@@ -61,6 +68,8 @@ impl PathFlags {
         };
         let question = AnyPath {
             methods: self.method.clone(),
+            volume_is_input: self.volume_is_input,
+            properties: self.property.clone(),
             seed: self.seed,
             threads: self.threads.unwrap_or(0) as usize,
         };
