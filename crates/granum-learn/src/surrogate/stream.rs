@@ -42,6 +42,8 @@ pub struct PredictionStream<'a> {
     level: f64,
     /// `None` for a surrogate without memory.
     steps: Option<Box<dyn RunSteps>>,
+    /// The values that each output can have.
+    possible: Vec<[f64; 2]>,
 }
 
 /// A surrogate of the caller, or one that is shared.
@@ -66,7 +68,8 @@ impl PredictionStream<'static> {
     /// As [`PredictionStream::new`].
     pub fn of_shared(surrogate: Arc<dyn Surrogate>, level: f64) -> Result<PredictionStream<'static>> {
         let steps = steps_of(surrogate.as_ref(), level)?;
-        Ok(PredictionStream { surrogate: Whose::Shared(surrogate), level, steps })
+        let possible = possible_of(surrogate.as_ref());
+        Ok(PredictionStream { surrogate: Whose::Shared(surrogate), level, steps, possible })
     }
 }
 
@@ -76,8 +79,8 @@ impl<'a> PredictionStream<'a> {
     /// # Errors
     /// If the level is not between 0 and 1, or the surrogate has a memory and does not say what it keeps of a run.
     pub fn new(surrogate: &'a dyn Surrogate, level: f64) -> Result<PredictionStream<'a>> {
-        let steps = steps_of(surrogate, level)?;
-        Ok(PredictionStream { surrogate: Whose::Borrowed(surrogate), level, steps })
+        let (steps, possible) = (steps_of(surrogate, level)?, possible_of(surrogate));
+        Ok(PredictionStream { surrogate: Whose::Borrowed(surrogate), level, steps, possible })
     }
 
     /// The prediction for the next state of the run, with a value for every input in order.
@@ -90,9 +93,7 @@ impl<'a> PredictionStream<'a> {
         let inputs = RunInputs::new(row.to_vec(), columns.inputs.len(), vec![1])?;
         check_inputs(surrogate.method(), columns, &inputs)?;
         let predictions = match &mut self.steps {
-            Some(steps) => {
-                cut_to_possible(vec![steps.predict(row)?], |output| surrogate.possible_values(output))
-            }
+            Some(steps) => cut_to_possible(vec![steps.predict(row)?], |output| self.possible[output]),
             None => surrogate.predict(&inputs, self.level)?,
         };
         check_finite(surrogate.method(), columns, &inputs, &predictions)?;
@@ -155,6 +156,11 @@ impl<'a> PredictionStream<'a> {
             }
         }
     }
+}
+
+/// The values that each output of a surrogate can have.
+fn possible_of(surrogate: &dyn Surrogate) -> Vec<[f64; 2]> {
+    (0..surrogate.columns().outputs.len()).map(|output| surrogate.possible_values(output)).collect()
 }
 
 /// The steps of a surrogate with memory.

@@ -48,15 +48,25 @@ pub(crate) struct Work {
 pub(crate) struct CellBatch<C> {
     isa: Isa,
     cell: C,
+    /// What the cell says of itself, which a step of one row would otherwise wait for.
+    sizes: CellSizes,
+    own: Vec<usize>,
     groups: Vec<Group>,
     rows: usize,
     work: Work,
+    /// The group for which there is room in `work`.
+    fitted: Option<usize>,
 }
 
 impl<C: CellKernel> CellBatch<C> {
     pub(crate) fn new(isa: Isa, cell: C, rows: &SequenceRows) -> Result<CellBatch<C>, TrainingError> {
         let groups = groups(&cell.sizes(), rows)?;
-        Ok(CellBatch { isa, cell, groups, rows: rows.sequences.rows(), work: Work::default() })
+        Ok(CellBatch::of_groups(isa, cell, groups, rows.sequences.rows()))
+    }
+
+    fn of_groups(isa: Isa, cell: C, groups: Vec<Group>, rows: usize) -> CellBatch<C> {
+        let (sizes, own) = (cell.sizes(), cell.own());
+        CellBatch { isa, cell, sizes, own, groups, rows, work: Work::default(), fitted: None }
     }
 
     /// Sequences whose rows come one after the other.
@@ -67,12 +77,12 @@ impl<C: CellKernel> CellBatch<C> {
         starts: &[f64],
     ) -> Result<CellBatch<C>, TrainingError> {
         let groups = vec![Group::of_next_rows(&cell.sizes(), count, starts)?];
-        Ok(CellBatch { isa, cell, groups, rows: count, work: Work::default() })
+        Ok(CellBatch::of_groups(isa, cell, groups, count))
     }
 
     /// The outputs for all rows, `rows x outputs`.
     pub(crate) fn evaluate(&mut self, weights: &[f64]) -> Vec<f64> {
-        let outputs = self.cell.sizes().outputs;
+        let outputs = self.sizes.outputs;
         let mut predictions = vec![0.0; self.rows * outputs];
         for number in 0..self.groups.len() {
             self.forward(number, weights);
@@ -92,16 +102,19 @@ impl<C: CellKernel> CellBatch<C> {
 
     /// Makes room for the intermediate results of a group; what is there stays.
     fn fit(&mut self, number: usize) {
-        let CellBatch { cell, groups, work, .. } = self;
+        if self.fitted == Some(number) {
+            return;
+        }
+        self.fitted = Some(number);
+        let CellBatch { sizes, own, groups, work, .. } = self;
         let group = &groups[number];
-        let (sizes, stride) = (cell.sizes(), group.layout.stride);
+        let stride = group.layout.stride;
         work.outputs.resize(sizes.outputs * stride, Row8::default());
         work.output_deltas.resize(sizes.outputs * stride, Row8::default());
         work.carried.resize(2 * sizes.state * group.layout.start_stride, Row8::default());
-        let own = cell.own();
         work.own.resize(own.len(), Vec::new());
         for (matrix, rows) in work.own.iter_mut().zip(own) {
-            matrix.resize(rows * stride, Row8::default());
+            matrix.resize(*rows * stride, Row8::default());
         }
     }
 
@@ -120,19 +133,19 @@ impl<C: CellKernel> CellBatch<C> {
 
 impl<C: CellKernel> NextRows for CellBatch<C> {
     fn sizes(&self) -> CellSizes {
-        self.cell.sizes()
+        self.sizes
     }
 
     fn advance(&mut self, weights: &[f64], begins: bool, inputs: &[f64], outputs: &mut [f64]) {
-        let CellSizes { inputs: columns, outputs: width, .. } = self.cell.sizes();
+        let CellSizes { inputs: columns, outputs: width, .. } = self.sizes;
         self.groups[0].set_inputs(columns, inputs);
         self.pass(0, weights, begins);
         put_outputs(&self.groups[0].layout, &self.work.outputs, width, outputs);
     }
 
     fn carry(&mut self) {
-        let CellBatch { cell, groups, work, .. } = self;
-        let first = cell.sizes().inputs + 1;
+        let CellBatch { cell, sizes, groups, work, .. } = self;
+        let first = sizes.inputs + 1;
         let Group { layout, below, .. } = &mut groups[0];
         Group::carry(layout, below, first);
         for place in cell.carried() {
@@ -141,14 +154,13 @@ impl<C: CellKernel> NextRows for CellBatch<C> {
     }
 
     fn state_values(&self) -> usize {
-        let own = self.cell.own();
-        self.cell.sizes().state + self.cell.carried().iter().map(|place| own[*place]).sum::<usize>()
+        self.sizes.state + self.cell.carried().iter().map(|place| self.own[*place]).sum::<usize>()
     }
 
     fn state(&self) -> Vec<f64> {
-        let CellBatch { cell, groups, work, .. } = self;
+        let CellBatch { cell, sizes, groups, work, .. } = self;
         let Group { layout, below, .. } = &groups[0];
-        let mut states = Group::values(layout, below, cell.sizes().inputs + 1);
+        let mut states = Group::values(layout, below, sizes.inputs + 1);
         for place in cell.carried() {
             let further = Group::values(layout, &work.own[*place], 0);
             states.iter_mut().zip(further).for_each(|(state, further)| state.extend(further));
@@ -159,9 +171,8 @@ impl<C: CellKernel> NextRows for CellBatch<C> {
     fn set_state(&mut self, state: &[f64]) {
         self.fit(0);
         let width = self.state_values();
-        let CellBatch { cell, groups, work, .. } = self;
+        let CellBatch { cell, sizes, own, groups, work, .. } = self;
         let Group { layout, below, .. } = &mut groups[0];
-        let (sizes, own) = (cell.sizes(), cell.own());
         for (lane, values) in state.chunks_exact(width).enumerate() {
             let (first, mut further) = values.split_at(sizes.state);
             Group::set_values(layout, below, sizes.inputs + 1, lane, first);

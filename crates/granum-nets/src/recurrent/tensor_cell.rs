@@ -18,10 +18,11 @@ fn tensor<L: Lanes>(
     stride: usize,
     at: usize,
 ) -> [L; COMPONENTS] {
-    [0, 1, 2, 3, 4].map(
-        #[inline(always)]
-        |c| L::load(&rows[(row + c * count + i) * stride + at].0),
-    )
+    let mut components = [L::zero(); COMPONENTS];
+    for (c, component) in components.iter_mut().enumerate() {
+        *component = L::load(&rows[(row + c * count + i) * stride + at].0);
+    }
+    components
 }
 
 #[inline(always)]

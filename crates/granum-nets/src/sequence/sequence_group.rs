@@ -299,7 +299,9 @@ pub(crate) fn product<L: Lanes>(
                 width,
                 #[inline(always)]
                 |_, _| L::zero(),
-                &mut finish,
+                // Not by reference: the function that calls a closure behind a reference is not inlined, and has no vector instructions.
+                #[inline(always)]
+                |j, b, sum| finish(j, b, sum),
             );
         },
     );

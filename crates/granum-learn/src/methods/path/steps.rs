@@ -83,8 +83,8 @@ impl PathSteps {
     }
 
     /// The run that goes on from a memory: the row before, the place on the path, the sample, the last increments, and the state of each network.
-    /// `known` are networks with any states, which saves making others.
-    fn resumed(&self, parts: &[Vec<f64>], known: Option<Vec<Box<dyn Stepper>>>) -> Result<Run> {
+    /// `known` is any run, whose networks save making others, and whose sizes of errors are those of the same sample.
+    fn resumed(&self, parts: &[Vec<f64>], known: Option<Run>) -> Result<Run> {
         let fitted = &self.fitted;
         let (widths, columns) = (fitted.channels.widths(), fitted.columns.inputs.len());
         let wrong = |what: &str| fitted.failed(format!("this is not a memory of it: {what}"));
@@ -107,16 +107,20 @@ impl PathSteps {
             return Err(wrong("it has other numbers of values"));
         };
         // The start values count for the states before the first row alone, which are replaced.
-        let mut steppers = match known {
-            Some(steppers) => steppers,
-            None => self.steppers(&vec![0.0; self.rotations.len() * widths.starts()])?,
+        let (mut steppers, sizes) = match known {
+            Some(run) if run.sample == *sample => (run.steppers, run.sizes),
+            Some(run) => (run.steppers, self.error_sizes(sample)),
+            None => {
+                let starts = vec![0.0; self.rotations.len() * widths.starts()];
+                (self.steppers(&starts)?, self.error_sizes(sample))
+            }
         };
         for (stepper, state) in steppers.iter_mut().zip(states) {
             stepper.set_state(state).map_err(|error| fitted.failed(error))?;
         }
         Ok(Run {
             steppers,
-            sizes: self.error_sizes(sample),
+            sizes,
             sample: sample.clone(),
             before: Some(before.clone()),
             place,
@@ -143,6 +147,9 @@ impl PathSteps {
     /// The inputs of the networks for the last of the increments, in each of the rotations.
     fn inputs(&self, increments: &[f64], count: usize) -> Vec<f64> {
         let widths = self.fitted.channels.widths();
+        if self.rotations == [None] && count == 1 {
+            return self.fitted.sizes.inputs(&widths, increments, &[1]);
+        }
         let starts = vec![0.0; widths.starts()];
         let runs = self.runs(increments.to_vec(), starts, count);
         let of_last = |runs: PathRuns| {
@@ -232,7 +239,7 @@ impl RunSteps for PathSteps {
     }
 
     fn resume(&mut self, memory: &RunMemory) -> Result<()> {
-        let known = self.run.take().map(|run| run.steppers);
+        let known = self.run.take();
         if !memory.is_start() {
             self.run = Some(self.resumed(memory.parts(), known)?);
         }
