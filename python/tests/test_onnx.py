@@ -135,8 +135,10 @@ STRESSES = [f"stress_{axes}" for axes in ("11", "22", "33", "23", "13", "12")]
 PATHS = ["path-gru", "path-lstm", "path-state-space", "path-window", "path-tensor"]
 
 
-def path(run: int, states: int) -> dict[str, Any]:
-    """A made-up material along a path of strain that turns at random: its stress follows the direction, and its volume depends on the sample."""
+def path(run: int, states: int, is_pressed: bool = False) -> dict[str, Any]:
+    """A made-up material along a path of strain that turns at random: its stress follows the direction, and its volume depends on the sample. It may be pressed
+    by a stress that varies from state to state and from run to run.
+    """
     random = np.random.default_rng(run)
     void_ratio, friction = random.uniform(0.5, 0.8), random.uniform(0.2, 0.6)
     steps = random.normal(size=(states // 7 + 1, 6)).repeat(7, axis=0)[:states] * random.uniform(0.5, 1.5, (states, 1)) * 1e-3
@@ -151,6 +153,8 @@ def path(run: int, states: int) -> dict[str, Any]:
         stress[k] = stress[k - 1] + 40 * (1e5 * friction * steps[k] - stress[k - 1] * length)
         volume[k] = volume[k - 1] + length * (void_ratio - 0.65)
     stress += 1e5 * (1 + 3 * volume)[:, None] * isotropic
+    if is_pressed:
+        stress *= np.exp(np.sin(0.3 * np.arange(states) + run))[:, None]
     columns: dict[str, Any] = dict(zip(STRAINS, strain.T)) | dict(zip(STRESSES, stress.T)) | {"volumetric_strain": volume}
     before = {f"sample.{name}": np.full(states, values[0]) for name, values in zip(STRESSES, stress.T)}
     return columns | before | {"sample.void_ratio": np.full(states, void_ratio), "friction": np.full(states, friction)}
@@ -169,6 +173,21 @@ COLUMNS = [
     ([*STRAINS, "friction"], STRESSES),
     ([*STRAINS, "sample.void_ratio"], ["stress_11", "stress_33"]),
 ]
+
+
+def test_a_stress_whose_pressure_varies_is_that_of_granum(tmp_path: pathlib.Path) -> None:
+    inputs, outputs = COLUMNS[0][0], STRESSES
+    dataset = granum.Dataset({f"run {k}": granum.Table(path(k, 12 + k % 3, is_pressed=True)) for k in range(26)})
+    surrogate = granum.surrogates.fit(dataset, inputs, outputs, method="path-tensor", threads=2)
+    # Networks see its ratio and its logarithm.
+    surrogate.write(tmp_path / "model.json")
+    assert '"offset":' in (tmp_path / "model.json").read_text().replace(" ", "")
+    file = tmp_path / "model.onnx"
+    surrogate.export_onnx(file)
+    onnx.checker.check_model(onnx.load(file), full_check=True)
+    paths = [path(100 + k, 40, is_pressed=True) for k in range(3)]
+    rows = np.concatenate([np.column_stack([own[name] for name in inputs]) for own in paths])
+    assert worst(file, surrogate, rows, 3) < TOLERANCE
 
 
 @pytest.mark.parametrize("columns", range(len(COLUMNS)))

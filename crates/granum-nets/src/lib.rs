@@ -62,7 +62,7 @@ pub use recurrent::lstm::{Lstm, LstmWeights};
 pub use recurrent::state_space::{StateSpace, StateSpaceWeights};
 pub use recurrent::tensor_sizes::TensorSizes;
 pub use recurrent::tensor_state_space::{TensorStateSpace, TensorWeights};
-pub use sequence::stepper::Stepper;
+pub use sequence::stepper::{MOST_SEQUENCES, Stepper};
 pub use statistics::normal;
 pub use statistics::student_t::two_sided_quantile;
 pub use table::data::Data;

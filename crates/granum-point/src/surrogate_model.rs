@@ -132,6 +132,37 @@ impl SurrogateModel {
         })
     }
 
+    /// The stresses after each of several strains from a state, in the axes of the sample: to the bits of [`SurrogateModel::strained`], but at once.
+    ///
+    /// # Errors
+    /// As [`SurrogateModel::strained`].
+    pub(crate) fn stresses(
+        &self,
+        from: &SurrogateState,
+        strains: &[Matrix],
+    ) -> Result<Vec<Matrix>, PointError> {
+        let row = |strain: &Matrix| {
+            let mut row = self.row.clone();
+            for (k, place) in self.strains.iter().enumerate() {
+                row[*place] = from.strain[k] + strain_component(strain, k);
+            }
+            row
+        };
+        let rows: Vec<Vec<f64>> = strains.iter().map(row).collect();
+        let means = self.with_stream(|stream| {
+            stream.resume(&from.memory)?;
+            Ok(stream.means_of(&rows)?)
+        })?;
+        let stress = |means: Vec<f64>| {
+            let mut stress = [[0.0; 3]; 3];
+            for ([r, c], place) in PLACES.into_iter().zip(self.stresses) {
+                (stress[r][c], stress[c][r]) = (means[place], means[place]);
+            }
+            stress
+        };
+        Ok(means.into_iter().map(stress).collect())
+    }
+
     /// Answers with a stream that nobody else uses meanwhile.
     fn with_stream<T>(
         &self,

@@ -90,10 +90,15 @@ pub(crate) fn probed_surrogate(
     size: f64,
 ) -> Result<Tensor, PointError> {
     check_size(size)?;
-    let strained = |direction: &Matrix, sign: f64| {
-        Ok(model.strained(state, &direction.map(|row| row.map(|x| sign * size * x)))?.1.mean)
-    };
-    columns(2.0 * size, strained)
+    let by = |direction: &Matrix, sign: f64| direction.map(|row| row.map(|x| sign * size * x));
+    let strains: Vec<Matrix> =
+        directions().iter().flat_map(|direction| [by(direction, 1.0), by(direction, -1.0)]).collect();
+    let stresses = model.stresses(state, &strains)?;
+    let mut tensor = Tensor::default();
+    for (j, pair) in stresses.chunks_exact(2).enumerate() {
+        put_column(&mut tensor, j, &pair[0], &pair[1], 2.0 * size);
+    }
+    Ok(tensor)
 }
 
 /// Refuses probes that are too small or too large for a difference.
@@ -104,20 +109,32 @@ fn check_size(size: f64) -> Result<(), PointError> {
     Err(PointError::Control { name: "strain of the probes", value: size, wanted: "from 1e-9 to 0.01" })
 }
 
+/// The six directions of strain.
+fn directions() -> [Matrix; 6] {
+    PLACES.map(|[r, c]| {
+        let mut direction = [[0.0; 3]; 3];
+        direction[r][c] += 0.5;
+        direction[c][r] += 0.5;
+        direction
+    })
+}
+
+/// A column of a tensor: the difference of two stresses over a strain.
+fn put_column(tensor: &mut Tensor, column: usize, forward: &Matrix, backward: &Matrix, strain: f64) {
+    for row in 0..6 {
+        tensor.0[row][column] = (component(forward, row) - component(backward, row)) / strain;
+    }
+}
+
 /// The tensor whose columns are differences of stresses over a strain: forward minus backward in each of the six directions.
 fn columns(
     strain: f64,
     strained: impl Fn(&Matrix, f64) -> Result<Matrix, PointError>,
 ) -> Result<Tensor, PointError> {
     let mut tensor = Tensor::default();
-    for (j, [r, c]) in PLACES.into_iter().enumerate() {
-        let mut direction = [[0.0; 3]; 3];
-        direction[r][c] += 0.5;
-        direction[c][r] += 0.5;
-        let (forward, backward) = (strained(&direction, 1.0)?, strained(&direction, -1.0)?);
-        for i in 0..6 {
-            tensor.0[i][j] = (component(&forward, i) - component(&backward, i)) / strain;
-        }
+    for (j, direction) in directions().iter().enumerate() {
+        let (forward, backward) = (strained(direction, 1.0)?, strained(direction, -1.0)?);
+        put_column(&mut tensor, j, &forward, &backward, strain);
     }
     Ok(tensor)
 }

@@ -14,6 +14,18 @@ pub trait RunSteps: Send {
     /// If the state cannot be predicted.
     fn predict(&mut self, row: &[f64]) -> Result<Prediction>;
 
+    /// The means of the outputs for each of several possible next states, to the bits of [`RunSteps::predict`] for each of them, as differences of a tangent need them. The
+    /// memory stays what it was, and no state can be accepted afterwards before it is predicted.
+    ///
+    /// # Errors
+    /// As [`RunSteps::predict`].
+    fn means_of(&mut self, rows: &[Vec<f64>]) -> Result<Vec<Vec<f64>>> {
+        let means = |row: &Vec<f64>| -> Result<Vec<f64>> {
+            Ok(self.predict(row)?.values.iter().map(|estimate| estimate.mean).collect())
+        };
+        rows.iter().map(means).collect()
+    }
+
     /// The memory after the state that was predicted last becomes that before the next one.
     fn accept(&mut self);
 

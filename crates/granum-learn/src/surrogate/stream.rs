@@ -103,6 +103,27 @@ impl<'a> PredictionStream<'a> {
         Ok(predictions.into_iter().next().unwrap_or_default())
     }
 
+    /// The means of the outputs for each of several possible next states, to the bits of [`PredictionStream::next_state`] for each of them: what a difference needs, at less
+    /// cost. The memory stays what it was.
+    ///
+    /// # Errors
+    /// As [`PredictionStream::next_state`].
+    pub fn means_of(&mut self, rows: &[Vec<f64>]) -> Result<Vec<Vec<f64>>> {
+        let surrogate = self.surrogate.surrogate();
+        let (method, columns) = (surrogate.method(), surrogate.columns());
+        let inputs = RunInputs::new(rows.concat(), columns.inputs.len(), vec![1; rows.len()])?;
+        check_inputs(method, columns, &inputs)?;
+        let means = match &mut self.steps {
+            Some(steps) => steps.means_of(rows)?,
+            None => surrogate.means(&inputs)?,
+        };
+        if !means.iter().flatten().all(|mean| mean.is_finite()) {
+            let reason = "what it predicts for one of several next states is no finite number".into();
+            return Err(LearnError::Surrogate { method: method.into(), reason });
+        }
+        Ok(means)
+    }
+
     /// The next state is the first of a new run.
     pub fn restart(&mut self) {
         if let Some(steps) = &mut self.steps {

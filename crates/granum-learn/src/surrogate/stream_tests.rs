@@ -47,7 +47,17 @@ fn memories_are_values(surrogate: &dyn Surrogate, inputs: &RunInputs, whole: &[P
         other.resume(&read).unwrap();
         let trial: Vec<f64> = row.iter().map(|value| 1.1 * value + 0.01).collect();
         // A trial leaves no trace, whether it has an answer or not.
-        let _ = other.next_state(&trial);
+        let of_trial = other.next_state(&trial);
+        other.resume(&read).unwrap();
+        // Several next states at once have the bits of each of them.
+        let means = |own: &Prediction| own.values.iter().map(|estimate| estimate.mean).collect::<Vec<f64>>();
+        let at_once = other.means_of(&[row.to_vec(), row.to_vec()]).unwrap();
+        assert_eq!(at_once, vec![means(expected); 2], "{}", surrogate.method());
+        assert_eq!(&other.memory(), memory);
+        if let Ok(of_trial) = of_trial {
+            let at_once = other.means_of(&[trial.clone(), row.to_vec(), trial]).unwrap();
+            assert_eq!(at_once, [means(&of_trial), means(expected), means(&of_trial)]);
+        }
         other.resume(&read).unwrap();
         assert_eq!(&other.memory(), memory);
         assert_eq!(&other.next_state(row).unwrap(), expected, "{}", surrogate.method());

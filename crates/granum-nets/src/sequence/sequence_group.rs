@@ -12,7 +12,7 @@ use crate::table::sequences::Sequences;
 use crate::training_error::TrainingError;
 
 /// Number of sequences that are computed together; with more, the memory for intermediate results is used again.
-const GROUP: usize = 8 * LANES;
+pub(crate) const GROUP: usize = 8 * LANES;
 /// Limit on the memory of a batch, bytes.
 const MEMORY: usize = 2 << 30;
 

@@ -2,8 +2,11 @@
 
 use granum_simd::{LANES, Row8};
 
-use crate::sequence::sequence_group::{CellSizes, Layout};
+use crate::sequence::sequence_group::{CellSizes, GROUP, Layout};
 use crate::training_error::TrainingError;
+
+/// Most sequences that a [`Stepper`] advances together.
+pub const MOST_SEQUENCES: usize = GROUP;
 
 /// Sequences whose rows come one after the other, each with the state of a network.
 ///

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use granum_nets::{Differentiable, Isa, Stepper};
+use granum_nets::{Differentiable, Isa, MOST_SEQUENCES, Stepper};
 
 use super::fitted::FittedPath;
 use super::growth::{PathPlace, PathPlaces};
@@ -24,6 +24,8 @@ pub(super) struct PathSteps {
     rotations: Vec<Option<Rotation>>,
     /// `None` before a row was predicted.
     run: Option<Run>,
+    /// Those of the last question for several rows.
+    ahead: Option<Ahead>,
 }
 
 /// What is kept of the rows before the next one.
@@ -42,11 +44,17 @@ struct Run {
     next: Option<(Vec<f64>, Vec<f64>, PathPlace)>,
 }
 
+/// Networks that advance several possible next rows at once, so many that the registers of a processor are full.
+struct Ahead {
+    rows: usize,
+    steppers: Vec<Box<dyn Stepper>>,
+}
+
 impl PathSteps {
     pub fn new(fitted: Arc<FittedPath>, level: f64) -> PathSteps {
         let factors = fitted.errors.as_ref().map(|errors| errors.factors(level));
         let rotations = fitted.rotations();
-        PathSteps { fitted, factors, rotations, run: None }
+        PathSteps { fitted, factors, rotations, run: None, ahead: None }
     }
 
     /// The states before the first row of a run.
@@ -57,7 +65,7 @@ impl PathSteps {
         let starts: Vec<f64> = self.turned(&runs).into_iter().flat_map(|runs| runs.starts).collect();
         let sample = channels.samples(&first).concat();
         Ok(Run {
-            steppers: self.steppers(&starts)?,
+            steppers: self.steppers(&starts, 1)?,
             sizes: self.error_sizes(&sample),
             sample,
             before: None,
@@ -67,10 +75,10 @@ impl PathSteps {
         })
     }
 
-    /// The networks with their states before the first row, from the start values in all rotations.
-    fn steppers(&self, starts: &[f64]) -> Result<Vec<Box<dyn Stepper>>> {
+    /// The networks with their states before the first row of some runs, from the start values in all rotations.
+    fn steppers(&self, starts: &[f64], runs: usize) -> Result<Vec<Box<dyn Stepper>>> {
         let stepper = |network: &dyn Differentiable| {
-            let stepper = network.stepper(Isa::detect(), self.rotations.len(), starts);
+            let stepper = network.stepper(Isa::detect(), runs * self.rotations.len(), starts);
             stepper.map_err(|error| self.fitted.failed(error))
         };
         self.fitted.networks.iter().map(|network| stepper(network.as_ref())).collect()
@@ -112,7 +120,7 @@ impl PathSteps {
             Some(run) => (run.steppers, self.error_sizes(sample)),
             None => {
                 let starts = vec![0.0; self.rotations.len() * widths.starts()];
-                (self.steppers(&starts)?, self.error_sizes(sample))
+                (self.steppers(&starts, 1)?, self.error_sizes(sample))
             }
         };
         for (stepper, state) in steppers.iter_mut().zip(states) {
@@ -159,25 +167,69 @@ impl PathSteps {
         self.turned(&runs).into_iter().flat_map(of_last).collect()
     }
 
-    /// What each network predicts, as the mean over the rotations, in the units of the outputs.
-    fn outputs(&self, run: &mut Run, inputs: &[f64]) -> Result<Vec<Vec<f64>>> {
+    /// What each network predicts, as the mean over the rotations, in the units of the outputs: the inputs of some rows in all rotations, one after the other.
+    fn outputs(
+        &self,
+        steppers: &mut [Box<dyn Stepper>],
+        inputs: &[f64],
+        rows: usize,
+    ) -> Result<Vec<Vec<f64>>> {
         let (channels, outputs) = (&self.fitted.channels, self.fitted.columns.outputs.len());
         let widths = channels.widths();
-        let mut found = Vec::with_capacity(run.steppers.len());
-        let mut values = vec![0.0; self.rotations.len() * widths.outputs()];
-        for stepper in &mut run.steppers {
+        let mut found = Vec::with_capacity(steppers.len());
+        let of_row = self.rotations.len() * widths.outputs();
+        let mut values = vec![0.0; rows * of_row];
+        for stepper in steppers {
             stepper.predict(inputs, &mut values).map_err(|error| self.fitted.failed(error))?;
-            let mut sum = vec![0.0; widths.outputs()];
-            for (rotation, own) in self.rotations.iter().zip(values.chunks_exact_mut(widths.outputs())) {
-                if let Some(rotation) = rotation {
-                    rotation.inverse().turn(own, 0, widths.tensors);
+            let mut sums = vec![0.0; rows * widths.outputs()];
+            for (sum, values) in sums.chunks_exact_mut(widths.outputs()).zip(values.chunks_exact_mut(of_row))
+            {
+                for (rotation, own) in self.rotations.iter().zip(values.chunks_exact_mut(widths.outputs())) {
+                    if let Some(rotation) = rotation {
+                        rotation.inverse().turn(own, 0, widths.tensors);
+                    }
+                    sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += *value);
                 }
-                sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += *value);
+                sum.iter_mut().for_each(|sum| *sum /= self.rotations.len() as f64);
             }
-            sum.iter_mut().for_each(|sum| *sum /= self.rotations.len() as f64);
-            found.push(channels.outputs(&sum, outputs));
+            found.push(channels.outputs(&sums, outputs));
         }
         Ok(found)
+    }
+
+    /// The inputs of the networks for a row after those of a run, in each of the rotations.
+    fn inputs_of(&self, run: &Run, row: &[f64]) -> Vec<f64> {
+        let channels = &self.fitted.channels;
+        let scaled = channels.scaled(channels.increment(run.before.as_deref(), row));
+        let increments: Vec<f64> = run.increments.iter().flatten().chain(&scaled).copied().collect();
+        self.inputs(&increments, run.increments.len() + 1)
+    }
+
+    /// Networks that advance so many rows at once: those of the last question, if there were as many.
+    fn ahead_for(&mut self, rows: usize) -> Result<Ahead> {
+        match self.ahead.take().filter(|ahead| ahead.rows == rows) {
+            Some(ahead) => Ok(ahead),
+            None => {
+                let starts = self.fitted.channels.widths().starts();
+                let starts = vec![0.0; rows * self.rotations.len() * starts];
+                Ok(Ahead { rows, steppers: self.steppers(&starts, rows)? })
+            }
+        }
+    }
+
+    /// The means for several rows after those of a run, of which none is accepted.
+    fn means_after(&self, run: &Run, rows: &[Vec<f64>], ahead: &mut Ahead) -> Result<Vec<Vec<f64>>> {
+        for (stepper, own) in ahead.steppers.iter_mut().zip(&run.steppers) {
+            let states = own.state().repeat(rows.len());
+            stepper.set_state(&states).map_err(|error| self.fitted.failed(error))?;
+        }
+        let inputs: Vec<f64> = rows.iter().flat_map(|row| self.inputs_of(run, row)).collect();
+        let networks = self.outputs(&mut ahead.steppers, &inputs, rows.len())?;
+        let outputs = self.fitted.columns.outputs.len();
+        let count = networks.len() as f64;
+        let mean = |place: usize| networks.iter().map(|values| values[place]).sum::<f64>() / count;
+        let of_row = |row: usize| (0..outputs).map(|output| mean(row * outputs + output)).collect();
+        Ok((0..rows.len()).map(of_row).collect())
     }
 
     fn next_row(&self, run: &mut Run, row: &[f64]) -> Result<Prediction> {
@@ -188,7 +240,7 @@ impl PathSteps {
         let scaled = channels.scaled(increment);
         let increments: Vec<f64> = run.increments.iter().flatten().chain(&scaled).copied().collect();
         let inputs = self.inputs(&increments, run.increments.len() + 1);
-        let networks = self.outputs(run, &inputs)?;
+        let networks = self.outputs(&mut run.steppers, &inputs, 1)?;
         let path = PathPlaces {
             length: vec![place.length],
             farthest: vec![place.farthest],
@@ -211,6 +263,28 @@ impl RunSteps for PathSteps {
         let prediction = self.next_row(&mut run, row);
         self.run = Some(run);
         prediction
+    }
+
+    fn means_of(&mut self, rows: &[Vec<f64>]) -> Result<Vec<Vec<f64>>> {
+        let Some(run) = self.run.take().filter(|run| run.before.is_some() && !rows.is_empty()) else {
+            // Each is the first row of a run, and tells of its own sample.
+            let means = |row: &Vec<f64>| -> Result<Vec<f64>> {
+                Ok(self.predict(row)?.values.iter().map(|estimate| estimate.mean).collect())
+            };
+            let means = rows.iter().map(means).collect();
+            self.run = None;
+            return means;
+        };
+        let at_once = (MOST_SEQUENCES / self.rotations.len()).max(1);
+        let means = rows.chunks(at_once).map(|rows| {
+            let mut ahead = self.ahead_for(rows.len())?;
+            let means = self.means_after(&run, rows, &mut ahead);
+            self.ahead = Some(ahead);
+            means
+        });
+        let means = means.collect::<Result<Vec<_>>>().map(|means| means.concat());
+        self.run = Some(Run { next: None, ..run });
+        means
     }
 
     fn accept(&mut self) {
