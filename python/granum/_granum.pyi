@@ -390,6 +390,24 @@ class MaterialPoint:
         The answer depends on how a path is cut: increments should be about as long as those between the training states. `largest_increment` and
         `refuse_larger` are as for a sample. `granum.CaseError` says what a surrogate or a sample lacks.
         """
+    @staticmethod
+    def hybrid(
+        surrogate: Surrogate | _Path,
+        simulation: Simulation,
+        sample: Mapping[str, float] | None = None,
+        *,
+        largest_trusted_deviation: float = 0.1,
+        inertial_number: float | None = None,
+        relaxation: int | None = None,
+        averaging: int | None = None,
+        largest_increment: float | None = None,
+    ) -> MaterialPoint:
+        """A point that a surrogate answers for while it knows, and grains where it does not: where the standard deviation of a stress that it predicts is larger than
+        `largest_trusted_deviation` of the mean stress, or an input or the path is outside of what it was trained on. The grains of `simulation` then follow the path of
+        the state from the start on and answer from there; the stress changes by the error that the surrogate had. `PointState.is_live` tells who answered.
+
+        `surrogate` and `sample` are as for `from_surrogate`; values of inputs `sample.X` that are not given are measured on the simulation, which is copied.
+        """
     @property
     def start(self) -> PointState:
         """The state of the sample before any increment."""
@@ -429,6 +447,13 @@ class PointState:
     @property
     def ticket(self) -> int:
         """A whole number that stands for sample, controls and path; it is the same in every process."""
+    @property
+    def is_live(self) -> bool:
+        """True if grains are behind the state, and not a surrogate."""
+    def path(self, start: PointState) -> Table | None:
+        """The path that led to this state of a hybrid point from its start, as a table: the six strains and the six stresses, a row for each part that was carried out. Where the
+        state is live all stresses are those of the grains, so that it is a test from which a surrogate can learn. `None` for other points.
+        """
     @property
     def outside(self) -> list[str]:
         """What is outside of what a surrogate was trained on, and then not to be trusted: names of inputs, and the length and the turns of the path.

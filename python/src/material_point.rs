@@ -1,11 +1,12 @@
 //! Material points: samples that a program strains step by step, whose states are values.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use granum_core::geometry::Matrix;
 use granum_core::quantity::Dimension;
 use granum_dem::servo::{PLACES, component};
-use granum_point::{BeyondLargest, Controls, Increment, PointError, State, Tangent};
+use granum_point::{BeyondLargest, Controls, Increment, PointError, State, Tangent, Trust};
 use granum_sensors::Sensors;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -17,6 +18,7 @@ use crate::errors;
 use crate::quantity;
 use crate::simulation::Simulation;
 use crate::surrogate::Surrogate;
+use crate::table::Table;
 
 /// A sample that is strained step by step: it answers with stress, stiffness and sensors. Its states are values: the same strain from the
 /// same state gives the same bits, and a state is never changed.
@@ -64,6 +66,28 @@ fn six<'py>(py: Python<'py>, tensor: &Matrix) -> PyResult<Array<'py>> {
     arrays::reals(py, (0..6).map(|k| component(tensor, k)).collect(), vec![6])
 }
 
+/// A surrogate, or that of a file.
+fn surrogate_of(
+    py: Python<'_>,
+    surrogate: &Bound<'_, PyAny>,
+) -> PyResult<Arc<dyn granum_learn::surrogate::Surrogate>> {
+    match surrogate.cast::<Surrogate>() {
+        Ok(known) => Ok(known.get().shared()),
+        Err(_) => Surrogate::of_file(py, surrogate.extract()?),
+    }
+}
+
+/// Values by their names, in SI units.
+fn values_of(sample: Option<&Bound<'_, PyMapping>>) -> PyResult<BTreeMap<String, f64>> {
+    let mut values = BTreeMap::new();
+    for item in sample.map(|sample| sample.items()).transpose()?.iter().flat_map(|items| items.iter()) {
+        let (name, value): (String, Bound<PyAny>) = item.extract()?;
+        let value = quantity::in_si(&name, &value, Dimension::NUMBER)?;
+        values.insert(name, value);
+    }
+    Ok(values)
+}
+
 #[pymethods]
 impl MaterialPoint {
     #[new]
@@ -109,16 +133,8 @@ impl MaterialPoint {
         largest_increment: Option<f64>,
         refuse_larger: bool,
     ) -> PyResult<MaterialPoint> {
-        let surrogate = match surrogate.cast::<Surrogate>() {
-            Ok(known) => known.get().shared(),
-            Err(_) => Surrogate::of_file(py, surrogate.extract()?)?,
-        };
-        let mut values = BTreeMap::new();
-        for item in sample.map(|sample| sample.items()).transpose()?.iter().flat_map(|items| items.iter()) {
-            let (name, value): (String, Bound<PyAny>) = item.extract()?;
-            let value = quantity::in_si(&name, &value, Dimension::NUMBER)?;
-            values.insert(name, value);
-        }
+        let surrogate = surrogate_of(py, surrogate)?;
+        let values = values_of(sample)?;
         let controls = Controls::default().with(|controls| {
             controls.largest_increment = largest_increment.unwrap_or(controls.largest_increment);
             if refuse_larger {
@@ -127,6 +143,41 @@ impl MaterialPoint {
         });
         let made =
             detached(py, || granum_point::MaterialPoint::from_surrogate(surrogate, &values, controls))?;
+        Ok(MaterialPoint { inner: made.map_err(|error| raised(py, &error))? })
+    }
+
+    /// A point that a surrogate answers for while it knows, and grains where it does not: where the standard deviation of a stress that it predicts is larger than
+    /// `largest_trusted_deviation` of the mean stress, or an input or the path is outside of what it was trained on. The grains of `simulation` then follow the path of
+    /// the state from the start on and answer from there; the stress changes by the error that the surrogate had. `PointState.is_live` tells who answered.
+    ///
+    /// `surrogate` and `sample` are as for `from_surrogate`; values of inputs `sample.X` that are not given are measured on the simulation, which is copied.
+    #[staticmethod]
+    #[pyo3(signature = (surrogate, simulation, sample=None, *, largest_trusted_deviation=0.1, inertial_number=None, relaxation=None, averaging=None, largest_increment=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn hybrid(
+        py: Python<'_>,
+        surrogate: &Bound<'_, PyAny>,
+        simulation: &Simulation,
+        sample: Option<&Bound<'_, PyMapping>>,
+        largest_trusted_deviation: f64,
+        inertial_number: Option<f64>,
+        relaxation: Option<u64>,
+        averaging: Option<u64>,
+        largest_increment: Option<f64>,
+    ) -> PyResult<MaterialPoint> {
+        let surrogate = surrogate_of(py, surrogate)?;
+        let values = values_of(sample)?;
+        let simulation = simulation.copied(py)?;
+        let controls = Controls::default().with(|controls| {
+            controls.inertial_number = inertial_number.unwrap_or(controls.inertial_number);
+            controls.relaxation = relaxation.unwrap_or(controls.relaxation);
+            controls.averaging = averaging.unwrap_or(controls.averaging.min(controls.relaxation));
+            controls.largest_increment = largest_increment.unwrap_or(controls.largest_increment);
+        });
+        let trust = Trust { largest_deviation: largest_trusted_deviation };
+        let made = detached(py, || {
+            granum_point::MaterialPoint::hybrid(surrogate, &values, simulation, trust, controls)
+        })?;
         Ok(MaterialPoint { inner: made.map_err(|error| raised(py, &error))? })
     }
 
@@ -260,6 +311,18 @@ impl PointState {
     #[getter]
     fn ticket(&self) -> u64 {
         self.inner.identity().ticket()
+    }
+
+    /// True if grains are behind the state, and not a surrogate.
+    #[getter]
+    fn is_live(&self) -> bool {
+        self.inner.is_live()
+    }
+
+    /// The path that led to this state of a hybrid point from its start, as a table: the six strains and the six stresses, a row for each part that was carried out. Where the
+    /// state is live all stresses are those of the grains, so that it is a test from which a surrogate can learn. `None` for other points.
+    fn path(&self, start: &PointState) -> Option<Table> {
+        self.inner.path(&start.inner).map(Table::from)
     }
 
     /// What is outside of what a surrogate was trained on, and then not to be trusted: names of inputs, and the length and the turns of the path.

@@ -121,6 +121,27 @@ def test_a_surrogate_stands_in_place_of_grains(surrogate: granum.surrogates.Surr
         point.tangent(state, "affine")
 
 
+def test_grains_take_over_where_a_surrogate_does_not_know(surrogate: granum.surrogates.Surrogate) -> None:
+    simulation = granum.prepare(SAND).simulation()
+    both = granum.MaterialPoint.hybrid(surrogate, simulation, largest_trusted_deviation=10, inertial_number=5e-3)
+    alone = granum.MaterialPoint.from_surrogate(surrogate, {"sample.void_ratio": both.start.void_ratio})
+    grains = granum.MaterialPoint(simulation, inertial_number=5e-3)
+    step = [2e-4, -1e-4, 0, 0, 0, 1e-4]
+    state, known, live = (point.advance(point.start, step) for point in (both, alone, grains))
+    assert not state.is_live and np.allclose(state.stress, known.stress, rtol=1e-3)
+    for _ in range(60):
+        state, live = both.advance(state, step), grains.advance(live, step)
+        if state.is_live:
+            break
+    # It left the training runs, and the grains followed all of its path.
+    assert state.is_live and np.array_equal(state.stress, live.stress) and state.outside == []
+    table = state.path(both.start)
+    assert table is not None and np.array_equal(np.asarray(table["stress_11"])[-1:], live.stress[:1])
+    assert known.path(alone.start) is None
+    with pytest.raises(granum.CaseError, match="largest trusted deviation"):
+        granum.MaterialPoint.hybrid(surrogate, simulation, largest_trusted_deviation=-1)
+
+
 def test_surrogates_that_are_no_material_have_names(surrogate: granum.surrogates.Surrogate) -> None:
     refused = granum.MaterialPoint.from_surrogate
     with pytest.raises(granum.CaseError, match="sample.void_ratio needs a finite value"):

@@ -257,6 +257,11 @@ int granum_state_outside(const struct granum_state *state,
                          uint64_t *count);
 
 /*
+ One if grains are behind the state, zero if a surrogate is: of a material of both it tells who answered.
+ */
+int granum_state_is_live(const struct granum_state *state, int *is_live);
+
+/*
  A value of a sensor by the name of its column, for example "coordination_number" or "phi_d", or of an output of a surrogate.
  */
 int granum_state_sensor(const struct granum_state *state,

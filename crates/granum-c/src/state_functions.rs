@@ -69,6 +69,12 @@ pub unsafe extern "C" fn granum_state_outside(state: *const GranumState, count: 
     guarded(|| unsafe { write(count, reference(state, "state")?.0.outside().len() as u64, "number") })
 }
 
+/// One if grains are behind the state, zero if a surrogate is: of a material of both it tells who answered.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn granum_state_is_live(state: *const GranumState, is_live: *mut c_int) -> c_int {
+    guarded(|| unsafe { write(is_live, c_int::from(reference(state, "state")?.0.is_live()), "answer") })
+}
+
 /// A value of a sensor by the name of its column, for example "coordination_number" or "phi_d", or of an output of a surrogate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn granum_state_sensor(

@@ -447,6 +447,38 @@ fn save_a_surrogate() {
     save(&folder().join("sand.json"), fitted.as_ref()).unwrap();
 }
 
+/// Of a material of both, the surrogate answers what it knows, and the grains of the case what it does not: with the bits that they would have given all along.
+#[test]
+fn grains_take_over_from_a_surrogate() {
+    save_a_surrogate();
+    let lines = "[[material]]\nsurrogate = 'sand.json'\ninputs = { 'sample.void_ratio' = 0.6 }\ninitial_stress = 'sample'\n\
+                 [[material]]\nsurrogate = 'sand.json'\ninputs = { 'sample.void_ratio' = 0.6 }\ninitial_stress = 'sample'\n\
+                 case = 'sand.toml'\ninertial_number = 5e-3\nlargest_trusted_deviation = 0.5";
+    let _alone = open("abaqus", lines);
+    let begin = |material: f64, name: f64| {
+        let mut point = Point::new(name, 6);
+        point.statev.push(0.0);
+        point.call(&[0.0; 6], 3, true, null(), material).0
+    };
+    let ask = |from: &Point, material: f64, dstran: &[f64]| from.call(dstran, 3, true, null(), material).0;
+    let (alone, both) = (begin(2.0, 51.0), begin(3.0, 52.0));
+    assert_eq!(alone.stress, both.stress);
+    let inside = [-1e-4, 2e-5, 2e-5, 0.0, 0.0, 1e-4];
+    let (alone, both) = (ask(&alone, 2.0, &inside), ask(&both, 3.0, &inside));
+    assert_eq!(alone.stress, both.stress);
+    assert_eq!(both.statev[3], -1.0, "a surrogate knows no contacts: {:?}", both.statev);
+    // Outside of the training.
+    let far = [-0.012, 5e-3, 5e-3, 0.0, 0.0, 0.0];
+    let (alone, both) = (ask(&alone, 2.0, &far), ask(&both, 3.0, &far));
+    assert!(alone.statev[5] > 0.0 && both.statev[5] == 0.0 && both.statev[3] > 1.0, "{:?}", both.statev);
+    let mut live = begin(1.0, 53.0);
+    for dstran in [inside, far] {
+        live = ask(&live, 1.0, &dstran);
+    }
+    assert_eq!(both.stress, live.stress);
+    assert!(both.ddsdde[0] > 1e6, "{:?}", both.ddsdde);
+}
+
 /// A surrogate of the configuration answers a host as a case does.
 #[test]
 fn a_surrogate_stands_for_a_case() {

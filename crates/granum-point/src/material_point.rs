@@ -14,20 +14,23 @@ use granum_io::{Case, RunKind};
 use granum_learn::surrogate::Surrogate;
 use granum_run::stiffness::Tensor;
 use granum_run::{Laboratory, Source};
+use granum_sensors::Sensors;
 
 use crate::answer::Answer;
 use crate::answer_cache::AnswerCache;
 use crate::controls::{BeyondLargest, Controls};
 use crate::error::PointError;
+use crate::hybrid::{Followed, Hybrid, Part, Trust};
 use crate::identity::Identity;
 use crate::imposed_stress::{impose, largest_difference};
 use crate::increment::{Increment, Pace};
 use crate::matrix_functions::{UNIT, transposed};
+use crate::path_so_far::PathPart;
 use crate::recipe::Recipe;
 use crate::rotated::{stiffness_to_space, to_cell};
 use crate::secant;
 use crate::state::{Content, Matter, State};
-use crate::straining::{AveragedStress, relax, strain};
+use crate::straining::{AveragedStress, relax};
 use crate::surrogate_model::SurrogateModel;
 use crate::tangent::{self, Tangent};
 
@@ -48,6 +51,19 @@ enum Model {
     /// The grains of the states.
     Grains,
     Surrogate(SurrogateModel),
+    /// A surrogate while it knows, and grains where it does not.
+    Hybrid(Box<Hybrid>),
+}
+
+impl Model {
+    /// The surrogate, if there is one.
+    fn surrogate(&self) -> Option<&SurrogateModel> {
+        match self {
+            Model::Grains => None,
+            Model::Surrogate(model) => Some(model),
+            Model::Hybrid(hybrid) => Some(&hybrid.surrogate),
+        }
+    }
 }
 
 /// A material point: a sample of grains, or a surrogate of one, and how it is strained.
@@ -69,15 +85,10 @@ impl MaterialPoint {
     ///
     /// # Errors
     /// [`PointError::Control`] if a control is not possible, and if the engine fails.
-    pub fn new(mut simulation: Simulation, controls: Controls) -> Result<MaterialPoint, PointError> {
+    pub fn new(simulation: Simulation, controls: Controls) -> Result<MaterialPoint, PointError> {
         controls.check()?;
-        // Points work in parallel, each on one thread.
-        simulation.set_hardware(Hardware::default());
-        simulation.set_global_damping(0.0);
-        simulation.set_control(CellControl::fixed());
-        simulation.reset_phase(0.0);
         let mean_stress = simulation.state().mean_stress();
-        let averaged = relax(&mut simulation, &controls)?;
+        let (simulation, averaged) = at_rest(simulation, &controls)?;
         let mut digest = Digest::new();
         digest.text(concat!("granum-point ", env!("CARGO_PKG_VERSION")));
         controls.digest(&mut digest);
@@ -90,6 +101,7 @@ impl MaterialPoint {
             stress: averaged.mean,
             noise: averaged.deviation,
             secant,
+            path: None,
         };
         Ok(MaterialPoint::from_start(Model::Grains, controls, start, mean_stress))
     }
@@ -144,18 +156,40 @@ impl MaterialPoint {
         digest.text(concat!("granum-point ", env!("CARGO_PKG_VERSION")));
         controls.digest(&mut digest);
         model.digest(&mut digest)?;
-        let (state, AveragedStress { mean, deviation }) = model.start()?;
-        let secant = tangent::probed_surrogate(&model, &state, FIRST_PROBE)?;
-        let start = Content {
-            identity: Identity::new(digest),
-            matter: Matter::Surrogate(state),
-            rotation: UNIT,
-            stress: mean,
-            noise: deviation,
-            secant,
-        };
-        let mean_stress = (mean[0][0] + mean[1][1] + mean[2][2]) / 3.0;
+        let start = start_of(&model, Identity::new(digest))?;
+        let mean_stress = mean_of(&start.stress);
         Ok(MaterialPoint::from_start(Model::Surrogate(model), controls, start, mean_stress))
+    }
+
+    /// A material point that a surrogate answers for while it knows, and the grains of a sample where it does not: where the standard deviation of a stress is larger than
+    /// `trust` allows, or an input or the path is outside of what the surrogate was trained on. The grains then follow the path of the state from the start on, and
+    /// answer from there; the stress changes by the error that the surrogate had. A state tells who answered ([`State::is_live`]), and its path is a test from which a
+    /// surrogate can learn ([`State::path`]).
+    ///
+    /// The values of inputs `sample.X` that are not given are measured on the sample.
+    ///
+    /// # Errors
+    /// As [`MaterialPoint::new`] and [`MaterialPoint::from_surrogate`].
+    pub fn hybrid(
+        surrogate: Arc<dyn Surrogate>,
+        sample: &BTreeMap<String, f64>,
+        simulation: Simulation,
+        trust: Trust,
+        controls: Controls,
+    ) -> Result<MaterialPoint, PointError> {
+        controls.check()?;
+        trust.check()?;
+        let mean_stress = simulation.state().mean_stress();
+        let (simulation, _) = at_rest(simulation, &controls)?;
+        let values = with_measured(surrogate.as_ref(), sample, &simulation);
+        let hybrid =
+            Hybrid { surrogate: SurrogateModel::new(surrogate, &values)?, sample: simulation, trust };
+        let mut digest = Digest::new();
+        digest.text(concat!("granum-point ", env!("CARGO_PKG_VERSION")));
+        controls.digest(&mut digest);
+        hybrid.digest(&mut digest)?;
+        let start = start_of(&hybrid.surrogate, Identity::new(digest))?;
+        Ok(MaterialPoint::from_start(Model::Hybrid(Box::new(hybrid)), controls, start, mean_stress))
     }
 
     /// A point whose first state has a mean stress, Pa.
@@ -175,8 +209,16 @@ impl MaterialPoint {
     /// A material point whose sample is prepared as a case says, with the bonds that the case makes before its first stage; its test is not used.
     ///
     /// # Errors
-    /// [`PointError::Sample`] if the sample cannot be made, and as [`MaterialPoint::new`].
+    /// As [`MaterialPoint::sample_of_case`] and [`MaterialPoint::new`].
     pub fn from_case(case: &Case, controls: Controls) -> Result<MaterialPoint, PointError> {
+        MaterialPoint::new(MaterialPoint::sample_of_case(case)?, controls)
+    }
+
+    /// The sample of a case, with the bonds that the case makes before its first stage.
+    ///
+    /// # Errors
+    /// [`PointError::Sample`] if the sample cannot be made.
+    pub fn sample_of_case(case: &Case) -> Result<Simulation, PointError> {
         let sample = || {
             let plan = Laboratory::here().plan(RunKind::Sample, case, &Source::Case, &mut NoObserver)?;
             Ok(plan.in_memory(&mut NoObserver)?.simulation()?.clone())
@@ -185,7 +227,7 @@ impl MaterialPoint {
         for bond in case.bonds.iter().filter(|bond| bond.before_stage() == 1) {
             sample.bond(&bond.bonding(case.vocabulary.laws()))?;
         }
-        MaterialPoint::new(sample, controls)
+        Ok(sample)
     }
 
     /// The state of the sample before any increment.
@@ -268,11 +310,18 @@ impl MaterialPoint {
         if let Some(answer) = self.answers.get(&identity) {
             return Ok(answer);
         }
-        let Matter::Grains(before) = self.own_matter(content)? else {
-            let instead = "its stress follows from its strain alone, so that it begins with that of its start and goes on with its own";
-            return Err(PointError::NoGrains { what: "another stress than that of the state", instead });
+        // What the grains are strained by afterwards is not a path from the start any more, along which a surrogate could follow.
+        let mut simulation = match (self.own_matter(content)?, &self.model) {
+            (Matter::Grains(before), _) => Simulation::clone(before),
+            (Matter::Surrogate(_), Model::Hybrid(hybrid)) => {
+                let part = self.part(&[[0.0; 3]; 3], Pace::OfControls);
+                hybrid.grains_after(&mut content.path.clone(), &part, &mut |_| Flow::Continue)?.0
+            }
+            _ => {
+                let instead = "its stress follows from its strain alone, so that it begins with that of its start and goes on with its own";
+                return Err(PointError::NoGrains { what: "another stress than that of the state", instead });
+            }
         };
-        let mut simulation = Simulation::clone(before);
         let before = simulation.state().step();
         let averaged = impose(&mut simulation, &target, self.least_mean_stress, &self.controls)?;
         let steps = simulation.state().step() - before;
@@ -285,6 +334,7 @@ impl MaterialPoint {
                 stress: averaged.mean,
                 noise: averaged.deviation,
                 secant,
+                path: None,
             }),
             steps,
         };
@@ -310,9 +360,9 @@ impl MaterialPoint {
             (Tangent::Probes { strain }, Matter::Grains(simulation)) => {
                 tangent::probed(simulation, strain, self.least_mean_stress, &self.controls)?
             }
-            (Tangent::Probes { strain }, Matter::Surrogate(state)) => match &self.model {
-                Model::Surrogate(model) => tangent::probed_surrogate(model, state, strain)?,
-                Model::Grains => return Err(other_kind(&self.model)),
+            (Tangent::Probes { strain }, Matter::Surrogate(state)) => match self.model.surrogate() {
+                Some(model) => tangent::probed_surrogate(model, state, strain)?,
+                None => return Err(other_kind(&self.model)),
             },
             (Tangent::Affine | Tangent::Elastic, Matter::Surrogate(_)) => {
                 let what = "the affine or elastic stiffness";
@@ -343,9 +393,8 @@ impl MaterialPoint {
     /// What a state consists of, if it is of the kind of this point.
     fn own_matter<'a>(&self, content: &'a Content) -> Result<&'a Matter, PointError> {
         match (&self.model, &content.matter) {
-            (Model::Grains, Matter::Grains(_)) | (Model::Surrogate(_), Matter::Surrogate(_)) => {
-                Ok(&content.matter)
-            }
+            (Model::Grains | Model::Hybrid(_), Matter::Grains(_))
+            | (Model::Surrogate(_) | Model::Hybrid(_), Matter::Surrogate(_)) => Ok(&content.matter),
             _ => Err(other_kind(&self.model)),
         }
     }
@@ -366,6 +415,7 @@ impl MaterialPoint {
             stress: from.stress,
             noise: from.noise,
             secant: from.secant,
+            path: from.path.clone(),
         };
         let mut steps = 0;
         if increment.strain != [[0.0; 3]; 3] {
@@ -373,8 +423,9 @@ impl MaterialPoint {
             let part = to_cell(&content.rotation, &increment.strain.map(|row| row.map(|x| x / count)));
             for k in 0..parts {
                 let mut watch_part = |share: f64| watch((f64::from(k) + share) / count);
+                let own = self.part(&part, increment.pace);
                 let (averaged, made) =
-                    self.follow_part(&mut content.matter, &part, increment.pace, &mut watch_part)?;
+                    self.follow_part(&mut content.matter, &mut content.path, &own, &mut watch_part)?;
                 steps += made;
                 content.secant = secant::updated(&content.secant, &part, &content.stress, &averaged.mean);
                 (content.stress, content.noise) = (averaged.mean, averaged.deviation);
@@ -383,23 +434,24 @@ impl MaterialPoint {
         Ok(Answer { state: State::new(content), steps })
     }
 
-    /// Strains grains or a surrogate by a part of an increment, in the axes of the cell: the stress after it, and the number of steps.
+    /// A part of an increment with the controls of this point.
+    fn part<'a>(&'a self, strain: &'a Matrix, pace: Pace) -> Part<'a> {
+        Part { strain, pace, least_mean_stress: self.least_mean_stress, controls: &self.controls }
+    }
+
+    /// Strains what a state consists of by a part of an increment: the stress after it, and the number of steps.
     fn follow_part(
         &self,
         matter: &mut Matter,
-        part: &Matrix,
-        pace: Pace,
+        path: &mut Option<Arc<PathPart>>,
+        part: &Part,
         watch: &mut dyn FnMut(f64) -> Flow,
-    ) -> Result<(AveragedStress, u64), PointError> {
+    ) -> Result<Followed, PointError> {
         match (&self.model, matter) {
-            (Model::Grains, Matter::Grains(simulation)) => {
-                let before = simulation.state().step();
-                strain(simulation, part, pace, self.least_mean_stress, &self.controls, watch)?;
-                let averaged = relax(simulation, &self.controls)?;
-                Ok((averaged, simulation.state().step() - before))
-            }
+            (Model::Hybrid(hybrid), matter) => hybrid.follow(matter, path, part, watch),
+            (Model::Grains, Matter::Grains(simulation)) => part.strain_grains(simulation, watch),
             (Model::Surrogate(model), Matter::Surrogate(state)) => {
-                let (next, stress) = model.strained(state, part)?;
+                let (next, stress) = model.strained(state, part.strain)?;
                 *state = next;
                 if watch(1.0) == Flow::Stop { Err(PointError::Stopped) } else { Ok((stress, 1)) }
             }
@@ -424,7 +476,54 @@ fn other_kind(model: &Model) -> PointError {
     match model {
         Model::Grains => PointError::OtherKind { state: "a surrogate", point: "grains" },
         Model::Surrogate(_) => PointError::OtherKind { state: "grains", point: "a surrogate" },
+        Model::Hybrid(_) => PointError::OtherKind { state: "another kind", point: "a surrogate and grains" },
     }
+}
+
+/// A sample that is held and relaxed as after an increment, with the stress after it.
+fn at_rest(
+    mut simulation: Simulation,
+    controls: &Controls,
+) -> Result<(Simulation, AveragedStress), PointError> {
+    // Points work in parallel, each on one thread.
+    simulation.set_hardware(Hardware::default());
+    simulation.set_global_damping(0.0);
+    simulation.set_control(CellControl::fixed());
+    simulation.reset_phase(0.0);
+    let averaged = relax(&mut simulation, controls)?;
+    Ok((simulation, averaged))
+}
+
+fn mean_of(stress: &Matrix) -> f64 {
+    (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0
+}
+
+/// What the first state of a surrogate consists of.
+fn start_of(model: &SurrogateModel, identity: Identity) -> Result<Content, PointError> {
+    let (state, AveragedStress { mean, deviation }) = model.start()?;
+    let secant = tangent::probed_surrogate(model, &state, FIRST_PROBE)?;
+    let matter = Matter::Surrogate(state);
+    Ok(Content { identity, matter, rotation: UNIT, stress: mean, noise: deviation, secant, path: None })
+}
+
+/// The values that are given, with those of the inputs `sample.X` that are not given as they are measured on the sample.
+fn with_measured(
+    surrogate: &dyn Surrogate,
+    given: &BTreeMap<String, f64>,
+    simulation: &Simulation,
+) -> BTreeMap<String, f64> {
+    let sensors = Sensors::standard();
+    let measured = sensors.for_clumps(simulation.state().has_clumps()).measure_state(simulation);
+    let mut values = given.clone();
+    for name in surrogate.columns().input_names() {
+        let column = name.strip_prefix("sample.").filter(|_| !values.contains_key(&name));
+        let value = column.and_then(|column| match column {
+            "void_ratio" => Some(1.0 / simulation.state().solid_fraction() - 1.0),
+            column => measured.value(column),
+        });
+        values.extend(value.map(|value| (name.clone(), value)));
+    }
+    values
 }
 
 /// One rotation after another, brought back to a rotation to rounding (one step of Newton's iteration).

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use granum_core::ObservedState;
 use granum_core::geometry::Matrix;
+use granum_core::{ObservedState, Table};
 use granum_dem::simulation::Simulation;
 use granum_learn::surrogate::Outside;
 use granum_run::stiffness::Tensor;
 use granum_sensors::{Measurement, Sensors};
 
 use crate::identity::Identity;
+use crate::path_so_far::{PathPart, table};
 use crate::rotated::{stiffness_to_space, to_space};
 use crate::surrogate_state::SurrogateState;
 
@@ -38,6 +39,8 @@ pub(crate) struct Content {
     pub(crate) noise: Matrix,
     /// Secant stiffness kept up along the path.
     pub(crate) secant: Tensor,
+    /// The path since the start, of a state of a hybrid point alone.
+    pub(crate) path: Option<Arc<PathPart>>,
 }
 
 impl State {
@@ -137,6 +140,19 @@ impl State {
             Matter::Grains(simulation) => Some(simulation),
             Matter::Surrogate(_) => None,
         }
+    }
+
+    /// True if grains are behind this state, and not a surrogate.
+    pub fn is_live(&self) -> bool {
+        self.simulation().is_some()
+    }
+
+    /// The path that led to this state of a hybrid point ([`crate::MaterialPoint::hybrid`]) as a table, a row for each part that was carried out after that of the start, whose
+    /// stress is given: the six logarithmic strains since the start and the six stresses, by the names of the columns that surrogates have. Where the state is live, all
+    /// of its stresses are those of the grains, also from before they took over, so that the table is a test from which a surrogate can learn. `None` for other
+    /// points, and before any increment.
+    pub fn path(&self, start: &State) -> Option<Table> {
+        table(self.content.path.as_ref()?, &start.content.stress)
     }
 
     /// The grains for observers that work with any engine; `None` for a surrogate.

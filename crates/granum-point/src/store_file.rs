@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::identity::Identity;
 use crate::increment::{Increment, Pace};
+use crate::path_so_far::{PathPart, parts};
 use crate::recipe::Recipe;
 use crate::state::{Content, Matter, State};
 use crate::store::{Store, StoredPoint, Trial};
@@ -29,6 +30,8 @@ const MAGIC: &[u8; 8] = b"GRANUMPT";
 const HEADER: usize = 52;
 /// What the checkpoint of a state begins with that has no grains. Files of grains alone are as they always were.
 const SURROGATE: &[u8; 8] = b"GRANUMSU";
+/// What the checkpoint of a state of a hybrid point begins with: its path, before what it consists of.
+const HYBRID: &[u8; 8] = b"GRANUMHY";
 /// The version of the file that this granum reads and writes.
 const VERSION: u32 = 1;
 
@@ -60,6 +63,21 @@ struct SavedSurrogate {
     values: Vec<f64>,
     /// Name, value and trained range.
     outside: Vec<(String, f64, [f64; 2])>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedHybrid {
+    /// The parts of the path, the first one first.
+    path: Vec<SavedPart>,
+    /// As [`SavedState::checkpoint`].
+    matter: Vec<u8>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedPart {
+    strain: Matrix,
+    pace: SavedPace,
+    stress: Matrix,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -197,7 +215,7 @@ impl States {
             return Ok(*place);
         }
         let content = state.content();
-        let checkpoint = saved_matter(&content.matter);
+        let checkpoint = saved_content(content);
         let checkpoint = checkpoint.map_err(|error| wrong(path, format!("cannot be written: {error}")))?;
         let Content { identity, rotation, stress, noise, secant, .. } = *content;
         self.saved.push(SavedState { identity, checkpoint, rotation, stress, noise, secant: secant.0 });
@@ -213,14 +231,52 @@ fn restored(saved: SavedState, laws: &Laws) -> Result<State, String> {
     if !numbers.copied().all(f64::is_finite) {
         return Err("a stress or a rotation is not finite".to_string());
     }
-    let matter = match checkpoint.strip_prefix(SURROGATE) {
-        Some(saved) => Matter::Surrogate(restored_surrogate(saved)?),
-        None => {
-            let restored = Simulation::restore_among(&checkpoint, laws);
-            Matter::Grains(Box::new(restored.map_err(|error| error.to_string())?.0))
-        }
+    let (matter, path) = match checkpoint.strip_prefix(HYBRID) {
+        Some(saved) => restored_hybrid(saved, laws)?,
+        None => (restored_matter(&checkpoint, laws)?, None),
     };
-    Ok(State::new(Content { identity, matter, rotation, stress, noise, secant: Tensor(secant) }))
+    Ok(State::new(Content { identity, matter, rotation, stress, noise, secant: Tensor(secant), path }))
+}
+
+/// Grains, or what a surrogate keeps.
+fn restored_matter(bytes: &[u8], laws: &Laws) -> Result<Matter, String> {
+    match bytes.strip_prefix(SURROGATE) {
+        Some(saved) => Ok(Matter::Surrogate(restored_surrogate(saved)?)),
+        None => {
+            let restored = Simulation::restore_among(bytes, laws);
+            Ok(Matter::Grains(Box::new(restored.map_err(|error| error.to_string())?.0)))
+        }
+    }
+}
+
+/// What a state of a hybrid point consists of, and its path.
+fn restored_hybrid(bytes: &[u8], laws: &Laws) -> Result<(Matter, Option<Arc<PathPart>>), String> {
+    let (saved, rest): (SavedHybrid, &[u8]) =
+        postcard::take_from_bytes(bytes).map_err(|error| error.to_string())?;
+    let mut path = None;
+    for SavedPart { strain, pace, stress } in saved.path {
+        if !strain.iter().chain(&stress).flatten().all(|value| value.is_finite()) {
+            return Err("a part of a path is not finite".to_string());
+        }
+        path = Some(Arc::new(PathPart { before: path, strain, pace: pace.restored(), stress }));
+    }
+    if !rest.is_empty() {
+        return Err("there is more than a path and a state".to_string());
+    }
+    Ok((restored_matter(&saved.matter, laws)?, path))
+}
+
+/// The bytes of what a state consists of, with its path if it has one.
+fn saved_content(content: &Content) -> Result<Vec<u8>, String> {
+    let matter = saved_matter(&content.matter)?;
+    if content.path.is_none() {
+        return Ok(matter);
+    }
+    let part =
+        |part: &PathPart| SavedPart { strain: part.strain, pace: part.pace.into(), stress: part.stress };
+    let path = parts(content.path.as_ref()).into_iter().map(part).collect();
+    let bytes = postcard::to_allocvec(&SavedHybrid { path, matter }).map_err(|error| error.to_string())?;
+    Ok([HYBRID.as_slice(), &bytes].concat())
 }
 
 /// The bytes of grains, or of what a surrogate keeps.
@@ -261,12 +317,28 @@ fn saved_recipe(recipe: &Recipe) -> SavedRecipe {
         Recipe::Advance(increment) => SavedRecipe::Advance {
             strain: increment.strain,
             rotation: increment.rotation,
-            pace: match increment.pace {
-                Pace::OfControls => SavedPace::OfControls,
-                Pace::InertialNumber(number) => SavedPace::InertialNumber(number),
-                Pace::Duration(time) => SavedPace::Duration(time),
-            },
+            pace: increment.pace.into(),
         },
+    }
+}
+
+impl From<Pace> for SavedPace {
+    fn from(pace: Pace) -> SavedPace {
+        match pace {
+            Pace::OfControls => SavedPace::OfControls,
+            Pace::InertialNumber(number) => SavedPace::InertialNumber(number),
+            Pace::Duration(time) => SavedPace::Duration(time),
+        }
+    }
+}
+
+impl SavedPace {
+    fn restored(self) -> Pace {
+        match self {
+            SavedPace::OfControls => Pace::OfControls,
+            SavedPace::InertialNumber(number) => Pace::InertialNumber(number),
+            SavedPace::Duration(time) => Pace::Duration(time),
+        }
     }
 }
 
@@ -275,12 +347,7 @@ impl SavedRecipe {
         match self {
             SavedRecipe::Impose(stress) => Recipe::Impose(stress),
             SavedRecipe::Advance { strain, rotation, pace } => {
-                let pace = match pace {
-                    SavedPace::OfControls => Pace::OfControls,
-                    SavedPace::InertialNumber(number) => Pace::InertialNumber(number),
-                    SavedPace::Duration(time) => Pace::Duration(time),
-                };
-                Recipe::Advance(Increment { strain, rotation, pace })
+                Recipe::Advance(Increment { strain, rotation, pace: pace.restored() })
             }
         }
     }

@@ -12,20 +12,10 @@ use granum_dem::servo::{PLACES, strain_component};
 use granum_learn::surrogate::{Prediction, PredictionStream, RunMemory, Surrogate, to_json};
 
 use crate::error::PointError;
+use crate::path_so_far::{STRAINS, STRESSES};
 use crate::straining::AveragedStress;
 use crate::surrogate_state::SurrogateState;
 
-/// The columns of strain by components xx, yy, zz, yz, zx, xy.
-const STRAINS: [&str; 6] = [
-    "axial_strain",
-    "lateral_strain_2",
-    "lateral_strain_3",
-    "shear_strain_yz",
-    "shear_strain_zx",
-    "shear_strain_xy",
-];
-/// The columns of stress by the same components.
-const STRESSES: [&str; 6] = ["stress_11", "stress_22", "stress_33", "stress_23", "stress_13", "stress_12"];
 const VOLUME: &str = "volumetric_strain";
 const VOID_RATIO: &str = "sample.void_ratio";
 /// Level of the intervals, whose standard deviations alone are used.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use granum_core::input::{self, LARGEST_INPUT};
-use granum_point::{BeyondLargest, Controls, Tangent};
+use granum_point::{BeyondLargest, Controls, Tangent, Trust};
 use serde::Deserialize;
 
 use super::component_order::ComponentOrder;
@@ -21,6 +21,12 @@ use crate::failure::Failure;
 /// [[material]]               # a surrogate that `granum train` made, in place of grains
 /// surrogate = "sand.json"
 /// inputs = { "sample.void_ratio" = 0.62 }
+/// initial_stress = "sample"
+///
+/// [[material]]               # both: the surrogate answers while it knows, grains where it does not
+/// surrogate = "sand.json"
+/// case = "sand.toml"
+/// largest_trusted_deviation = 0.1
 /// initial_stress = "sample"
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -79,10 +85,13 @@ pub struct MaterialConfiguration {
     /// Folder of a sample that was prepared, instead.
     #[serde(default)]
     pub sample: Option<PathBuf>,
-    /// File of a surrogate, instead.
+    /// File of a surrogate, instead or beside it.
     #[serde(default)]
     pub surrogate: Option<PathBuf>,
-    /// The values of those inputs of the surrogate that are no strains.
+    /// Beside a case or a sample: the largest standard deviation of a stress over the mean stress up to which the surrogate answers. Beyond it, and outside of what it was
+    /// trained on, grains do.
+    pub largest_trusted_deviation: Option<f64>,
+    /// The values of those inputs of the surrogate that are no strains; beside a case or a sample those of its state are measured.
     #[serde(default)]
     pub inputs: BTreeMap<String, f64>,
     /// Number of samples of a case, which differ in their seed: the name of a point modulo this number chooses one.
@@ -127,9 +136,21 @@ fn usual_probe() -> f64 {
 impl MaterialConfiguration {
     /// What is wrong with its keys.
     fn check(&self) -> Result<(), String> {
-        let named = [&self.case, &self.sample, &self.surrogate].into_iter().flatten().count();
-        if named != 1 {
-            return Err("must have either a case or a sample or a surrogate".to_string());
+        let grains = [&self.case, &self.sample].into_iter().flatten().count();
+        let is_one = match (grains, self.surrogate.is_some(), self.largest_trusted_deviation) {
+            (1, false, None) | (0, true, None) => true,
+            (1, true, Some(largest_deviation)) => {
+                let trust = Trust { largest_deviation };
+                trust.check().map_err(|error| format!(": {error}"))?;
+                true
+            }
+            _ => false,
+        };
+        if !is_one {
+            return Err(
+                "must have either a case or a sample or a surrogate; or a surrogate beside one of the others with largest_trusted_deviation, up to which it answers"
+                    .to_string(),
+            );
         }
         if self.samples == 0 || (self.samples > 1 && self.case.is_none()) {
             return Err(": samples must be at least 1, and 1 for what is no case".to_string());
@@ -233,6 +254,14 @@ mod tests {
         refused("host = 'kratos'\npascals_per_unit = -1.0\n[[material]]\ncase = 'a'", "pascals_per_unit");
         refused("host = 'kratos'\n[[material]]\nsample = 'a'\nsamples = 3", "samples");
         refused("host = 'kratos'\n[[material]]\ncase = 'a'\nsurrogate = 'b'", "either");
+        let both = "host = 'kratos'\n[[material]]\ncase = 'a'\nsurrogate = 'b'\ninitial_stress = 'sample'";
+        refused(both, "largest_trusted_deviation");
+        assert!(read(&format!("{both}\nlargest_trusted_deviation = 0.1")).is_ok());
+        refused(&format!("{both}\nlargest_trusted_deviation = -0.1"), "largest trusted deviation = -0.1");
+        refused(&format!("{both}\nlargest_trusted_deviation = 0.1\nsample = 'c'"), "either");
+        refused(&format!("{both}\nlargest_trusted_deviation = 0.1\ntangent = 'elastic'"), "probes");
+        refused("host = 'kratos'\n[[material]]\ncase = 'a'\nlargest_trusted_deviation = 0.1", "either");
+        refused("host = 'kratos'\n[[material]]\nsurrogate = 'b'\nlargest_trusted_deviation = 0.1", "either");
         refused("host = 'kratos'\n[[material]]\nsurrogate = 'b'", "initial_stress");
         let surrogate = "host = 'kratos'\n[[material]]\nsurrogate = 'b'\ninitial_stress = 'sample'";
         assert!(read(surrogate).is_ok());

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use granum_core::geometry::Matrix;
+use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_learn::SurrogateMethods;
-use granum_point::{Increment, MaterialPoint, PointError, State, Store, Tangent};
+use granum_point::{Increment, MaterialPoint, PointError, State, Store, Tangent, Trust};
 use granum_run::Laboratory;
 
-use super::configuration::{Configuration, InitialStress, TangentKind};
+use super::configuration::{Configuration, InitialStress, MaterialConfiguration, TangentKind};
 use crate::failure::Failure;
 
 /// Share of the first stiffness of the sample that stands for the stiffness of a sample without load.
@@ -120,26 +121,34 @@ impl Session {
     fn prepared(&self, material: usize, which: u64) -> Result<MaterialPoint, Failure> {
         let configuration = &self.configuration.materials[material - 1];
         let controls = configuration.controls();
-        if let Some(surrogate) = &configuration.surrogate {
-            let path = self.folder.join(surrogate);
-            let loaded = SurrogateMethods::standard().load(&path);
-            let loaded = loaded.map_err(|error| Failure::File { path, what: error.to_string() })?;
-            return Ok(MaterialPoint::from_surrogate(loaded.into(), &configuration.inputs, controls)?);
-        }
+        let Some(surrogate) = &configuration.surrogate else {
+            return Ok(MaterialPoint::new(self.sample(configuration, which)?, controls)?);
+        };
+        let path = self.folder.join(surrogate);
+        let loaded = SurrogateMethods::standard().load(&path);
+        let loaded = loaded.map_err(|error| Failure::File { path, what: error.to_string() })?.into();
+        let inputs = &configuration.inputs;
+        Ok(match configuration.largest_trusted_deviation {
+            None => MaterialPoint::from_surrogate(loaded, inputs, controls)?,
+            Some(largest_deviation) => {
+                let sample = self.sample(configuration, which)?;
+                MaterialPoint::hybrid(loaded, inputs, sample, Trust { largest_deviation }, controls)?
+            }
+        })
+    }
+
+    /// The grains of a material.
+    fn sample(&self, configuration: &MaterialConfiguration, which: u64) -> Result<Simulation, Failure> {
         if let Some(sample) = &configuration.sample {
             let folder = self.folder.join(sample);
             let state = Laboratory::here().last_state(&folder);
-            let what = |error: granum_run::LaboratoryError| Failure::File {
-                path: folder.clone(),
-                what: error.to_string(),
-            };
-            return Ok(MaterialPoint::new(state.map_err(what)?, controls)?);
+            return state.map_err(|error| Failure::File { path: folder, what: error.to_string() });
         }
         let path = self.folder.join(configuration.case.as_deref().unwrap_or(Path::new("")));
         let mut case = Case::read(&path)
             .map_err(|error| Failure::File { path: path.clone(), what: error.to_string() })?;
         case.preparation.seed = case.preparation.seed.wrapping_add(which);
-        Ok(MaterialPoint::from_case(&case, controls)?)
+        Ok(MaterialPoint::sample_of_case(&case)?)
     }
 
     /// Answers a question.

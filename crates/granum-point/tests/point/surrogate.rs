@@ -69,12 +69,12 @@ fn path(cell: PathCell, rotations: usize) -> Arc<dyn Surrogate> {
 }
 
 /// A tensor network, trained once.
-fn tensor() -> Arc<dyn Surrogate> {
+pub(crate) fn tensor() -> Arc<dyn Surrogate> {
     static FITTED: OnceLock<Arc<dyn Surrogate>> = OnceLock::new();
     Arc::clone(FITTED.get_or_init(|| path(PathCell::TensorStateSpace, 0)))
 }
 
-fn sample_values() -> BTreeMap<String, f64> {
+pub(crate) fn sample_values() -> BTreeMap<String, f64> {
     BTreeMap::from([(VOID_RATIO.to_string(), 0.64)])
 }
 
@@ -82,12 +82,12 @@ fn point_of(surrogate: Arc<dyn Surrogate>) -> MaterialPoint {
     MaterialPoint::from_surrogate(surrogate, &sample_values(), Controls::default()).unwrap()
 }
 
-fn step(k: u32) -> Increment {
+pub(crate) fn step(k: u32) -> Increment {
     let rate = |c: u32| 2e-3 * (f64::from(k / 5) + 1.3 * f64::from(c)).sin();
     Increment::from_components(std::array::from_fn(|c| rate(c as u32)))
 }
 
-fn bits(stress: &Matrix) -> Vec<u64> {
+pub(crate) fn bits(stress: &Matrix) -> Vec<u64> {
     stress.iter().flatten().map(|x| x.to_bits()).collect()
 }
 

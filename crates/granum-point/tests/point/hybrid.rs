@@ -1,0 +1,127 @@
+//! A point that a surrogate answers for while it knows, and grains where it does not.
+
+use granum_learn::{Dataset, RunStates};
+use granum_point::{Increment, MaterialPoint, PointError, State, Store, Trust};
+
+use crate::sample;
+use crate::surrogate::{bits, sample_values, tensor};
+
+fn hybrid(largest_deviation: f64) -> MaterialPoint {
+    let (surrogate, values) = (tensor(), sample_values());
+    let (sample, controls) = (sample::simulation().clone(), sample::quick());
+    MaterialPoint::hybrid(surrogate, &values, sample, Trust { largest_deviation }, controls).unwrap()
+}
+
+/// Small shear, three increments there and three back.
+fn step(k: u32) -> Increment {
+    let d = if (k / 3).is_multiple_of(2) { 4e-4 } else { -4e-4 };
+    Increment::from_components([d, -0.4 * d, -0.5 * d, 0.3 * d, 0.0, 0.2 * d])
+}
+
+/// The states after each of some increments.
+fn states(point: &MaterialPoint, increments: impl IntoIterator<Item = Increment>) -> Vec<State> {
+    let mut found = vec![point.start()];
+    for increment in increments {
+        let next = point.advance(&found[found.len() - 1], &increment).unwrap().state;
+        found.push(next);
+    }
+    found
+}
+
+#[test]
+fn it_answers_as_its_surrogate_where_that_is_trusted_and_as_its_grains_where_it_is_not() {
+    let trusted = states(&hybrid(1e3), (0..3).map(step));
+    let alone = MaterialPoint::from_surrogate(tensor(), &sample_values(), sample::quick()).unwrap();
+    for (own, other) in trusted.iter().zip(states(&alone, (0..3).map(step))) {
+        assert!(!own.is_live());
+        assert_eq!(bits(&own.stress()), bits(&other.stress()));
+    }
+    let doubted = states(&hybrid(0.0), (0..3).map(step));
+    let live = MaterialPoint::new(sample::simulation().clone(), sample::quick()).unwrap();
+    let of_grains = states(&live, (0..3).map(step));
+    for (own, other) in doubted.iter().zip(&of_grains).skip(1) {
+        assert!(own.is_live());
+        assert_eq!(bits(&own.stress()), bits(&other.stress()));
+    }
+    // No state of another point is taken for one of its own.
+    let error = alone.advance(&doubted[2], &step(3)).err().unwrap();
+    assert!(matches!(error, PointError::OtherKind { .. }), "{error}");
+}
+
+/// Where the path becomes longer than those of training, grains follow all of it and go on; what they did is a test for a surrogate.
+#[test]
+fn grains_follow_the_whole_path_where_they_take_over() {
+    let point = hybrid(1e3);
+    let all = states(&point, (0..60).map(step));
+    let first = all.iter().position(State::is_live).unwrap();
+    assert!(first > 2 && all[first..].iter().all(State::is_live), "{first}");
+    assert!(all[..first].iter().all(|state| state.outside().is_empty()));
+    let live = MaterialPoint::new(sample::simulation().clone(), sample::quick()).unwrap();
+    let of_grains = states(&live, (0..first as u32 + 2).map(step));
+    for k in [first, first + 2] {
+        assert_eq!(bits(&all[k].stress()), bits(&of_grains[k].stress()), "{k}");
+    }
+    // The same increment from the state before gives the same bits again: the state was not changed.
+    let again = hybrid(1e3).advance(&all[first - 1], &step(first as u32 - 1)).unwrap();
+    assert_eq!(bits(&again.stress()), bits(&all[first].stress()));
+    assert!(again.steps > 100 && !all[first - 1].is_live());
+    let table = all[first + 2].path(&point.start()).unwrap();
+    let stresses = table.values("stress_11").unwrap();
+    assert_eq!(stresses.len(), first + 3);
+    for k in 1..first + 3 {
+        assert_eq!(stresses[k].to_bits(), of_grains[k].stress()[0][0].to_bits());
+    }
+    let run = RunStates::new("taken over", table).unwrap();
+    assert!(Dataset::new(vec![run]).is_ok() && point.start().path(&point.start()).is_none());
+    assert!(of_grains[1].path(&live.start()).is_none());
+}
+
+#[test]
+fn its_states_go_on_from_a_file_and_can_be_brought_to_a_stress() {
+    let point = hybrid(1e3);
+    let all = states(&point, (0..60).map(step));
+    let first = all.iter().position(State::is_live).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("points");
+    let store = Store::new();
+    for (name, k) in [(1, first - 1), (2, first + 1)] {
+        store.put(name, all[k].clone());
+    }
+    store.save(&file).unwrap();
+    let store = Store::load(&file).unwrap();
+    for (name, k) in [(1, first - 1), (2, first + 1)] {
+        let state = store.state(name, all[k].identity().ticket(), &point).unwrap();
+        assert_eq!(state.is_live(), k > first);
+        let next = point.advance(&state, &step(k as u32)).unwrap();
+        assert_eq!(bits(&next.stress()), bits(&all[k + 1].stress()));
+        assert_eq!(next.state.path(&point.start()), all[k + 1].path(&point.start()));
+    }
+    // A state of the surrogate becomes one of grains where its host imposes a stress.
+    let p = all[2].mean_stress();
+    let imposed = point.at_stress(&all[2], &[[p, 0.0, 0.0], [0.0, p, 0.0], [0.0, 0.0, p]]).unwrap();
+    assert!(imposed.state.is_live() && (imposed.stress()[0][0] - p).abs() < 2e-3 * p);
+    let next = point.advance(&imposed.state, &step(0)).unwrap();
+    assert!(next.state.is_live() && next.state.path(&point.start()).is_none());
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    for largest_deviation in [-0.1, f64::NAN, f64::INFINITY] {
+        let (sample, trust) = (sample::simulation().clone(), Trust { largest_deviation });
+        let made = MaterialPoint::hybrid(tensor(), &sample_values(), sample, trust, sample::quick());
+        let error = made.err().unwrap().to_string();
+        assert!(error.contains("largest trusted deviation"), "{error}");
+    }
+    // The void ratio is measured where it is not given.
+    let trust = Trust { largest_deviation: 1e3 };
+    let point = MaterialPoint::hybrid(
+        tensor(),
+        &Default::default(),
+        sample::simulation().clone(),
+        trust,
+        sample::quick(),
+    );
+    let point = point.unwrap();
+    let measured = 1.0 / sample::simulation().state().solid_fraction() - 1.0;
+    assert!((point.start().void_ratio().unwrap() - measured).abs() < 1e-2);
+}
