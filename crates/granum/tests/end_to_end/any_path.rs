@@ -93,3 +93,46 @@ fn surrogates_of_any_path_are_learned_and_judged() {
     );
     assert!(refusal.contains("`rate=nan`: it must be above 0 and at most 1"), "{refusal}");
 }
+
+/// The plan sand-step with small samples and short paths: the volume is an input, the mean stress is learned, and the surrogate is kept in a file.
+#[test]
+fn a_surrogate_to_which_the_volume_is_an_input_is_judged_and_kept() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    done(here, &["init", "--plan", "sand-step"]);
+    let file = here.join("sand-step.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let accepted = "accept = ['inertial_number < 10', 'servo_error_rms < 10', 'servo_error_largest < 100', 'unbalanced_force < 10', \
+                    'energy_gap < 1', 'sample_unbalanced_force < 1', 'largest_overlap < 1']";
+    let lines = text.lines().map(|line| match line {
+        line if line.starts_with("accept = ") => accepted,
+        line if line.starts_with("points = ") => "points = 12",
+        "grains.count = 1000" => "grains.count = 80\nstage.1.inertial_number = 1e-2",
+        "from = 0.06" => "from = 0.02",
+        "to = 0.18" => "to = 0.03",
+        line => line,
+    });
+    std::fs::write(&file, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    done(here, &["campaign", "sand-step.toml", "--out", "runs"]);
+    let asked =
+        ["examine", "paths", "runs", "--unseen-share", "0.25", "--volume-is-input", "--model", "step.json"];
+    let asked =
+        [&asked[..], &["--property", "grains.material.friction", "contact.rolling_friction"]].concat();
+    let method = ["--method", "path-tensor:networks=2,epochs=4"];
+    let answers = &done_json(here, &[&asked[..], &method].concat())["answers"];
+    let quantities: Vec<&str> =
+        answers["errors"].as_array().unwrap().iter().map(|own| own["quantity"].as_str().unwrap()).collect();
+    assert!(quantities.contains(&"logarithm of mean stress") && !quantities.contains(&"volumetric strain"));
+    let kinds: Vec<&str> =
+        answers["errors"].as_array().unwrap().iter().map(|own| own["kind"].as_str().unwrap()).collect();
+    assert!(["drained", "undrained", "moving"].iter().any(|kind| kinds.contains(kind)), "{kinds:?}");
+    let text = std::fs::read_to_string(here.join("step.json")).unwrap();
+    let model: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(model["method"], "path-tensor");
+    assert!(text.contains("\"offset\""), "the mean stress is seen by its logarithm");
+    // It is not overwritten, and one file holds one surrogate.
+    let told = refused(here, 1, &[&asked[..], &method].concat());
+    assert!(told.contains("step.json"), "{told}");
+    let told = refused(here, 1, &[&asked[..], &["--force", "--method", "path-gru", "path-tensor"]].concat());
+    assert!(told.contains("--model takes the surrogate of one method, and --method names 2"), "{told}");
+}

@@ -14,7 +14,9 @@ use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::examine::turn::Turn;
 use crate::pooled_error::PooledError;
-use crate::surrogate::{FitSpec, Prediction, RunInputs, SurrogateMethod, SurrogateMethods, method_of_words};
+use crate::surrogate::{
+    FitSpec, Prediction, RunInputs, Surrogate, SurrogateMethod, SurrogateMethods, method_of_words,
+};
 
 /// Share of a long path at its beginning and at its end.
 const PART: f64 = 0.1;
@@ -45,17 +47,17 @@ impl AnyPath {
         Learned { volume_is_input: self.volume_is_input, properties: self.properties.clone() }
     }
 
-    /// Fits each method to the training runs, and judges it on the unseen and the long ones.
+    /// Fits each method to the training runs, and judges it on the unseen and the long ones. `keep` is given each surrogate once it is judged.
     ///
     /// # Errors
-    /// If a column or method does not exist, a surrogate cannot be fitted, or the observer stops the measurement.
+    /// If a column or method does not exist, a surrogate cannot be fitted, `keep` fails, or the observer stops the measurement.
     pub fn measure(
         &self,
         training: &Dataset,
         unseen: &Dataset,
         long: Option<&Dataset>,
         methods: &SurrogateMethods,
-        observer: &mut dyn Observer,
+        (keep, observer): (&mut dyn FnMut(&dyn Surrogate) -> Result<()>, &mut dyn Observer),
     ) -> Result<PathAnswers> {
         let learned = &self.learned();
         let judged = Quantity::of(learned);
@@ -119,6 +121,7 @@ impl AnyPath {
                     &predictions,
                 )?);
             }
+            keep(fitted.as_ref())?;
         }
         Ok(answers)
     }

@@ -10,6 +10,7 @@ use granum_io::shell::ShowPath;
 use granum_learn::LearnError;
 use granum_learn::examine::{AnyPath, HeldStates, PathAnswer, PathAnswers};
 use granum_learn::runs::RunRole;
+use granum_learn::surrogate::{self, Surrogate};
 
 use super::question::{RunFlags, WorkFlags, about, percent, put, table};
 use crate::command::records;
@@ -55,11 +56,21 @@ pub struct PathFlags {
     /// Write the answers to this file, as JSON.
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the surrogate of the only method to this file: for `granum predict`, and for material points.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
 }
 
 impl PathFlags {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.out.iter().try_for_each(|file| check_output_file(file, context.force))?;
+        self.out.iter().chain(&self.model).try_for_each(|file| check_output_file(file, context.force))?;
+        if self.model.is_some() && self.method.len() != 1 {
+            let message = format!(
+                "--model takes the surrogate of one method, and --method names {}",
+                self.method.len()
+            );
+            return Err(Failure::new(message));
+        }
         let (training, unseen) = self.runs.read(context, self.seed)?;
         let long = records::read(context, &self.long, RunRole::Unseen)?;
         let long = match long.is_empty() {
@@ -73,8 +84,12 @@ impl PathFlags {
             seed: self.seed,
             threads: self.threads.unwrap_or(0) as usize,
         };
+        let mut keep = |surrogate: &dyn Surrogate| match &self.model {
+            Some(file) => surrogate::save(file, surrogate),
+            None => Ok(()),
+        };
         let answers = WorkFlags::observed(context, |observer| {
-            question.measure(&training, &unseen, long.as_ref(), context.methods(), observer)
+            question.measure(&training, &unseen, long.as_ref(), context.methods(), (&mut keep, observer))
         })?;
         if let Some(file) = &self.out {
             let text = json::readable(&answers).map_err(|error| LearnError::Content(error.to_string()))?;
@@ -86,9 +101,9 @@ impl PathFlags {
         lines.extend(intervals("states within their intervals, %", &answers.intervals));
         lines.extend(drift(&answers));
         lines.extend(intervals("long runs: states within their intervals, %", &answers.intervals_of_long));
-        let result = serde_json::json!({ "answers": answers, "out": self.out.as_deref().map(output::path) });
+        let result = serde_json::json!({ "answers": answers, "out": self.out.as_deref().map(output::path), "model": self.model.as_deref().map(output::path) });
         output::say(context, &result, || {
-            let wrote = self.out.iter().map(|file| format!("wrote {}", file.shown()));
+            let wrote = self.out.iter().chain(&self.model).map(|file| format!("wrote {}", file.shown()));
             lines.into_iter().chain(wrote).collect::<Vec<_>>().join("\n")
         })
     }
