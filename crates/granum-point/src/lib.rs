@@ -34,6 +34,7 @@ mod controls;
 mod error;
 mod hybrid;
 mod identity;
+mod imposed_on_surrogate;
 mod imposed_stress;
 mod increment;
 mod material_point;

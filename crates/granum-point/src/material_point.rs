@@ -22,6 +22,7 @@ use crate::controls::{BeyondLargest, Controls};
 use crate::error::PointError;
 use crate::hybrid::{Followed, Hybrid, Part, Trust};
 use crate::identity::Identity;
+use crate::imposed_on_surrogate;
 use crate::imposed_stress::{impose, largest_difference};
 use crate::increment::{Increment, Pace};
 use crate::matrix_functions::{UNIT, transposed};
@@ -291,8 +292,8 @@ impl MaterialPoint {
         parallel::map(questions.len(), threads, answer).unwrap_or_default()
     }
 
-    /// The state brought to a stress that its caller imposes, Pa, in the axes of space and compression positive, by a servo on all six
-    /// components. Each component is then within a thousandth of the largest of them.
+    /// The state brought to a stress that its caller imposes, Pa, in the axes of space and compression positive: grains by a servo on all six
+    /// components, a surrogate by strains of up to 1e-3 that Newton's method chooses. Each component is then within a thousandth of the largest of them.
     ///
     /// # Errors
     /// [`PointError::StressNotReached`] if the sample cannot carry the stress, and if the engine fails.
@@ -310,36 +311,71 @@ impl MaterialPoint {
         if let Some(answer) = self.answers.get(&identity) {
             return Ok(answer);
         }
-        // What the grains are strained by afterwards is not a path from the start any more, along which a surrogate could follow.
-        let mut simulation = match (self.own_matter(content)?, &self.model) {
-            (Matter::Grains(before), _) => Simulation::clone(before),
-            (Matter::Surrogate(_), Model::Hybrid(hybrid)) => {
-                let part = self.part(&[[0.0; 3]; 3], Pace::OfControls);
-                hybrid.grains_after(&mut content.path.clone(), &part, &mut |_| Flow::Continue)?.0
+        let answer = match self.own_matter(content)? {
+            Matter::Grains(before) => {
+                self.imposed_on_grains(content, Simulation::clone(before), &target, identity)?
             }
-            _ => {
-                let instead = "its stress follows from its strain alone, so that it begins with that of its start and goes on with its own";
-                return Err(PointError::NoGrains { what: "another stress than that of the state", instead });
-            }
-        };
-        let before = simulation.state().step();
-        let averaged = impose(&mut simulation, &target, self.least_mean_stress, &self.controls)?;
-        let steps = simulation.state().step() - before;
-        let secant = tangent::affine(&simulation)?;
-        let answer = Answer {
-            state: State::new(Content {
-                identity,
-                matter: Matter::Grains(Box::new(simulation)),
-                rotation: content.rotation,
-                stress: averaged.mean,
-                noise: averaged.deviation,
-                secant,
-                path: None,
-            }),
-            steps,
+            Matter::Surrogate(_) => self.imposed_on_surrogate(content, &target, identity)?,
         };
         self.answers.put(identity, answer.clone());
         Ok(answer)
+    }
+
+    /// Grains that are brought to a stress in the axes of the cell. They were not strained along a path from the start, along which others could follow.
+    fn imposed_on_grains(
+        &self,
+        content: &Content,
+        mut simulation: Simulation,
+        stress: &Matrix,
+        identity: Identity,
+    ) -> Result<Answer, PointError> {
+        let before = simulation.state().step();
+        let averaged = impose(&mut simulation, stress, self.least_mean_stress, &self.controls)?;
+        let steps = simulation.state().step() - before;
+        let secant = tangent::affine(&simulation)?;
+        let (matter, rotation) = (Matter::Grains(Box::new(simulation)), content.rotation);
+        let (stress, noise) = (averaged.mean, averaged.deviation);
+        let state = State::new(Content { identity, matter, rotation, stress, noise, secant, path: None });
+        Ok(Answer { state, steps })
+    }
+
+    /// A surrogate that is strained until it has a stress in the axes of the cell; of a hybrid point its grains, where it is not to be trusted on the way or does not
+    /// reach the stress.
+    fn imposed_on_surrogate(
+        &self,
+        content: &Content,
+        stress: &Matrix,
+        identity: Identity,
+    ) -> Result<Answer, PointError> {
+        let (mut matter, mut path, mut steps) = (content.matter.clone(), content.path.clone(), 0);
+        let mut follow = |strain: &Matrix| {
+            let part = self.part(strain, Pace::OfControls);
+            let (reached, made) = self.follow_part(&mut matter, &mut path, &part, &mut |_| Flow::Continue)?;
+            steps += made;
+            // Grains are brought to a stress in another way.
+            if matches!(matter, Matter::Grains(_)) { Err(PointError::Stopped) } else { Ok(reached) }
+        };
+        let from = AveragedStress { mean: content.stress, deviation: content.noise };
+        let first = match (&content.matter, self.model.surrogate()) {
+            (Matter::Surrogate(state), Some(model)) => tangent::probed_surrogate(model, state, FIRST_PROBE)?,
+            _ => return Err(other_kind(&self.model)),
+        };
+        let least = self.least_mean_stress;
+        match (imposed_on_surrogate::impose(&from, first, stress, least, &mut follow), &self.model) {
+            (Ok((reached, secant, _)), _) => {
+                let (rotation, stress, noise) = (content.rotation, reached.mean, reached.deviation);
+                let state = State::new(Content { identity, matter, rotation, stress, noise, secant, path });
+                Ok(Answer { state, steps })
+            }
+            (Err(PointError::Stopped | PointError::StressNotReached { .. }), Model::Hybrid(hybrid)) => {
+                let part = self.part(&[[0.0; 3]; 3], Pace::OfControls);
+                let path = &mut content.path.clone();
+                let (grains, made) = hybrid.grains_after(path, &part, &mut |_| Flow::Continue)?;
+                let answer = self.imposed_on_grains(content, grains, stress, identity)?;
+                Ok(Answer { steps: answer.steps + made, ..answer })
+            }
+            (Err(error), _) => Err(error),
+        }
     }
 
     /// The stiffness of a state in the axes of space, Pa: stress `d_sigma_i = C_ij d_eps_j` by components xx, yy, zz, yz, zx, xy,

@@ -96,12 +96,18 @@ fn its_states_go_on_from_a_file_and_can_be_brought_to_a_stress() {
         assert_eq!(bits(&next.stress()), bits(&all[k + 1].stress()));
         assert_eq!(next.state.path(&point.start()), all[k + 1].path(&point.start()));
     }
-    // A state of the surrogate becomes one of grains where its host imposes a stress.
-    let p = all[2].mean_stress();
-    let imposed = point.at_stress(&all[2], &[[p, 0.0, 0.0], [0.0, p, 0.0], [0.0, 0.0, p]]).unwrap();
+    // The surrogate is strained to a stress that its host imposes, and grains can follow the strains.
+    let p = 1.01 * all[2].mean_stress();
+    let isotropic = [[p, 0.0, 0.0], [0.0, p, 0.0], [0.0, 0.0, p]];
+    let imposed = point.at_stress(&all[2], &isotropic).unwrap();
+    assert!(!imposed.state.is_live() && (imposed.stress()[0][0] - p).abs() < 1e-3 * p);
+    assert!(imposed.state.path(&point.start()).unwrap().rows() > all[2].path(&point.start()).unwrap().rows());
+    // Where it is not trusted, grains take the stress; they have no path from the start.
+    let doubtful = hybrid(0.0);
+    let imposed = doubtful.at_stress(&doubtful.start(), &isotropic).unwrap();
     assert!(imposed.state.is_live() && (imposed.stress()[0][0] - p).abs() < 2e-3 * p);
-    let next = point.advance(&imposed.state, &step(0)).unwrap();
-    assert!(next.state.is_live() && next.state.path(&point.start()).is_none());
+    let next = doubtful.advance(&imposed.state, &step(0)).unwrap();
+    assert!(next.state.is_live() && next.state.path(&doubtful.start()).is_none());
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod hybrid;
 mod imposed;
 mod objectivity;
 mod sample;
+mod shipped;
 mod stiffness;
 mod stored;
 mod surrogate;

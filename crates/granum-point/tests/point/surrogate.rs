@@ -203,11 +203,17 @@ fn stiffness_is_that_of_the_next_increments() {
         let error = point.tangent(&state, kind).unwrap_err();
         assert!(error.to_string().contains("ask for probes or for the secant"), "{error}");
     }
-    // Its own stress can be imposed, another one cannot.
+    // Its own stress is there already, another one is reached by strains, and one that it never has is refused.
     let own = state.stress();
     assert!(point.at_stress(&state, &own).unwrap().state.is_same_value(&state));
-    let error = point.at_stress(&state, &[[1e5, 0.0, 0.0], [0.0; 3], [0.0; 3]]).unwrap_err();
-    assert!(matches!(error, PointError::NoGrains { .. }), "{error}");
+    let other = [[1.04e5, 2e3, 0.0], [2e3, 0.99e5, 0.0], [0.0, 0.0, 1.01e5]];
+    let imposed = point.at_stress(&state, &other).unwrap();
+    let missed =
+        (0..9).fold(0.0f64, |most, k| most.max((imposed.stress()[k / 3][k % 3] - other[k / 3][k % 3]).abs()));
+    assert!(missed < 1e-3 * 1.04e5 && imposed.steps > 0, "{missed}");
+    assert_eq!(bits(&point.at_stress(&state, &other).unwrap().stress()), bits(&imposed.stress()));
+    let error = point.at_stress(&state, &[[-1e9, 0.0, 0.0], [0.0; 3], [0.0; 3]]).unwrap_err();
+    assert!(matches!(error, PointError::StressNotReached { .. }), "{error}");
 }
 
 /// An answer tells that it is outside of what the surrogate was trained on.
