@@ -67,7 +67,7 @@ fn solved(matrix: &[[f64; 6]; 6], right: [f64; 6]) -> Option<[f64; 6]> {
         let pivot = (column..6).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()))?;
         rows.swap(column, pivot);
         right.swap(column, pivot);
-        if !(rows[column][column].abs() > 0.0) {
+        if rows[column][column] == 0.0 || rows[column][column].is_nan() {
             return None;
         }
         for row in column + 1..6 {

@@ -272,6 +272,7 @@ pub(crate) fn below_tanh<L: Lanes>(
 }
 
 /// Products of scalars with lane blocks `first..first + width`, summed from zero.
+#[expect(clippy::redundant_closure, reason = "a closure that is passed by reference is not inlined")]
 #[inline(always)]
 pub(crate) fn product<L: Lanes>(
     scalars: Scalars,

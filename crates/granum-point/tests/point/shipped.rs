@@ -47,7 +47,7 @@ fn a_turned_path_gives_the_turned_stress() {
     let turn = multiply(&about_x, &about_z);
     let turned = |tensor: &Matrix| multiply(&multiply(&turn, tensor), &transposed(&turn));
     let strain = |k: u32| {
-        let d = if k / 8 % 2 == 0 { 5e-4 } else { -3e-4 };
+        let d = if (k / 8).is_multiple_of(2) { 5e-4 } else { -3e-4 };
         [[d, 0.2 * d, 0.0], [0.2 * d, -0.4 * d, 0.3 * d], [0.0, 0.3 * d, -0.5 * d]]
     };
     let point = point(0.65);

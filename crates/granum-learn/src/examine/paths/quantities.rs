@@ -71,7 +71,7 @@ pub(super) enum Quantity {
 
 impl Quantity {
     /// What is judged of what is learned.
-    pub fn of(learned: &Learned) -> [Quantity; 4] {
+    pub fn judged(learned: &Learned) -> [Quantity; 4] {
         let second = if learned.volume_is_input { Quantity::Pressure } else { Quantity::Volume };
         [Quantity::Stress, second, Quantity::Fabric, Quantity::Coordination]
     }

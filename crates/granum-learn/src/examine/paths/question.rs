@@ -21,6 +21,9 @@ use crate::surrogate::{
 /// Share of a long path at its beginning and at its end.
 const PART: f64 = 0.1;
 
+/// What is done with a fitted surrogate, such as writing it to a file.
+type KeepSurrogate<'a> = dyn FnMut(&dyn Surrogate) -> Result<()> + 'a;
+
 /// Surrogates of any path, and on what they are judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnyPath {
@@ -57,10 +60,10 @@ impl AnyPath {
         unseen: &Dataset,
         long: Option<&Dataset>,
         methods: &SurrogateMethods,
-        (keep, observer): (&mut dyn FnMut(&dyn Surrogate) -> Result<()>, &mut dyn Observer),
+        (keep, observer): (&mut KeepSurrogate, &mut dyn Observer),
     ) -> Result<PathAnswers> {
         let learned = &self.learned();
-        let judged = Quantity::of(learned);
+        let judged = Quantity::judged(learned);
         let spec = learned.spec().with_seed(self.seed).with_threads(self.threads);
         let method = |word: &String| -> Result<(String, Arc<dyn SurrogateMethod>)> {
             Ok((word.clone(), method_of_words(word, methods)?))

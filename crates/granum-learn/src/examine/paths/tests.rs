@@ -94,7 +94,7 @@ fn the_scatter_is_that_of_samples_on_the_same_path() {
         vec![run("a", 1.0, 1.0, 0.02, 0.0), run("b", 1.0, 2.0, 0.02, 0.1), run("alone", 2.0, 3.0, 0.02, 0.3)];
     let runs = Dataset::new(all).unwrap();
     let (exact, means) = (rows_of(&usual(), &runs).unwrap(), means(&usual(), &runs).unwrap());
-    let found = scatter(&runs, &exact, &means, &Quantity::of(&usual()));
+    let found = scatter(&runs, &exact, &means, &Quantity::judged(&usual()));
     let stress = found.iter().find(|own| own.quantity == "stress deviator").unwrap();
     let size =
         exact[..50].iter().map(|row| row.stress.iter().map(|c| c * c).sum::<f64>()).sum::<f64>() / 50.0;
@@ -148,7 +148,8 @@ fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
     };
     let predictions: Vec<Prediction> = exact.chunks_exact(names.len()).enumerate().map(prediction).collect();
     let places = Places::new(&runs).unwrap();
-    let found = held("method", &runs, &places, (&columns, &Quantity::of(&usual())), &predictions).unwrap();
+    let found =
+        held("method", &runs, &places, (&columns, &Quantity::judged(&usual())), &predictions).unwrap();
     let of = |quantity: &str| found.iter().find(|own| own.quantity == quantity).unwrap();
     assert_eq!((of("fabric deviator").held, of("coordination number").held), (1.0, 1.0));
     let volume = of("volumetric strain");
@@ -163,7 +164,9 @@ fn states_within_intervals_are_counted_by_run_quantity_and_quarter() {
     // Without intervals nothing is told.
     let none: Vec<Prediction> =
         predictions.iter().map(|_| Prediction::new(vec![Estimate::new(0.0); names.len()])).collect();
-    assert!(held("method", &runs, &places, (&columns, &Quantity::of(&usual())), &none).unwrap().is_empty());
+    assert!(
+        held("method", &runs, &places, (&columns, &Quantity::judged(&usual())), &none).unwrap().is_empty()
+    );
 }
 
 /// Where the volume is an input, the mean stress is judged by its logarithm, and the properties are inputs.
@@ -179,7 +182,7 @@ fn the_mean_stress_is_judged_where_the_volume_is_an_input() {
     let exact = rows_of(&learned, &runs).unwrap();
     assert!(exact.iter().all(|row| (row.pressure - PRESSURE.ln()).abs() < 1e-12 && row.volume == 0.0));
     let half: Vec<Row> = exact.iter().map(|row| Row { pressure: row.pressure - 2f64.ln(), ..*row }).collect();
-    let [_, pressure, ..] = Quantity::of(&learned);
+    let [_, pressure, ..] = Quantity::judged(&learned);
     let [errors, _] = pressure.squares(&exact, &half, &exact[0]);
     assert!((errors / 50.0 - 2f64.ln().powi(2)).abs() < 1e-12, "{errors}");
     // A sample that carries nothing, and one that pulls, have the least logarithm.
