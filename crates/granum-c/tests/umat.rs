@@ -434,7 +434,7 @@ fn save_a_surrogate() {
     };
     let dataset = Dataset::new((0..8).map(run).collect::<granum_learn::Result<_>>().unwrap()).unwrap();
     let mut method = PathNetworks::new(PathCell::TensorStateSpace);
-    (method.hidden, method.networks) = (8, 1);
+    (method.hidden, method.networks) = (8, 2);
     method.trainer = granum_nets::trainer::Adam {
         epochs: 200,
         learning_rate: 0.02,

@@ -183,6 +183,7 @@ impl MaterialPoint {
         let mean_stress = simulation.state().mean_stress();
         let (simulation, _) = at_rest(simulation, &controls)?;
         let values = with_measured(surrogate.as_ref(), sample, &simulation);
+        let method = surrogate.method().to_string();
         let hybrid =
             Hybrid { surrogate: SurrogateModel::new(surrogate, &values)?, sample: simulation, trust };
         let mut digest = Digest::new();
@@ -190,6 +191,11 @@ impl MaterialPoint {
         controls.digest(&mut digest);
         hybrid.digest(&mut digest)?;
         let start = start_of(&hybrid.surrogate, Identity::new(digest))?;
+        if start.noise == [[0.0; 3]; 3] {
+            let reason =
+                "it does not say how sure it is, by which a hybrid point decides: train several networks";
+            return Err(PointError::NoMaterial { method, reason: reason.into() });
+        }
         Ok(MaterialPoint::from_start(Model::Hybrid(Box::new(hybrid)), controls, start, mean_stress))
     }
 

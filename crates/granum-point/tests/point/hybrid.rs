@@ -118,6 +118,11 @@ fn what_cannot_be_is_refused() {
         let error = made.err().unwrap().to_string();
         assert!(error.contains("largest trusted deviation"), "{error}");
     }
+    // One network alone does not say how sure it is.
+    let alone = crate::surrogate::path_of(1);
+    let (sample, trust) = (sample::simulation().clone(), Trust { largest_deviation: 0.1 });
+    let error = MaterialPoint::hybrid(alone, &sample_values(), sample, trust, sample::quick()).err().unwrap();
+    assert!(error.to_string().contains("does not say how sure it is"), "{error}");
     // The void ratio is measured where it is not given.
     let trust = Trust { largest_deviation: 1e3 };
     let point = MaterialPoint::hybrid(

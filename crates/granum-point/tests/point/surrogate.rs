@@ -62,8 +62,17 @@ fn spec() -> FitSpec {
 }
 
 fn path(cell: PathCell, rotations: usize) -> Arc<dyn Surrogate> {
+    fitted(cell, rotations, 2)
+}
+
+/// So many tensor networks.
+pub(crate) fn path_of(networks: usize) -> Arc<dyn Surrogate> {
+    fitted(PathCell::TensorStateSpace, 0, networks)
+}
+
+fn fitted(cell: PathCell, rotations: usize, networks: usize) -> Arc<dyn Surrogate> {
     let mut method = PathNetworks::new(cell);
-    (method.hidden, method.networks, method.rotations) = (8, 2, rotations);
+    (method.hidden, method.networks, method.rotations) = (8, networks, rotations);
     method.trainer = Adam { epochs: 30, learning_rate: 0.02, batch_sequences: 4, ..Adam::default() }.into();
     method.fit(&runs(), &spec(), &mut NoObserver).unwrap().into()
 }
