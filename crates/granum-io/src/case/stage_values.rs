@@ -94,6 +94,8 @@ pub(super) fn numbers(value: &Node<'_>) -> Parsed<Vec<String>> {
 
 pub(super) const ANY_STRESS: [f64; 2] = [-1e12, 1e12];
 pub(super) const ANY_RATE: [f64; 2] = [-1e30, 1e30];
+/// A weight of a strain in a constraint is a stress over a strain, which can be small.
+const ANY_COEFFICIENT: [f64; 2] = [-1e30, 1e30];
 
 /// The keys of an inner table; any other key is a mistake.
 pub(super) fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t DeTable<'a>> {
@@ -184,7 +186,7 @@ pub(super) fn six(value: &Node<'_>, dimension: Dimension) -> Parsed<[f64; 6]> {
     };
     let DeValue::Array(items) = value.get_ref() else { return Err(wrong()) };
     let numbers: Vec<f64> =
-        items.iter().map(|item| number(item, dimension, ANY_STRESS)).collect::<Parsed<_>>()?;
+        items.iter().map(|item| number(item, dimension, ANY_COEFFICIENT)).collect::<Parsed<_>>()?;
     numbers.try_into().map_err(|_| wrong())
 }
 
