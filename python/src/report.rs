@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use granum_io::atomic::write_atomically;
-use granum_io::{RunKind, check_output_file};
+use granum_io::{RunKind, check_new_file};
 use granum_report::{Document, RoleInStudy, RunReport, run_report, sample_report};
 use pyo3::prelude::*;
 
@@ -43,7 +43,7 @@ pub fn write(py: Python<'_>, document: &Document, out: &Path, force: bool) -> Py
     let is_page = out.extension().is_some_and(|extension| extension == "html") && !out.is_dir();
     let file = if is_page { out.to_path_buf() } else { out.join("report.html") };
     let written = detached(py, || {
-        check_output_file(&file, force)?;
+        check_new_file(&file, force)?;
         match is_page {
             true => write_atomically(out, |file| file.write_all(document.html.as_bytes())),
             false => {

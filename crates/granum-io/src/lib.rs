@@ -31,7 +31,7 @@ mod windows_names;
 pub use case::{Case, Reading};
 pub use contain::is_contained;
 pub use error::{Error, InputError, Result};
-pub use folder::{OutputFolder, check_name, check_output_file, inner_folder, process};
+pub use folder::{OutputFolder, check_name, check_new_file, check_output_file, inner_folder, process};
 pub use formats::{
     Formats, read_columns, read_packing, read_table, read_table_with_words, write_packing, write_table,
 };

@@ -9,7 +9,7 @@
 //! points under numbers that a finite-element program can carry in its state variables, and writes all of them to one file.
 //!
 //! Behind a point is a live cell of the engine, or a surrogate with memory from six strains to six stresses ([`MaterialPoint::from_surrogate`]), which answers in
-//! 10 to 400 microseconds where a cell of 300 grains takes 2 milliseconds; or both ([`MaterialPoint::hybrid`]), the surrogate while it knows and the grains where it does
+//! 10 to 200 microseconds where a cell of 300 grains takes 2 milliseconds; or both ([`MaterialPoint::hybrid`]), the surrogate while it knows and the grains where it does
 //! not. Stores, tickets, refusals and everything else that a program sees of a point are the same for all.
 //!
 //! Compression is positive and the unit is the pascal, as in all of granum. Programs with tension positive convert once, at their border.

@@ -39,6 +39,21 @@ pub struct MeasuredCurve {
     pub weight: f64,
 }
 
+#[cfg(test)]
+impl MeasuredCurve {
+    /// A curve for tests: two readings of one, each with an error of its own.
+    pub(crate) fn of_ones(quantity: &str) -> MeasuredCurve {
+        MeasuredCurve {
+            test: "T".into(),
+            quantity: quantity.into(),
+            strain: vec![0.1, 0.2],
+            measured: vec![1.0, 1.0],
+            error: MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 },
+            weight: 1.0,
+        }
+    }
+}
+
 /// A predicted curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PredictedCurve {

@@ -205,22 +205,11 @@ fn from_fisher(names: Vec<String>, fisher: &[f64]) -> Result<Identifiability> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compared::curve::{MeasurementError, PredictedCurve};
+    use crate::compared::curve::PredictedCurve;
     use crate::inference::prior::Prior;
 
     fn uniform(name: &str) -> FreeParameter {
         FreeParameter { name: name.into(), prior: Prior::Uniform { from: 0.0, to: 1.0 } }
-    }
-
-    fn curve(quantity: &str) -> MeasuredCurve {
-        MeasuredCurve {
-            test: "T".into(),
-            quantity: quantity.into(),
-            strain: vec![0.1, 0.2],
-            measured: vec![1.0, 1.0],
-            error: MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 },
-            weight: 1.0,
-        }
     }
 
     /// The first curve sees the sum of a and b, the second their difference; neither sees c.
@@ -233,7 +222,7 @@ mod tests {
     #[test]
     fn a_sum_does_not_separate_and_a_difference_beside_it_does() {
         let parameters = ["friction", "rolling_friction", "density"].map(uniform);
-        let curves = [curve("deviator_stress"), curve("volumetric_strain")];
+        let curves = [MeasuredCurve::of_ones("deviator_stress"), MeasuredCurve::of_ones("volumetric_strain")];
         let ask = |chosen: &[usize]| {
             identifiability(&parameters, &curves, chosen, &model, &[vec![0.5; 3], vec![0.0, 1.0, 0.3]])
                 .unwrap()
@@ -255,7 +244,8 @@ mod tests {
     #[test]
     fn where_there_is_no_prediction_is_said() {
         let nowhere = |_: &[f64]| None;
-        let message = identifiability(&[uniform("a")], &[curve("q")], &[0], &nowhere, &[vec![0.5]]);
+        let message =
+            identifiability(&[uniform("a")], &[MeasuredCurve::of_ones("q")], &[0], &nowhere, &[vec![0.5]]);
         assert!(message.unwrap_err().to_string().contains("no prediction at the parameters [0.5]"));
     }
 }

@@ -145,19 +145,8 @@ fn inside(share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compared::curve::{MeasurementError, PredictedCurve};
+    use crate::compared::curve::PredictedCurve;
     use crate::inference::prior::Prior;
-
-    fn curve(quantity: &str) -> MeasuredCurve {
-        MeasuredCurve {
-            test: "T".into(),
-            quantity: quantity.into(),
-            strain: vec![0.1, 0.2],
-            measured: vec![1.0, 1.0],
-            error: MeasurementError { absolute: 0.01, relative: 0.0, correlation_strain: 0.0 },
-            weight: 1.0,
-        }
-    }
 
     fn constant(value: f64) -> PredictedCurve {
         PredictedCurve { mean: vec![value; 2], ..PredictedCurve::default() }
@@ -169,7 +158,8 @@ mod tests {
             |name: &str| FreeParameter { name: name.into(), prior: Prior::Uniform { from: 0.0, to: 1.0 } };
         let parameters = ["friction", "rolling_friction", "modulus"].map(uniform);
         let sum = |values: &[f64]| Some(vec![constant(values[0] + values[1])]);
-        let told = WhatTestsTell::new(&parameters, &[curve("deviator_stress")], &sum, 1, 1).unwrap();
+        let told = WhatTestsTell::new(&parameters, &[MeasuredCurve::of_ones("deviator_stress")], &sum, 1, 1)
+            .unwrap();
         let warnings = told.warnings();
         assert!(warnings[0].contains("next to nothing of modulus"), "{warnings:?}");
         let parts =
@@ -178,7 +168,7 @@ mod tests {
         assert!(told.lines()[2].contains("no compared curve depends on it"), "{:?}", told.lines());
         let both =
             |values: &[f64]| Some(vec![constant(values[0] + values[1]), constant(values[0] - values[1])]);
-        let curves = [curve("deviator_stress"), curve("volumetric_strain")];
+        let curves = [MeasuredCurve::of_ones("deviator_stress"), MeasuredCurve::of_ones("volumetric_strain")];
         let told = WhatTestsTell::new(&parameters, &curves, &both, 1, 1).unwrap();
         assert_eq!(told.warnings().len(), 1, "{:?}", told.warnings());
         assert!((told.sensitivities[0].first[0].value - 0.5).abs() < 0.05, "{:?}", told.sensitivities[0]);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub(crate) use self::lock::LOCK;
 use self::lock::{is_lock, take};
 use self::names::LINK;
-pub use self::names::{check_name, check_output_file, inner_folder};
+pub use self::names::{check_name, check_new_file, check_output_file, inner_folder};
 use crate::aside;
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};

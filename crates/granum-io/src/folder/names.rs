@@ -44,11 +44,27 @@ pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Refuses to replace an output file unless `force` is set.
+/// Refuses to replace an output file unless `force` is set, and one whose folder does not exist, which would be found out only when all is computed.
+///
+/// # Errors
+/// [`Error::Exists`], [`Error::Content`] if it is a folder or its name is none on Windows, [`Error::File`] if there is no folder for it.
+pub fn check_output_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
+    let path = path.as_ref();
+    check_new_file(path, force)?;
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            let why = format!("there is no folder {}; make it first", folder.display());
+            Err(Error::file("write", path)(std::io::Error::new(std::io::ErrorKind::NotFound, why)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to replace an output file unless `force` is set; its folder is made later.
 ///
 /// # Errors
 /// [`Error::Exists`], or [`Error::Content`] if it is a folder or its name is none on Windows.
-pub fn check_output_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
+pub fn check_new_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
     let path = path.as_ref();
     windows_names::check_path(path)?;
     if path.is_dir() {

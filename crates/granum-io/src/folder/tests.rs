@@ -185,3 +185,13 @@ fn output_files_need_force_too() {
     check_output_file(&path, true).unwrap();
     assert!(check_output_file(base.path(), true).unwrap_err().to_string().contains("is a folder"));
 }
+
+#[test]
+fn a_file_in_a_folder_that_does_not_exist_is_refused_before_anything_is_computed() {
+    let base = tempfile::tempdir().unwrap();
+    let path = base.path().join("none").join("out.csv");
+    let found = check_output_file(&path, false).unwrap_err().to_string();
+    assert!(found.contains("cannot write") && found.contains("out.csv"), "{found}");
+    check_new_file(&path, false).unwrap();
+    check_output_file("out-of-no-folder.csv", false).unwrap();
+}

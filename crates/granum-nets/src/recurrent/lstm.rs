@@ -1,20 +1,15 @@
 //! A long short-term memory with a linear read-out: a model with memory.
 
-use granum_simd::{Isa, Lanes, Row8, sigmoid, tanh};
+use granum_simd::{Lanes, Row8, sigmoid, tanh};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::differentiable::check_columns;
-use crate::differentiable::{Batch, Differentiable};
 use crate::feed_forward::network::NetworkError;
 use crate::linear_algebra::kernels::Scalars;
 use crate::random::uniform;
-use crate::recurrent::cell_batch::{CellBatch, CellKernel, Work, check_sizes, check_weights, ones, rows_of};
+use crate::recurrent::cell_batch::{CellKernel, Work, check_sizes, check_weights, ones};
+use crate::recurrent::cell_network::CellNetwork;
 use crate::sequence::sequence_group::{CellSizes, Group, add, product};
-use crate::sequence::stepper::{Stepper, Steps};
-use crate::table::data::Data;
-use crate::table::sequences::Sequences;
-use crate::training_error::TrainingError;
 
 /// Initial bias of the forget gates, with which a new cell remembers (Gers, Schmidhuber and Cummins 2000).
 const REMEMBER: f64 = 1.0;
@@ -70,7 +65,7 @@ const NAME: &str = "long short-term memory";
 /// The neurons of the input gates, forget gates, candidates and output gates come first, then the read-out, then those of the first
 /// state and of the first cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct LstmShape {
+pub(crate) struct LstmShape {
     inputs: usize,
     starts: usize,
     hidden: usize,
@@ -156,46 +151,20 @@ impl Lstm {
     }
 }
 
-impl Differentiable for Lstm {
-    fn name(&self) -> &str {
-        NAME
+impl CellNetwork for Lstm {
+    type Cell = LstmShape;
+    const NAME: &'static str = NAME;
+
+    fn cell(&self) -> LstmShape {
+        self.shape
     }
 
-    fn inputs(&self) -> usize {
-        self.shape.inputs
-    }
-
-    fn outputs(&self) -> usize {
-        self.shape.outputs
-    }
-
-    fn weights(&self) -> &[f64] {
+    fn cell_weights(&self) -> &[f64] {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
+    fn cell_weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
-    }
-
-    fn evaluate(
-        &self,
-        isa: Isa,
-        inputs: &[f64],
-        sequences: Option<&Sequences>,
-    ) -> Result<Vec<f64>, TrainingError> {
-        let rows = rows_of(&self.shape.sizes(), NAME, inputs, sequences, None)?;
-        CellBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
-    }
-
-    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
-        let rows = CellBatch::of_next_rows(isa, self.shape, sequences, starts)?;
-        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
-    }
-
-    fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
-        check_columns(self, data)?;
-        let rows = rows_of(&self.shape.sizes(), NAME, data.inputs(), data.sequences(), Some(data))?;
-        Ok(Box::new(CellBatch::new(isa, self.shape, &rows)?))
     }
 }
 
@@ -382,6 +351,7 @@ impl CellKernel for LstmShape {
 mod tests {
     use super::*;
     use crate::recurrent::cell_tests::{self, cases, data};
+    use crate::{Data, Differentiable, Isa};
 
     /// The equations of the documentation, row by row.
     fn by_hand(lstm: &Lstm, data: &Data) -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! Networks with a memory: cells, their batches, and models that are asked row by row.
 
 pub(crate) mod cell_batch;
+pub(crate) mod cell_network;
 #[cfg(test)]
 pub(crate) mod cell_tests;
 pub(crate) mod gru;

@@ -1,20 +1,15 @@
 //! A state-space network: a small network gives the change of a state for an increment, and the state is what is predicted.
 
-use granum_simd::{Isa, Lanes, tanh};
+use granum_simd::{Lanes, tanh};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::differentiable::check_columns;
-use crate::differentiable::{Batch, Differentiable};
 use crate::feed_forward::network::NetworkError;
 use crate::linear_algebra::kernels::Scalars;
 use crate::random::uniform;
-use crate::recurrent::cell_batch::{CellBatch, CellKernel, Work, check_sizes, check_weights, ones, rows_of};
+use crate::recurrent::cell_batch::{CellKernel, Work, check_sizes, check_weights, ones};
+use crate::recurrent::cell_network::CellNetwork;
 use crate::sequence::sequence_group::{CellSizes, Group, add, below_tanh, product};
-use crate::sequence::stepper::{Stepper, Steps};
-use crate::table::data::Data;
-use crate::table::sequences::Sequences;
-use crate::training_error::TrainingError;
 
 /// A network that advances a state `z` of measured quantities and further, internal ones. With the inputs `x_t` of a row, the first
 /// of which is the length `l_t` of the increment, and the start vector `s` of the sequence, whose first values are the measured
@@ -68,7 +63,7 @@ const NAME: &str = "state-space network";
 /// together: inputs, bias, state for the hidden neurons, then bias, hidden neurons for the changes of the state, then start values,
 /// bias for the internal values before the first row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Shape {
+pub(crate) struct Shape {
     inputs: usize,
     starts: usize,
     hidden: usize,
@@ -173,46 +168,20 @@ impl StateSpace {
     }
 }
 
-impl Differentiable for StateSpace {
-    fn name(&self) -> &str {
-        NAME
+impl CellNetwork for StateSpace {
+    type Cell = Shape;
+    const NAME: &'static str = NAME;
+
+    fn cell(&self) -> Shape {
+        self.shape
     }
 
-    fn inputs(&self) -> usize {
-        self.shape.inputs
-    }
-
-    fn outputs(&self) -> usize {
-        self.shape.outputs
-    }
-
-    fn weights(&self) -> &[f64] {
+    fn cell_weights(&self) -> &[f64] {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
+    fn cell_weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
-    }
-
-    fn evaluate(
-        &self,
-        isa: Isa,
-        inputs: &[f64],
-        sequences: Option<&Sequences>,
-    ) -> Result<Vec<f64>, TrainingError> {
-        let rows = rows_of(&self.shape.sizes(), NAME, inputs, sequences, None)?;
-        CellBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
-    }
-
-    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
-        let rows = CellBatch::of_next_rows(isa, self.shape, sequences, starts)?;
-        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
-    }
-
-    fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
-        check_columns(self, data)?;
-        let rows = rows_of(&self.shape.sizes(), NAME, data.inputs(), data.sequences(), Some(data))?;
-        Ok(Box::new(CellBatch::new(isa, self.shape, &rows)?))
     }
 }
 
@@ -353,6 +322,7 @@ impl CellKernel for Shape {
 mod tests {
     use super::*;
     use crate::recurrent::cell_tests::{self, cases, data};
+    use crate::{Data, Differentiable, Isa, Sequences};
 
     /// The equations of the documentation, row by row.
     fn by_hand(network: &StateSpace, data: &Data) -> Vec<f64> {

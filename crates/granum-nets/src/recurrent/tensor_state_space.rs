@@ -1,19 +1,13 @@
 //! An objective state-space network: its state consists of tensors and scalars, and its law holds in every frame by construction.
 
-use granum_simd::Isa;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::differentiable::check_columns;
-use crate::differentiable::{Batch, Differentiable};
 use crate::feed_forward::network::NetworkError;
 use crate::random::uniform;
-use crate::recurrent::cell_batch::{CellBatch, CellKernel, check_weights, rows_of};
+use crate::recurrent::cell_batch::check_weights;
+use crate::recurrent::cell_network::CellNetwork;
 use crate::recurrent::tensor_sizes::TensorSizes;
-use crate::sequence::stepper::{Stepper, Steps};
-use crate::table::data::Data;
-use crate::table::sequences::Sequences;
-use crate::training_error::TrainingError;
 
 /// A network that advances a state of symmetric deviators `T_i` (such as stress and fabric) and scalars `z` (such as volumetric strain and
 /// coordination number), of each the measured ones first and then internal ones, for an increment of the length `l` along the deviator `N` of norm one:
@@ -137,47 +131,20 @@ impl TensorStateSpace {
     }
 }
 
-impl Differentiable for TensorStateSpace {
-    fn name(&self) -> &str {
-        NAME
+impl CellNetwork for TensorStateSpace {
+    type Cell = TensorSizes;
+    const NAME: &'static str = NAME;
+
+    fn cell(&self) -> TensorSizes {
+        self.sizes
     }
 
-    fn inputs(&self) -> usize {
-        self.sizes.inputs()
-    }
-
-    fn outputs(&self) -> usize {
-        self.sizes.outputs()
-    }
-
-    fn weights(&self) -> &[f64] {
+    fn cell_weights(&self) -> &[f64] {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
+    fn cell_weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
-    }
-
-    fn evaluate(
-        &self,
-        isa: Isa,
-        inputs: &[f64],
-        sequences: Option<&Sequences>,
-    ) -> Result<Vec<f64>, TrainingError> {
-        let rows = rows_of(&CellKernel::sizes(&self.sizes), NAME, inputs, sequences, None)?;
-        CellBatch::new(isa, self.sizes, &rows).map(|mut batch| batch.evaluate(&self.weights))
-    }
-
-    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
-        let rows = CellBatch::of_next_rows(isa, self.sizes, sequences, starts)?;
-        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
-    }
-
-    fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
-        check_columns(self, data)?;
-        let sizes = CellKernel::sizes(&self.sizes);
-        let rows = rows_of(&sizes, NAME, data.inputs(), data.sequences(), Some(data))?;
-        Ok(Box::new(CellBatch::new(isa, self.sizes, &rows)?))
     }
 }
 
@@ -185,6 +152,7 @@ impl Differentiable for TensorStateSpace {
 mod tests {
     use super::*;
     use crate::recurrent::cell_tests;
+    use crate::{Differentiable, Isa, Sequences};
 
     fn sizes() -> TensorSizes {
         TensorSizes {

@@ -15,7 +15,7 @@ use granum_campaign::Campaign;
 use granum_io::formats::ObservedAssembly;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
-use granum_io::{RunStatus, atomic::write_atomically, check_output_file};
+use granum_io::{RunStatus, atomic::write_atomically, check_new_file};
 use granum_learn::NamedRecord;
 use granum_report::other_data::Instant;
 use granum_report::{
@@ -77,7 +77,7 @@ impl Report {
         let out = self.out.as_deref().unwrap_or(&own_folder);
         let page = out.extension().is_some_and(|extension| extension == "html") && !out.is_dir();
         let file = if page { out.to_path_buf() } else { out.join("report.html") };
-        check_output_file(&file, context.force)?;
+        check_new_file(&file, context.force)?;
         if !page {
             self.check_place(context, out)?;
         }
@@ -90,7 +90,7 @@ impl Report {
             write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
         } else {
             for (name, _) in &document.figures {
-                check_output_file(out.join("figures").join(name), context.force)?;
+                check_new_file(out.join("figures").join(name), context.force)?;
             }
             document.write(out)?;
             study.map_or(Ok(()), |study| write_speed_page(out, &study))?;
