@@ -116,7 +116,7 @@ impl Lstm {
         Ok(Lstm { shape, weights })
     }
 
-    /// A cell with given weights in the order of [`Differentiable::weights`].
+    /// A cell with given weights in the order of [`Differentiable::weights`](crate::Differentiable::weights).
     ///
     /// # Errors
     /// As [`Lstm::new`], and if the number of weights is wrong or a weight is not finite.

@@ -134,7 +134,7 @@ impl StateSpace {
         Ok(StateSpace { shape, weights })
     }
 
-    /// A network with given weights in the order of [`Differentiable::weights`]; `sizes` are the numbers in the order of
+    /// A network with given weights in the order of [`Differentiable::weights`](crate::Differentiable::weights); `sizes` are the numbers in the order of
     /// [`StateSpace::new`].
     ///
     /// # Errors

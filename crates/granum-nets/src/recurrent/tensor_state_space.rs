@@ -102,7 +102,7 @@ impl TensorStateSpace {
         Ok(TensorStateSpace { sizes, weights })
     }
 
-    /// A network with given weights in the order of [`Differentiable::weights`].
+    /// A network with given weights in the order of [`Differentiable::weights`](crate::Differentiable::weights).
     ///
     /// # Errors
     /// As [`TensorStateSpace::new`], and if the number of weights is wrong or a weight is not finite.
