@@ -25,7 +25,7 @@ Needs numpy and scipy.
 import time
 
 import numpy as np
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import differential_evolution
 
 LEAST_PRESSURE = 100.0
 # A deviator over mean stress of this norm has two principal stresses of zero; a little less keeps the law away from its edge.
@@ -33,7 +33,9 @@ LARGEST_RATIO = 0.98 * 6**0.5
 NAMES = ["phi_c, degrees", "hs, MPa", "n", "ed0", "ec0", "ei0", "alpha", "beta"]
 # What a search varies, and between which ends: phi_c, log10 of hs over 1 Pa, n, ed0, ec0 / ed0, ei0 / ec0, alpha, beta.
 BOUNDS = [(15, 50), (6, 12), (0.1, 0.9), (0.3, 0.7), (1.1, 2.5), (1.01, 1.4), (0.01, 1.0), (0.5, 8)]
-# In the equal parts of an increment, for the search and for the judgement.
+# The deviation of the population of the last search, over the range.
+AROUND = 0.08
+# Equal parts of an increment, for the search and for the judgement.
 COARSE, FINE = 4, 16
 
 
@@ -134,29 +136,25 @@ class Cost:
 
 
 def calibrated(runs, judged, means, options, first=None):
-    """The point of the search with the least cost: differential evolution from several first populations, then Nelder and Mead from the best of them.
-    With a first point the search is that of Nelder and Mead alone."""
-    cost, begin, best = Cost(runs, judged, means), time.perf_counter(), None
-    for seed in range(options.starts if first is None else 0):
-        settings = dict(vectorized=True, updating="deferred", popsize=options.population, maxiter=options.generations, polish=False)
-        found = differential_evolution(cost, BOUNDS, rng=seed + 1, **settings)
-        print(f"  start {seed + 1}: sum of squared errors {found.fun:.4f} after {found.nfev} sets, {time.perf_counter() - begin:.0f} s", flush=True)
-        if best is None or found.fun < best.fun:
-            best = found
+    """The point of the search with the least cost: differential evolution from several first populations that fill the whole range, then once more from a population around the
+    best point so far. With a first point the search is the last one alone, around that point."""
+    cost, begin, evaluated = Cost(runs, judged, means), time.perf_counter(), 0
     low, high = np.array(BOUNDS).T
 
-    def whole(u):
-        return low + (high - low) * np.clip(u, 0, 1)
+    def searched(name, seed, population):
+        nonlocal evaluated
+        settings = dict(vectorized=True, updating="deferred", popsize=options.population, maxiter=options.generations, polish=False)
+        found = differential_evolution(cost, BOUNDS, rng=seed, init=population, **settings)
+        # Scipy counts a whole population as one.
+        evaluated += found.nfev * options.population * len(BOUNDS)
+        print(f"  {name}: sum of squared errors {found.fun:.4f} after {evaluated} sets of parameters, {time.perf_counter() - begin:.0f} s", flush=True)
+        return found
 
-    def of_one(u):
-        return cost(whole(u)[:, None])[0] + 10 * np.sum(np.maximum(np.abs(u - 0.5) - 0.5, 0))
-
-    unit = ((first if best is None else best.x) - low) / (high - low)
-    # A first simplex that is no smaller where a parameter is near zero.
-    simplex = np.concatenate([[unit], unit + 0.05 * np.diag(np.where(unit > 0.5, -1, 1))])
-    found = minimize(of_one, unit, method="Nelder-Mead", options=dict(maxfev=options.polish, initial_simplex=simplex, xatol=1e-3, fatol=1e-5))
-    print(f"  refined: sum of squared errors {found.fun:.4f}, {time.perf_counter() - begin:.0f} s", flush=True)
-    return whole(found.x)
+    if first is None:
+        first = min((searched(f"start {seed}", seed, "latinhypercube") for seed in range(1, options.starts + 1)), key=lambda own: own.fun).x
+    around = first + AROUND * (high - low) * np.random.default_rng(1).normal(size=(options.population * len(BOUNDS), len(BOUNDS)))
+    around[0] = first
+    return searched("around the best", 1, np.clip(around, low, high)).x
 
 
 def predicted(runs, x, parts=FINE):

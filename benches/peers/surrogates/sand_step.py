@@ -293,7 +293,10 @@ def networks(training, unseen, means, options):
     best, begin, cpu = (np.inf, 0, None), time.perf_counter(), time.process_time()
     for epoch in range(options.epochs):
         sum_of_errors = 0.0
-        for chosen in np.array_split(random.permutation(len(learned)), -(-len(learned) // options.batch)):
+        # Runs of about the same length are in one batch, so that little is padded.
+        by_length = np.argsort(longest + random.normal(scale=10, size=len(learned)))
+        batches = np.array_split(by_length, -(-len(learned) // options.batch))
+        for chosen in (batches[k] for k in random.permutation(len(batches))):
             x, start, labels, is_row = (part[chosen] for part in all_learned)
             rows = longest[chosen].max()
             x, start, labels = turned(x[:, :rows], start, labels[:, :rows], rotations(len(chosen), random))
@@ -356,17 +359,16 @@ def main():
     parser.add_argument("unseen")
     parser.add_argument("what", choices=["check", "lstm", "gru", "hypoplastic"])
     parser.add_argument("--units", type=int, help="units of a network (62 for lstm, 74 for gru: as many weights as granum's surrogate)")
-    parser.add_argument("--epochs", type=int, default=150)
+    parser.add_argument("--epochs", type=int, default=80)
     parser.add_argument("--batch", type=int, default=32, help="runs in a batch")
     parser.add_argument("--rate", type=float, default=5e-3, help="first rate of learning")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--no-unseen", action="store_true", help="judge networks on held-out runs only, to choose settings")
     parser.add_argument("--runs", type=int, default=96, help="training runs of a calibration")
-    parser.add_argument("--starts", type=int, default=3, help="first populations of the search")
+    parser.add_argument("--starts", type=int, default=3, help="first populations of the search over the whole range")
     parser.add_argument("--population", type=int, default=5, help="points of a population, over the number of parameters")
-    parser.add_argument("--generations", type=int, default=60)
-    parser.add_argument("--polish", type=int, default=300, help="evaluations of the search from the best point")
+    parser.add_argument("--generations", type=int, default=30)
     options = parser.parse_args()
     options.units = options.units or {"lstm": 62}.get(options.what, 74)
     training, unseen = read(options.training), read(options.unseen)
