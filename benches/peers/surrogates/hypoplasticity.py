@@ -16,7 +16,8 @@ The void ratio e follows from that of the sample and the logarithmic volumetric 
 taken by the midpoint rule. Where the law leaves its range it is held at the edge of it:
 
 - The mean stress is not let below LEAST_PRESSURE, a tenth of the least whose logarithm is judged: at no stress the law has no stiffness, and a sample that has once lost
-  its stress would never bear any again. Where it is reached, the deviator is reduced with it, so that no principal stress is a tension.
+  its stress would never bear any again. The norm of the deviator is held below the largest that grains without
+  cohesion can bear.
 - A void ratio below ed counts as ed.
 
 Needs numpy and scipy.
@@ -73,7 +74,7 @@ def rate(s, d, e, own):
 
 
 def bounded(s):
-    """A stress that is no tension and not below the least mean stress."""
+    """A stress whose mean is not below the least one, and whose deviator is not larger than grains without cohesion bear."""
     p = np.maximum((s[0] + s[1] + s[2]) / 3, LEAST_PRESSURE)
     dev = s.copy()
     dev[:3] -= (s[0] + s[1] + s[2]) / 3
