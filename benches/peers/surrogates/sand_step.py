@@ -91,7 +91,7 @@ def pooled(sums):
     if values.sum() <= 0 or errors.sum() <= 0:
         return "0"
     ratio = errors.sum() / values.sum()
-    spread = np.sqrt(((errors - ratio * values) ** 2).sum() * len(sums) / (len(sums) - 1)) / values.sum()
+    spread = np.sqrt(((errors - ratio * values) ** 2).sum() * len(sums) / max(len(sums) - 1, 1)) / values.sum()
     return f"{100 * ratio**0.5:.1f} ± {50 * spread / ratio**0.5:.1f}"
 
 
