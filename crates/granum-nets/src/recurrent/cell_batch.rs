@@ -17,6 +17,14 @@ pub(crate) trait CellKernel: Copy + Send + Sync + 'static {
     /// Numbers of rows of the matrices of intermediate results in [`Work::own`].
     fn own(&self) -> Vec<usize>;
 
+    /// Numbers of rows of the matrices of derivatives in [`Work::derivatives`].
+    fn derivatives(&self) -> Vec<usize>;
+
+    /// Number of rows over all steps that the intermediate results need for a cell with these outputs.
+    fn rows(&self, outputs: usize) -> usize {
+        self.own().iter().chain(&self.derivatives()).sum::<usize>() + 2 * outputs
+    }
+
     /// The matrices of [`Work::own`] that hold a part of the state beside the rows below a step.
     fn carried(&self) -> &'static [usize] {
         &[]
@@ -39,8 +47,11 @@ pub(crate) struct Work {
     pub output_deltas: Vec<Row8>,
     /// The matrices of the cell.
     pub own: Vec<Vec<Row8>>,
-    /// The value before the first step of states that are not in the rows below a step, and derivatives that are carried from
-    /// step to step: two rows for each value of the state, with the stride of the starts.
+    /// The matrices of the cell that only [`CellKernel::backward`] needs: there is room for them, for `output_deltas` and for
+    /// `carried` where rows have targets.
+    pub derivatives: Vec<Vec<Row8>>,
+    /// Derivatives with respect to the first states, and those that are carried from step to step: two rows for each value of the
+    /// state, with the stride of the starts.
     pub carried: Vec<Row8>,
 }
 
@@ -51,6 +62,7 @@ pub(crate) struct CellBatch<C> {
     /// What the cell says of itself, which a step of one row would otherwise wait for.
     sizes: CellSizes,
     own: Vec<usize>,
+    derivatives: Vec<usize>,
     groups: Vec<Group>,
     rows: usize,
     work: Work,
@@ -65,8 +77,8 @@ impl<C: CellKernel> CellBatch<C> {
     }
 
     fn of_groups(isa: Isa, cell: C, groups: Vec<Group>, rows: usize) -> CellBatch<C> {
-        let (sizes, own) = (cell.sizes(), cell.own());
-        CellBatch { isa, cell, sizes, own, groups, rows, work: Work::default(), fitted: None }
+        let (sizes, own, derivatives) = (cell.sizes(), cell.own(), cell.derivatives());
+        CellBatch { isa, cell, sizes, own, derivatives, groups, rows, work: Work::default(), fitted: None }
     }
 
     /// Sequences whose rows come one after the other.
@@ -106,15 +118,15 @@ impl<C: CellKernel> CellBatch<C> {
             return;
         }
         self.fitted = Some(number);
-        let CellBatch { sizes, own, groups, work, .. } = self;
+        let CellBatch { sizes, own, derivatives, groups, work, .. } = self;
         let group = &groups[number];
         let stride = group.layout.stride;
         work.outputs.resize(sizes.outputs * stride, Row8::default());
-        work.output_deltas.resize(sizes.outputs * stride, Row8::default());
-        work.carried.resize(2 * sizes.state * group.layout.start_stride, Row8::default());
-        work.own.resize(own.len(), Vec::new());
-        for (matrix, rows) in work.own.iter_mut().zip(own) {
-            matrix.resize(*rows * stride, Row8::default());
+        fit_matrices(&mut work.own, own, stride);
+        if !group.targets.is_empty() {
+            work.output_deltas.resize(sizes.outputs * stride, Row8::default());
+            work.carried.resize(2 * sizes.state * group.layout.start_stride, Row8::default());
+            fit_matrices(&mut work.derivatives, derivatives, stride);
         }
     }
 
@@ -274,6 +286,13 @@ impl<C: CellKernel> Kernel for Backward<'_, C> {
             }
         }
         self.cell.backward::<L>(self.weights, self.group, self.work, self.gradient);
+    }
+}
+
+fn fit_matrices(matrices: &mut Vec<Vec<Row8>>, rows: &[usize], stride: usize) {
+    matrices.resize(rows.len(), Vec::new());
+    for (matrix, rows) in matrices.iter_mut().zip(rows) {
+        matrix.resize(*rows * stride, Row8::default());
     }
 }
 

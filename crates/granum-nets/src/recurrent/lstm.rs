@@ -171,15 +171,20 @@ impl CellNetwork for Lstm {
 impl CellKernel for LstmShape {
     fn sizes(&self) -> CellSizes {
         let LstmShape { inputs, starts, hidden, outputs } = *self;
-        let rows = self.own().iter().sum::<usize>() + 2 * outputs;
-        CellSizes { inputs, starts, state: hidden, outputs, weights: self.weights(), rows }
+        let (weights, rows) = (self.weights(), self.rows(outputs));
+        CellSizes { inputs, starts, state: hidden, outputs, weights, rows }
     }
 
     /// Gates (input, forget, candidate, output); cells before each step; `tanh` of the cells after it; a row of ones with the
-    /// states after each step; derivatives with respect to the states and to the weighted sums of the gates.
+    /// states after each step.
     fn own(&self) -> Vec<usize> {
         let hidden = self.hidden;
-        vec![4 * hidden, hidden, hidden, 1 + hidden, hidden, 4 * hidden]
+        vec![4 * hidden, hidden, hidden, 1 + hidden]
+    }
+
+    /// With respect to the states, and to the weighted sums of the gates.
+    fn derivatives(&self) -> Vec<usize> {
+        vec![self.hidden, 4 * self.hidden]
     }
 
     /// The cells.
@@ -216,7 +221,7 @@ impl CellKernel for LstmShape {
         let LstmShape { inputs, hidden, outputs, .. } = self;
         let Group { layout, below, .. } = group;
         let Work { outputs: results, own, .. } = work;
-        let [gates, before, bounded, after, ..] = &mut own[..] else { return };
+        let [gates, before, bounded, after] = &mut own[..] else { return };
         let stride = layout.stride;
         let state = (inputs + 1) * stride;
         ones(&mut after[..stride]);
@@ -276,8 +281,11 @@ impl CellKernel for LstmShape {
     fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]) {
         let LstmShape { inputs, starts, hidden, outputs } = self;
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { output_deltas, own, carried, .. } = work;
-        let [gates, before, bounded, after, state_deltas, deltas] = &mut own[..] else { return };
+        let Work { output_deltas, own, derivatives, carried, .. } = work;
+        let ([gates, before, bounded, after], [state_deltas, deltas]) = (&own[..], &mut derivatives[..])
+        else {
+            return;
+        };
         let (stride, start_stride, one) = (layout.stride, layout.start_stride, L::splat(1.0));
         let state = (inputs + 1) * stride;
         // The derivatives with respect to the first states, and those with respect to the cells, which are carried on.
@@ -302,10 +310,10 @@ impl CellKernel for LstmShape {
                 for b in 0..width {
                     let at = |part: usize| (part * hidden + j) * stride + first + b;
                     let delta = L::load(&state_deltas[at(0)].0);
-                    let [open, kept, candidate, shown] = [0, 1, 2, 3].map(
-                        #[inline(always)]
-                        |part| L::load(&gates[at(part)].0),
-                    );
+                    let open = L::load(&gates[at(0)].0);
+                    let kept = L::load(&gates[at(1)].0);
+                    let candidate = L::load(&gates[at(2)].0);
+                    let shown = L::load(&gates[at(3)].0);
                     let limited = L::load(&bounded[at(0)].0);
                     let old = L::load(&before[at(0)].0);
                     let carried = &mut cell_deltas[j * start_stride + b].0;

@@ -188,14 +188,18 @@ impl CellNetwork for StateSpace {
 impl CellKernel for Shape {
     fn sizes(&self) -> CellSizes {
         let Shape { inputs, starts, outputs, .. } = *self;
-        let rows = self.own().iter().sum::<usize>() + 2 * outputs;
-        CellSizes { inputs, starts, state: self.state(), outputs, weights: self.weights(), rows }
+        let (state, weights, rows) = (self.state(), self.weights(), self.rows(outputs));
+        CellSizes { inputs, starts, state, outputs, weights, rows }
     }
 
-    /// A row of ones with the hidden neurons; derivatives with respect to the states after each step, to the rates of change, and to
-    /// the weighted sums of the hidden neurons.
+    /// A row of ones with the hidden neurons.
     fn own(&self) -> Vec<usize> {
-        vec![1 + self.hidden, self.state(), self.state(), self.hidden]
+        vec![1 + self.hidden]
+    }
+
+    /// With respect to the states after each step, to the rates of change, and to the weighted sums of the hidden neurons.
+    fn derivatives(&self) -> Vec<usize> {
+        vec![self.state(), self.state(), self.hidden]
     }
 
     #[inline(always)]
@@ -227,7 +231,7 @@ impl CellKernel for Shape {
         let Shape { inputs, hidden, outputs, .. } = self;
         let Group { layout, below, .. } = group;
         let Work { outputs: results, own, .. } = work;
-        let [neurons, ..] = &mut own[..] else { return };
+        let [neurons] = &mut own[..] else { return };
         let stride = layout.stride;
         let place = inputs + 1;
         ones(&mut neurons[..stride]);
@@ -273,8 +277,10 @@ impl CellKernel for Shape {
     fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]) {
         let Shape { inputs, starts, hidden, internal, outputs } = self;
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { output_deltas, own, carried, .. } = work;
-        let [neurons, state_deltas, rate_deltas, deltas] = &mut own[..] else { return };
+        let Work { output_deltas, own, derivatives, carried, .. } = work;
+        let ([neurons], [state_deltas, rate_deltas, deltas]) = (&own[..], &mut derivatives[..]) else {
+            return;
+        };
         let (stride, start_stride) = (layout.stride, layout.start_stride);
         state_deltas[outputs * stride..].fill(Default::default());
         state_deltas[..outputs * stride].copy_from_slice(&output_deltas[..outputs * stride]);

@@ -94,27 +94,29 @@ impl Before<'_> {
 
 impl CellKernel for TensorSizes {
     fn sizes(&self) -> CellSizes {
-        let rows = self.own().iter().sum::<usize>() + 2 * self.outputs();
         CellSizes {
             inputs: self.inputs(),
             starts: self.starts(),
             state: self.state(),
             outputs: self.outputs(),
             weights: self.weights(),
-            rows,
+            rows: self.rows(self.outputs()),
         }
     }
 
-    /// Inputs of the hidden neurons with a row of ones; a row of ones with the hidden neurons; coefficients; products of tensors;
-    /// derivatives with respect to the states after each step, the coefficients, the weighted sums and the inputs of the hidden neurons, and
-    /// the rates of decay; bounded tensors.
+    /// Inputs of the hidden neurons with a row of ones; a row of ones with the hidden neurons; coefficients; products of tensors; bounded
+    /// tensors.
     fn own(&self) -> Vec<usize> {
-        let (features, coefficients) = (self.features(), self.coefficients());
         let products = COMPONENTS * (1 + self.all_tensors());
-        let decays = self.all_tensors() + self.all_scalars();
         let bounded = COMPONENTS * self.all_tensors();
-        let deltas = [self.state(), coefficients, self.hidden, features, decays, bounded];
-        [&[features + 1, 1 + self.hidden, coefficients, products][..], &deltas].concat()
+        vec![self.features() + 1, 1 + self.hidden, self.coefficients(), products, bounded]
+    }
+
+    /// With respect to the states after each step, the coefficients, the weighted sums and the inputs of the hidden neurons, and the rates of
+    /// decay.
+    fn derivatives(&self) -> Vec<usize> {
+        let decays = self.all_tensors() + self.all_scalars();
+        vec![self.state(), self.coefficients(), self.hidden, self.features(), decays]
     }
 
     #[inline(always)]
@@ -166,7 +168,7 @@ impl CellKernel for TensorSizes {
     fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
         let Group { layout, below, .. } = group;
         let Work { outputs: results, own, .. } = work;
-        let [features, neurons, coefficients, products, .., bounded] = &mut own[..] else { return };
+        let [features, neurons, coefficients, products, bounded] = &mut own[..] else { return };
         let stride = layout.stride;
         let (m, measured) = (self.all_tensors(), self.tensors);
         let (place, width_of_f) = (self.inputs() + 1, self.features());
@@ -240,20 +242,9 @@ impl CellKernel for TensorSizes {
     #[inline(always)]
     fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]) {
         let Group { layout, below, starts: start_rows, .. } = group;
-        let Work { output_deltas, own, carried, .. } = work;
-        let [
-            features,
-            neurons,
-            coefficients,
-            products,
-            state_deltas,
-            factor_deltas,
-            deltas,
-            feature_deltas,
-            decay_deltas,
-            bounded,
-        ] = &mut own[..]
-        else {
+        let Work { output_deltas, own, derivatives, carried, .. } = work;
+        let [features, neurons, coefficients, products, bounded] = &own[..] else { return };
+        let [state_deltas, factor_deltas, deltas, feature_deltas, decay_deltas] = &mut derivatives[..] else {
             return;
         };
         let (stride, start_stride, one) = (layout.stride, layout.start_stride, L::splat(1.0));
