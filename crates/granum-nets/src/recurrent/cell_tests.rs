@@ -27,7 +27,8 @@ pub(crate) fn cases() -> Vec<Vec<usize>> {
 }
 
 /// Checks that the gradient of a small cell agrees with finite differences, that every instruction set gives the same bits, in
-/// error, gradient and training, and that it refuses rows without sequences.
+/// outputs, error, gradient and training, that the outputs for a sequence depend neither on its neighbours nor on their lengths, and that
+/// rows without sequences are refused.
 pub(crate) fn check<M: Differentiable + Clone + PartialEq + std::fmt::Debug>(model: &M, starts: usize) {
     for lengths in cases() {
         let data = data(&lengths, [model.inputs(), starts, model.outputs()]);
@@ -36,12 +37,14 @@ pub(crate) fn check<M: Differentiable + Clone + PartialEq + std::fmt::Debug>(mod
         let mut gradient = vec![f64::NAN; weights.len()];
         let error = batch.squared_error(&weights);
         batch.gradient(&weights, 2.0, &mut gradient);
+        let outputs = |isa: Isa| model.evaluate(isa, data.inputs(), data.sequences()).unwrap();
         for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
             let mut batch = model.batch(isa, &data).unwrap();
             let mut other = vec![0.0; weights.len()];
             assert_eq!(batch.squared_error(&weights).to_bits(), error.to_bits(), "{}", isa.name());
             batch.gradient(&weights, 2.0, &mut other);
             assert_eq!(other, gradient, "{}", isa.name());
+            assert_eq!(outputs(isa), outputs(Isa::Portable), "{}", isa.name());
         }
         let scale = gradient.iter().fold(1.0, |most: f64, g| most.max(g.abs()));
         for k in 0..weights.len() {
@@ -57,6 +60,12 @@ pub(crate) fn check<M: Differentiable + Clone + PartialEq + std::fmt::Debug>(mod
         }
     }
     let data = data(&[5, 3, 7, 7, 2, 6, 1, 4, 9, 3], [model.inputs(), starts, model.outputs()]);
+    let together = model.evaluate(Isa::detect(), data.inputs(), data.sequences()).unwrap();
+    for (member, rows) in data.sequences().unwrap().ranges().into_iter().enumerate() {
+        let own = data.only_members(&[member]).unwrap();
+        let alone = model.evaluate(Isa::detect(), own.inputs(), own.sequences()).unwrap();
+        assert_eq!(alone, together[rows.start * model.outputs()..rows.end * model.outputs()]);
+    }
     let train = |isa: Isa| {
         let mut trained = model.clone();
         let rule = Adam { epochs: 5, batch_sequences: 3, isa, ..Adam::default() };

@@ -1,20 +1,15 @@
 //! A gated recurrent unit with a linear read-out: a model with memory.
 
-use granum_simd::Isa;
+use granum_simd::{Lanes, sigmoid, tanh};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::differentiable::check_columns;
-use crate::differentiable::{Batch, Differentiable};
-use crate::feed_forward::network::{LARGEST_LAYER, MOST_WEIGHTS, NetworkError};
+use crate::feed_forward::network::NetworkError;
+use crate::linear_algebra::kernels::Scalars;
 use crate::random::uniform;
-use crate::recurrent::gru_batch::GruBatch;
-use crate::recurrent::gru_shape::GruShape;
-use crate::sequence::sequence_group::SequenceRows;
-use crate::sequence::stepper::{Stepper, Steps};
-use crate::table::data::Data;
-use crate::table::sequences::Sequences;
-use crate::training_error::TrainingError;
+use crate::recurrent::cell_batch::{CellKernel, Work, check_sizes, check_weights, ones};
+use crate::recurrent::cell_network::CellNetwork;
+use crate::sequence::sequence_group::{CellSizes, Group, add, product};
 
 /// Initial bias of the update gates, with which a new cell remembers (Jozefowicz, Zaremba and Sutskever 2015).
 const REMEMBER: f64 = 1.0;
@@ -74,6 +69,56 @@ pub struct GruWeights<'a> {
     pub first_state: &'a [f64],
 }
 
+const NAME: &str = "gated recurrent unit";
+
+/// Numbers of inputs, start values, hidden neurons and outputs. The weights of a neuron are stored together, with its bias between
+/// those of the inputs and those of the state. The neurons of the reset gates and update gates come first, then the parts of the
+/// candidates from the inputs and from the state, then the read-out, then those of the first state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GruShape {
+    inputs: usize,
+    starts: usize,
+    hidden: usize,
+    outputs: usize,
+}
+
+impl GruShape {
+    fn new(inputs: usize, starts: usize, hidden: usize, outputs: usize) -> Result<GruShape, NetworkError> {
+        let shape = GruShape { inputs, starts, hidden, outputs };
+        check_sizes(&[inputs, hidden, outputs], starts, || shape.weights())?;
+        Ok(shape)
+    }
+
+    fn gate_row(&self) -> usize {
+        self.inputs + 1 + self.hidden
+    }
+
+    /// Number of weights of a neuron that receives the state: bias, state.
+    fn state_row(&self) -> usize {
+        1 + self.hidden
+    }
+
+    fn candidate_inputs(&self) -> usize {
+        2 * self.hidden * self.gate_row()
+    }
+
+    fn candidate_state(&self) -> usize {
+        self.candidate_inputs() + self.hidden * (self.inputs + 1)
+    }
+
+    fn read_out(&self) -> usize {
+        self.candidate_state() + self.hidden * self.state_row()
+    }
+
+    fn first_state(&self) -> usize {
+        self.read_out() + self.outputs * self.state_row()
+    }
+
+    fn weights(&self) -> usize {
+        self.first_state() + self.hidden * (self.starts + 1)
+    }
+}
+
 impl Gru {
     /// A cell with the given numbers of inputs, start values, hidden neurons and outputs, with random weights from the seed:
     /// uniform with the magnitude `1 / sqrt(hidden)`, those of the first state with `1 / sqrt(starts + 1)`.
@@ -87,7 +132,7 @@ impl Gru {
         outputs: usize,
         seed: u64,
     ) -> Result<Gru, NetworkError> {
-        let shape = checked(inputs, starts, hidden, outputs)?;
+        let shape = GruShape::new(inputs, starts, hidden, outputs)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (state, start) = (1.0 / (hidden as f64).sqrt(), 1.0 / ((starts + 1) as f64).sqrt());
         let magnitude = |place: usize| if place < shape.first_state() { state } else { start };
@@ -99,7 +144,7 @@ impl Gru {
         Ok(Gru { shape, weights })
     }
 
-    /// A cell with given weights in the order of [`Differentiable::weights`].
+    /// A cell with given weights in the order of [`Differentiable::weights`](crate::Differentiable::weights).
     ///
     /// # Errors
     /// As [`Gru::new`], and if the number of weights is wrong or a weight is not finite.
@@ -110,19 +155,8 @@ impl Gru {
         outputs: usize,
         weights: Vec<f64>,
     ) -> Result<Gru, NetworkError> {
-        let shape = checked(inputs, starts, hidden, outputs)?;
-        if weights.len() != shape.weights() {
-            let (needed, found) = (shape.weights(), weights.len());
-            let text = format!(
-                "a recurrent unit with {inputs} inputs, {starts} start values, {hidden} hidden neurons and {outputs} outputs \
-                 needs {needed} weights, not {found}"
-            );
-            return Err(NetworkError::GivenWeights(text));
-        }
-        if let Some(place) = weights.iter().position(|weight| !weight.is_finite()) {
-            let text = format!("weight {place} is {}, which is not a finite number", weights[place]);
-            return Err(NetworkError::GivenWeights(text));
-        }
+        let shape = GruShape::new(inputs, starts, hidden, outputs)?;
+        check_weights(NAME, shape.weights(), &weights)?;
         Ok(Gru { shape, weights })
     }
 
@@ -138,120 +172,243 @@ impl Gru {
 
     /// The weights by what they are for, each a row for each neuron.
     pub fn parts(&self) -> GruWeights<'_> {
-        let GruShape { inputs, hidden, .. } = self.shape;
-        let (gates, rest) = self.weights.split_at(2 * hidden * self.shape.gate_row());
-        let (candidate_inputs, rest) = rest.split_at(hidden * (inputs + 1));
-        let (candidate_state, rest) = rest.split_at(hidden * self.shape.state_row());
-        let (read_out, first_state) = rest.split_at(self.shape.outputs * self.shape.state_row());
+        let shape = &self.shape;
+        let (gates, rest) = self.weights.split_at(shape.candidate_inputs());
+        let (candidate_inputs, rest) = rest.split_at(shape.hidden * (shape.inputs + 1));
+        let (candidate_state, rest) = rest.split_at(shape.hidden * shape.state_row());
+        let (read_out, first_state) = rest.split_at(shape.outputs * shape.state_row());
         GruWeights { gates, candidate_inputs, candidate_state, read_out, first_state }
     }
-
-    fn check_sequences<'a>(&self, sequences: Option<&'a Sequences>) -> Result<&'a Sequences, TrainingError> {
-        let refused = |text: String| Err(TrainingError::Rows(text));
-        let Some(sequences) = sequences else {
-            return refused("a recurrent unit needs rows that are divided into sequences".into());
-        };
-        if sequences.start_columns() != self.shape.starts {
-            return refused(format!(
-                "the recurrent unit has {} start values, the sequences have {}",
-                self.shape.starts,
-                sequences.start_columns()
-            ));
-        }
-        Ok(sequences)
-    }
 }
 
-fn checked(inputs: usize, starts: usize, hidden: usize, outputs: usize) -> Result<GruShape, NetworkError> {
-    for (layer, neurons) in [inputs, hidden, outputs].into_iter().enumerate() {
-        if neurons == 0 || neurons > LARGEST_LAYER {
-            return Err(NetworkError::Neurons { layer, neurons });
-        }
-    }
-    let shape = GruShape { inputs, starts, hidden, outputs };
-    if starts > LARGEST_LAYER || shape.weights() > MOST_WEIGHTS {
-        return Err(NetworkError::Weights(shape.weights()));
-    }
-    Ok(shape)
-}
+impl CellNetwork for Gru {
+    type Cell = GruShape;
+    const NAME: &'static str = NAME;
 
-impl Differentiable for Gru {
-    fn name(&self) -> &str {
-        "gated recurrent unit"
+    fn cell(&self) -> GruShape {
+        self.shape
     }
 
-    fn inputs(&self) -> usize {
-        self.shape.inputs
-    }
-
-    fn outputs(&self) -> usize {
-        self.shape.outputs
-    }
-
-    fn weights(&self) -> &[f64] {
+    fn cell_weights(&self) -> &[f64] {
         &self.weights
     }
 
-    fn weights_mut(&mut self) -> &mut [f64] {
+    fn cell_weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
     }
+}
 
-    fn evaluate(
-        &self,
-        isa: Isa,
-        inputs: &[f64],
-        sequences: Option<&Sequences>,
-    ) -> Result<Vec<f64>, TrainingError> {
-        let sequences = self.check_sequences(sequences)?;
-        if inputs.len() != sequences.rows() * self.shape.inputs {
-            return Err(TrainingError::Rows(format!(
-                "{} rows of {} inputs are needed, not {} values",
-                sequences.rows(),
-                self.shape.inputs,
-                inputs.len()
-            )));
+impl CellKernel for GruShape {
+    fn sizes(&self) -> CellSizes {
+        let GruShape { inputs, starts, hidden, outputs } = *self;
+        let (weights, rows) = (self.weights(), self.rows(outputs));
+        CellSizes { inputs, starts, state: hidden, outputs, weights, rows }
+    }
+
+    /// Reset gates, update gates, candidates, and the part of the candidates that the reset gates multiply; a row of ones with the
+    /// states after each step.
+    fn own(&self) -> Vec<usize> {
+        vec![4 * self.hidden, 1 + self.hidden]
+    }
+
+    /// With respect to the states, and to the weighted sums of the first matrix.
+    fn derivatives(&self) -> Vec<usize> {
+        vec![self.hidden, 4 * self.hidden]
+    }
+
+    #[inline(always)]
+    fn start<L: Lanes>(self, weights: &[f64], group: &mut Group, _: &mut Work) {
+        let GruShape { inputs, starts, hidden, .. } = self;
+        let Group { layout, below, starts: start_rows, .. } = group;
+        let (stride, (_, all)) = (layout.stride, layout.step(0));
+        let state = (inputs + 1) * stride;
+        product::<L>(
+            Scalars { values: &weights[self.first_state()..], by_k: 1, by_j: starts + 1 },
+            hidden,
+            starts + 1,
+            start_rows,
+            layout.start_stride,
+            0,
+            all,
+            #[inline(always)]
+            |j, b, sum| tanh(sum).store(&mut below[state + j * stride + b].0),
+        );
+    }
+
+    #[inline(always)]
+    fn forward<L: Lanes>(self, weights: &[f64], group: &mut Group, work: &mut Work) {
+        let GruShape { inputs, hidden, outputs, .. } = self;
+        let Group { layout, below, .. } = group;
+        let Work { outputs: results, own, .. } = work;
+        let [gates, after] = &mut own[..] else { return };
+        let stride = layout.stride;
+        let state = (inputs + 1) * stride;
+        let (gate_row, state_row) = (self.gate_row(), self.state_row());
+        ones(&mut after[..stride]);
+        for step in 0..layout.steps() {
+            let (first, width) = layout.step(step);
+            product::<L>(
+                Scalars { values: weights, by_k: 1, by_j: gate_row },
+                2 * hidden,
+                gate_row,
+                below,
+                stride,
+                first,
+                width,
+                #[inline(always)]
+                |j, b, sum| sum.store(&mut gates[j * stride + b].0),
+            );
+            product::<L>(
+                Scalars { values: &weights[self.candidate_inputs()..], by_k: 1, by_j: inputs + 1 },
+                hidden,
+                inputs + 1,
+                below,
+                stride,
+                first,
+                width,
+                #[inline(always)]
+                |j, b, sum| sum.store(&mut gates[(2 * hidden + j) * stride + b].0),
+            );
+            product::<L>(
+                Scalars { values: &weights[self.candidate_state()..], by_k: 1, by_j: state_row },
+                hidden,
+                state_row,
+                &below[inputs * stride..],
+                stride,
+                first,
+                width,
+                #[inline(always)]
+                |j, b, sum| sum.store(&mut gates[(3 * hidden + j) * stride + b].0),
+            );
+            let next = layout.next(step);
+            for j in 0..hidden {
+                for b in 0..width {
+                    let at = |part: usize| (part * hidden + j) * stride + first + b;
+                    let reset = sigmoid(L::load(&gates[at(0)].0));
+                    let update = sigmoid(L::load(&gates[at(1)].0));
+                    let held = L::load(&gates[at(3)].0);
+                    let candidate = tanh(reset.mul_add(held, L::load(&gates[at(2)].0)));
+                    let before = L::load(&below[state + at(0)].0);
+                    let value = update.mul_add(before - candidate, candidate);
+                    reset.store(&mut gates[at(0)].0);
+                    update.store(&mut gates[at(1)].0);
+                    candidate.store(&mut gates[at(2)].0);
+                    value.store(&mut after[(1 + j) * stride + first + b].0);
+                    if b < next.1 {
+                        value.store(&mut below[state + j * stride + next.0 + b].0);
+                    }
+                }
+            }
         }
-        let rows = SequenceRows { inputs, sequences, targets: None, weights: None };
-        GruBatch::new(isa, self.shape, &rows).map(|mut batch| batch.evaluate(&self.weights))
+        product::<L>(
+            Scalars { values: &weights[self.read_out()..], by_k: 1, by_j: state_row },
+            outputs,
+            state_row,
+            after,
+            stride,
+            0,
+            layout.total(),
+            #[inline(always)]
+            |o, b, sum| sum.store(&mut results[o * stride + b].0),
+        );
     }
 
-    fn stepper(&self, isa: Isa, sequences: usize, starts: &[f64]) -> Result<Box<dyn Stepper>, TrainingError> {
-        let rows = GruBatch::of_next_rows(isa, self.shape, sequences, starts)?;
-        Ok(Box::new(Steps::new(rows, sequences, &self.weights)))
-    }
-
-    fn batch(&self, isa: Isa, data: &Data) -> Result<Box<dyn Batch>, TrainingError> {
-        check_columns(self, data)?;
-        let sequences = self.check_sequences(data.sequences())?;
-        let (targets, weights) = (Some(data.targets()), data.weights());
-        let rows = SequenceRows { inputs: data.inputs(), sequences, targets, weights };
-        Ok(Box::new(GruBatch::new(isa, self.shape, &rows)?))
+    #[inline(always)]
+    fn backward<L: Lanes>(self, weights: &[f64], group: &Group, work: &mut Work, gradient: &mut [f64]) {
+        let GruShape { inputs, starts, hidden, outputs } = self;
+        let Group { layout, below, starts: start_rows, .. } = group;
+        let Work { output_deltas, own, derivatives, carried, .. } = work;
+        let ([gates, after], [state_deltas, deltas]) = (&own[..], &mut derivatives[..]) else { return };
+        let (stride, start_stride, one) = (layout.stride, layout.start_stride, L::splat(1.0));
+        let state = (inputs + 1) * stride;
+        let (gate_row, state_row) = (self.gate_row(), self.state_row());
+        // The derivatives with respect to the first states, and those with respect to the states before a step.
+        let (start_deltas, before_deltas) = carried.split_at_mut(hidden * start_stride);
+        product::<L>(
+            Scalars { values: &weights[self.read_out() + 1..], by_k: state_row, by_j: 1 },
+            hidden,
+            outputs,
+            output_deltas,
+            stride,
+            0,
+            layout.total(),
+            #[inline(always)]
+            |j, b, sum| sum.store(&mut state_deltas[j * stride + b].0),
+        );
+        for step in (0..layout.steps()).rev() {
+            let (first, width) = layout.step(step);
+            for j in 0..hidden {
+                for b in 0..width {
+                    let at = |part: usize| (part * hidden + j) * stride + first + b;
+                    let delta = L::load(&state_deltas[at(0)].0);
+                    let reset = L::load(&gates[at(0)].0);
+                    let update = L::load(&gates[at(1)].0);
+                    let candidate = L::load(&gates[at(2)].0);
+                    let held = L::load(&gates[at(3)].0);
+                    let before = L::load(&below[state + at(0)].0);
+                    let new = delta * (one - update) * (-candidate).mul_add(candidate, one);
+                    let kept = delta * (before - candidate) * (-update).mul_add(update, update);
+                    let opened = new * held * (-reset).mul_add(reset, reset);
+                    opened.store(&mut deltas[at(0)].0);
+                    kept.store(&mut deltas[at(1)].0);
+                    new.store(&mut deltas[at(2)].0);
+                    (new * reset).store(&mut deltas[at(3)].0);
+                    (delta * update).store(&mut before_deltas[j * start_stride + b].0);
+                }
+            }
+            let below_gates = Scalars { values: &weights[inputs + 1..], by_k: gate_row, by_j: 1 };
+            let held_at = self.candidate_state() + 1;
+            let below_held = Scalars { values: &weights[held_at..], by_k: state_row, by_j: 1 };
+            // One call of the product for both, which is compiled once.
+            for (scalars, depth, part) in [(below_gates, 2 * hidden, 0), (below_held, hidden, 3 * hidden)] {
+                product::<L>(
+                    scalars,
+                    hidden,
+                    depth,
+                    &deltas[part * stride..],
+                    stride,
+                    first,
+                    width,
+                    #[inline(always)]
+                    |j, b, sum| {
+                        let entry = &mut before_deltas[j * start_stride + b - first].0;
+                        (L::load(entry) + sum).store(entry);
+                    },
+                );
+            }
+            for j in 0..hidden {
+                for b in 0..width {
+                    let delta = L::load(&before_deltas[j * start_stride + b].0);
+                    if step == 0 {
+                        let value = L::load(&below[state + j * stride + b].0);
+                        (delta * (-value).mul_add(value, one))
+                            .store(&mut start_deltas[j * start_stride + b].0);
+                    } else {
+                        let entry = &mut state_deltas[j * stride + layout.offsets[step - 1] + b].0;
+                        (L::load(entry) + delta).store(entry);
+                    }
+                }
+            }
+        }
+        let total = layout.total();
+        let [new, held] = [2, 3].map(|part| &deltas[part * hidden * stride..]);
+        let (lanes, inputs_at, state_at) =
+            (&below[inputs * stride..], self.candidate_inputs(), self.candidate_state());
+        add::<L>(deltas, 2 * hidden, below, gate_row, 0, stride, total, gradient);
+        add::<L>(new, hidden, below, inputs + 1, inputs_at, stride, total, gradient);
+        add::<L>(held, hidden, lanes, state_row, state_at, stride, total, gradient);
+        add::<L>(output_deltas, outputs, after, state_row, self.read_out(), stride, total, gradient);
+        let (width, at, all) = (starts + 1, self.first_state(), layout.step(0).1);
+        add::<L>(start_deltas, hidden, start_rows, width, at, start_stride, all, gradient);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Sequences of different lengths, with start vectors and targets.
-    fn data(lengths: &[usize], shape: [usize; 3]) -> Data {
-        let [inputs, starts, outputs] = shape;
-        let rows: usize = lengths.iter().sum();
-        let wave = |k: usize, phase: f64| (1.7 * k as f64 + phase).sin();
-        let starts_of = (0..lengths.len() * starts).map(|k| wave(k, 0.9)).collect();
-        let sequences = Sequences::new(lengths.to_vec()).unwrap().with_starts(starts_of, starts).unwrap();
-        let targets = (0..rows * outputs).map(|k| 0.5 * wave(k, 0.4)).collect();
-        let weights = (0..rows).map(|k| 1.0 + (k % 3) as f64).collect();
-        Data::with_target_columns(
-            (0..rows * inputs).map(|k| wave(k, 0.0)).collect(),
-            inputs,
-            targets,
-            outputs,
-        )
-        .and_then(|data| data.with_weights(weights))
-        .and_then(|data| data.with_sequences(sequences))
-        .unwrap()
-    }
+    use crate::recurrent::cell_tests::{self, cases, data};
+    use crate::training_error::TrainingError;
+    use crate::{Data, Differentiable, Isa, Sequences};
 
     /// The equations of the documentation, row by row.
     fn by_hand(gru: &Gru, data: &Data) -> Vec<f64> {
@@ -292,11 +449,6 @@ mod tests {
         predictions
     }
 
-    /// Lengths that fill less than one lane, several lane blocks, and more than one group.
-    fn cases() -> Vec<Vec<usize>> {
-        vec![vec![4], vec![1, 5, 3], (0..19).map(|k| 1 + (7 * k) % 6).collect(), vec![2; 70]]
-    }
-
     #[test]
     fn outputs_are_those_of_the_equations() {
         for lengths in cases() {
@@ -318,61 +470,10 @@ mod tests {
     }
 
     #[test]
-    fn gradients_agree_with_finite_differences() {
-        for lengths in cases() {
-            for starts in [0, 2] {
-                let data = data(&lengths, [2, starts, 2]);
-                let gru = Gru::new(2, starts, 3, 2, 8).unwrap();
-                let mut batch = gru.batch(Isa::detect(), &data).unwrap();
-                let mut weights = gru.weights().to_vec();
-                let mut gradient = vec![f64::NAN; weights.len()];
-                batch.squared_error(&weights);
-                batch.gradient(&weights, 2.0, &mut gradient);
-                let scale = gradient.iter().fold(1.0, |most: f64, g| most.max(g.abs()));
-                for k in 0..weights.len() {
-                    let (h, before) = (1e-5, weights[k]);
-                    let mut at = |value: f64| {
-                        weights[k] = value;
-                        batch.squared_error(&weights)
-                    };
-                    let difference = (at(before + h) - at(before - h)) / (2.0 * h);
-                    weights[k] = before;
-                    let error = (gradient[k] - difference).abs();
-                    assert!(error < 1e-7 * scale, "{lengths:?} {k}: {} {difference}", gradient[k]);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn every_instruction_set_gives_the_same_bits() {
-        for lengths in cases() {
-            let data = data(&lengths, [3, 1, 2]);
-            let gru = Gru::new(3, 1, 9, 2, 3).unwrap();
-            let all = |isa: Isa| {
-                let mut batch = gru.batch(isa, &data).unwrap();
-                let mut gradient = vec![0.0; gru.weights().len()];
-                let error = batch.squared_error(gru.weights());
-                batch.gradient(gru.weights(), 0.3, &mut gradient);
-                (error, gradient, gru.evaluate(isa, data.inputs(), data.sequences()).unwrap())
-            };
-            let reference = all(Isa::Portable);
-            for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-                assert_eq!(all(isa), reference, "{}", isa.name());
-            }
-        }
-    }
-
-    /// The prediction for a sequence depends on nothing but the sequence: neither on its neighbours nor on their lengths.
-    #[test]
-    fn sequences_do_not_disturb_each_other() {
-        let data = data(&[5, 2, 9, 1, 3, 8, 4, 4, 7, 6], [2, 1, 1]);
-        let gru = Gru::new(2, 1, 5, 1, 3).unwrap();
-        let together = gru.evaluate(Isa::detect(), data.inputs(), data.sequences()).unwrap();
-        for (member, rows) in data.sequences().unwrap().ranges().into_iter().enumerate() {
-            let own = data.only_members(&[member]).unwrap();
-            let alone = gru.evaluate(Isa::detect(), own.inputs(), own.sequences()).unwrap();
-            assert_eq!(alone, together[rows]);
+    fn gradients_and_bits() {
+        // The last one has more neurons than a tile of a product is high.
+        for (starts, hidden) in [(0, 3), (2, 3), (1, 9)] {
+            cell_tests::check(&Gru::new(2, starts, hidden, 2, 8).unwrap(), starts);
         }
     }
 
@@ -380,7 +481,8 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         assert!(Gru::new(0, 1, 3, 1, 1).is_err() && Gru::new(1, 1, 0, 1, 1).is_err());
         assert!(Gru::new(1, 1, 4000, 1, 1).is_err());
-        assert!(Gru::from_weights(1, 1, 3, 1, vec![0.0; 3]).is_err());
+        let error = Gru::from_weights(1, 1, 3, 1, vec![0.0; 3]).unwrap_err().to_string();
+        assert!(error.contains("a gated recurrent unit of this size needs 58 weights, not 3"), "{error}");
         let gru = Gru::new(2, 1, 3, 1, 1).unwrap();
         let count = gru.weights().len();
         assert_eq!(Gru::from_weights(2, 1, 3, 1, gru.weights().to_vec()).unwrap(), gru);
@@ -390,7 +492,7 @@ mod tests {
         assert!(message(gru.evaluate(Isa::detect(), data.inputs(), None)).contains("divided into sequences"));
         let bare = Sequences::new(vec![3, 2]).unwrap();
         let text = message(gru.evaluate(Isa::detect(), data.inputs(), Some(&bare)));
-        assert_eq!(text, "the recurrent unit has 1 start values, the sequences have 0");
+        assert_eq!(text, "the gated recurrent unit has 1 start values, the sequences have 0");
         assert!(
             message(gru.evaluate(Isa::detect(), &[0.0; 9], data.sequences())).contains("5 rows of 2 inputs")
         );

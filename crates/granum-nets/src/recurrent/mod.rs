@@ -5,8 +5,6 @@ pub(crate) mod cell_network;
 #[cfg(test)]
 pub(crate) mod cell_tests;
 pub(crate) mod gru;
-pub(crate) mod gru_batch;
-pub(crate) mod gru_shape;
 pub(crate) mod lstm;
 pub(crate) mod state_space;
 pub(crate) mod symmetric_tensor;
