@@ -28,7 +28,7 @@ MESHES = {
 def on_grains(grid, options):
     configuration = configuration_with(options.configuration, options.out, options.grains)
     library = Library(options.shared_object, configuration)
-    set_grains(grid.part, 1, library)
+    set_grains(grid.part, 1, library, options.material)
     return library
 
 
@@ -59,12 +59,17 @@ def pressure(footing):
     return -sum(node.GetSolutionStepValue(variable("REACTION_Y")) for node in footing) / (0.5 * WIDTH)
 
 
+def live(grid, has_cells):
+    """At how many points grains have answered."""
+    return int(sum(map(sum, grid.state_variable(7)))) if has_cells else 0
+
+
 def write_points(grid, path, has_cells):
     quantities = [grid.coordinates_of_points(), grid.at_points(K.CAUCHY_STRESS_VECTOR), grid.at_points(variable("ENGINEERING_STRAIN_VECTOR"))]
-    states = [grid.state_variable(k) for k in range(1, 6)] if has_cells else []
+    states = [grid.state_variable(k) for k in range(1, 8)] if has_cells else []
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow("element,point,x,y,sxx,syy,szz,sxy,exx,eyy,gxy,name,ticket,void_ratio,coordination_number,noise".split(",")[: 16 if states else 11])
+        writer.writerow("element,point,x,y,sxx,syy,szz,sxy,exx,eyy,gxy,name,ticket,void_ratio,coordination_number,noise,outside,live".split(",")[: 18 if states else 11])
         for e in range(len(quantities[0])):
             for k in range(len(quantities[0][e])):
                 at, stress, strain = (q[e][k] for q in quantities)
@@ -75,17 +80,18 @@ def write(grid, stage, rows, initial, library, folder):
     """Curve, points and costs so far."""
     with open(os.path.join(folder, "curve.csv"), "w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["settlement", "pressure", "iterations", "processor_seconds"])
+        writer.writerow(["settlement", "pressure", "iterations", "processor_seconds", "live"])
         writer.writerows([[repr(x) for x in row[:2]] + row[2:] for row in rows])
     write_points(grid, os.path.join(folder, "points.csv"), library is not None)
     with open(os.path.join(folder, "costs.txt"), "w") as file:
-        file.write(f"{stage.costs()}; {initial}; pressure {1e-3 * rows[-1][1]:.2f} kPa at {1e3 * rows[-1][0]:.2f} mm\n")
+        file.write(f"{stage.costs()}; {initial}; pressure {1e-3 * rows[-1][1]:.2f} kPa at {1e3 * rows[-1][0]:.2f} mm; grains at {rows[-1][4]} points\n")
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     arguments.add_argument("shared_object", metavar="library")
     arguments.add_argument("--configuration", default=os.path.join(os.path.dirname(__file__), "soil-materials.toml"))
+    arguments.add_argument("--material", type=int, default=1, help="which one of the configuration")
     arguments.add_argument("--grains", type=int, default=300)
     arguments.add_argument("--mesh", choices=sorted(MESHES), default="full")
     arguments.add_argument("--law", help="a Mohr-Coulomb law instead of cells, as biaxial.py writes it: friction and dilatancy in degrees, youngs_modulus in Pa")
@@ -132,7 +138,7 @@ def main():
     initial = f"{stage.processor_seconds:.1f} s of processor time to the initial stress, {stage.iterations} iterations"
     print(initial, flush=True)
     stage.begin_to_count()
-    rows, ended = [[0.0, pressure(footing), 0, 0.0]], None
+    rows, ended = [[0.0, pressure(footing), 0, 0.0, live(grid, has_cells)]], None
     for step in range(1, options.steps + 1):
         if options.restart and step == options.steps // 2 + 1:
             library.save(os.path.join(options.out, "middle.granum"))
@@ -140,8 +146,8 @@ def main():
         if not stage.advance(step / options.steps, least=options.least / options.steps):
             ended = f"ends before {1e3 * options.settlement * step / options.steps:.2f} mm: smaller steps do not converge either"
             break
-        rows.append([options.settlement * step / options.steps, pressure(footing), stage.iterations, round(stage.processor_seconds, 2)])
-        print(f"settlement {1e3 * rows[-1][0]:.3f} mm, pressure {1e-3 * rows[-1][1]:.2f} kPa; {stage.costs()}", flush=True)
+        rows.append([options.settlement * step / options.steps, pressure(footing), stage.iterations, round(stage.processor_seconds, 2), live(grid, has_cells)])
+        print(f"settlement {1e3 * rows[-1][0]:.3f} mm, pressure {1e-3 * rows[-1][1]:.2f} kPa, grains at {rows[-1][4]} points; {stage.costs()}", flush=True)
         if step % max(1, options.steps // 10) == 0:
             write(grid, stage, rows, initial, library, options.out)
     write(grid, stage, rows, initial, library, options.out)

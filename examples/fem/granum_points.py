@@ -57,6 +57,9 @@ def configuration_with(path, folder, grains):
             changed = re.sub(r"^grains\.count = \d+", f"grains.count = {grains}", file.read(), flags=re.M)
         with open(os.path.join(folder, os.path.basename(case)), "w") as file:
             file.write(changed)
+    # A surrogate is read where it lies.
+    beside = os.path.abspath(os.path.dirname(path))
+    text = re.sub(r'^surrogate = "([^"]+)"', lambda found: f'surrogate = "{os.path.normpath(os.path.join(beside, found[1]))}"', text, flags=re.M)
     copied = os.path.join(folder, "granum-materials.toml")
     with open(copied, "w") as file:
         file.write(text)

@@ -17,7 +17,8 @@ from newton import Newton  # noqa: E402
 
 K.Logger.GetDefaultOutput().SetSeverity(K.Logger.Severity.WARNING)
 variable = K.KratosGlobals.GetVariable
-VARIABLES = 5
+# The last two tell what is outside of the training of a surrogate, and whether grains have answered.
+VARIABLES = 7
 ELASTIC, MOHR_COULOMB, UMAT = "GeoLinearElasticPlaneStrain2DLaw", "GeoMohrCoulombWithTensionCutOff2D", "SmallStrainUMAT2DPlaneStrainLaw"
 GRAVITY = 9.81
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))

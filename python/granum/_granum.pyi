@@ -397,6 +397,7 @@ class MaterialPoint:
         sample: Mapping[str, float] | None = None,
         *,
         largest_trusted_deviation: float = 0.1,
+        keeps_stress: bool = False,
         inertial_number: float | None = None,
         relaxation: int | None = None,
         averaging: int | None = None,
@@ -404,7 +405,8 @@ class MaterialPoint:
     ) -> MaterialPoint:
         """A point that a surrogate answers for while it knows, and grains where it does not: where the standard deviation of a stress that it predicts is larger than
         `largest_trusted_deviation` of the mean stress, or an input or the path is outside of what it was trained on. The grains of `simulation` then follow the path of
-        the state from the start on and answer from there; the stress changes by the error that the surrogate had. `PointState.is_live` tells who answered.
+        the state from the start on and answer from there; the stress changes by the error that the surrogate had. With `keeps_stress` they are then
+        brought to the last stress of the surrogate, if they can carry it, so that the stress goes on. `PointState.is_live` tells who answered.
 
         `surrogate` and `sample` are as for `from_surrogate`; values of inputs `sample.X` that are not given are measured on the simulation, which is copied.
         """

@@ -148,11 +148,12 @@ impl MaterialPoint {
 
     /// A point that a surrogate answers for while it knows, and grains where it does not: where the standard deviation of a stress that it predicts is larger than
     /// `largest_trusted_deviation` of the mean stress, or an input or the path is outside of what it was trained on. The grains of `simulation` then follow the path of
-    /// the state from the start on and answer from there; the stress changes by the error that the surrogate had. `PointState.is_live` tells who answered.
+    /// the state from the start on and answer from there; the stress changes by the error that the surrogate had. With `keeps_stress` they are then
+    /// brought to the last stress of the surrogate, if they can carry it, so that the stress goes on. `PointState.is_live` tells who answered.
     ///
     /// `surrogate` and `sample` are as for `from_surrogate`; values of inputs `sample.X` that are not given are measured on the simulation, which is copied.
     #[staticmethod]
-    #[pyo3(signature = (surrogate, simulation, sample=None, *, largest_trusted_deviation=0.1, inertial_number=None, relaxation=None, averaging=None, largest_increment=None))]
+    #[pyo3(signature = (surrogate, simulation, sample=None, *, largest_trusted_deviation=0.1, keeps_stress=false, inertial_number=None, relaxation=None, averaging=None, largest_increment=None))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn hybrid(
         py: Python<'_>,
@@ -160,6 +161,7 @@ impl MaterialPoint {
         simulation: &Simulation,
         sample: Option<&Bound<'_, PyMapping>>,
         largest_trusted_deviation: f64,
+        keeps_stress: bool,
         inertial_number: Option<f64>,
         relaxation: Option<u64>,
         averaging: Option<u64>,
@@ -174,7 +176,7 @@ impl MaterialPoint {
             controls.averaging = averaging.unwrap_or(controls.averaging.min(controls.relaxation));
             controls.largest_increment = largest_increment.unwrap_or(controls.largest_increment);
         });
-        let trust = Trust { largest_deviation: largest_trusted_deviation };
+        let trust = Trust { largest_deviation: largest_trusted_deviation, keeps_stress };
         let made = detached(py, || {
             granum_point::MaterialPoint::hybrid(surrogate, &values, simulation, trust, controls)
         })?;

@@ -215,7 +215,8 @@ pub(crate) fn write_answer(
     let known = |value: Option<f64>| value.unwrap_or(-1.0);
     let (void_ratio, contacts) = (known(state.void_ratio()), known(state.coordination_number()));
     let outside = state.outside().len() as f64;
-    let values = [answer.ticket as f64, void_ratio, contacts, noise / unit, outside];
+    let live = if state.is_live() { 1.0 } else { 0.0 };
+    let values = [answer.ticket as f64, void_ratio, contacts, noise / unit, outside, live];
     for (place, value) in statev.iter_mut().skip(1).zip(values) {
         *place = value;
     }

@@ -457,7 +457,7 @@ fn grains_take_over_from_a_surrogate() {
     let _alone = open("abaqus", lines);
     let begin = |material: f64, name: f64| {
         let mut point = Point::new(name, 6);
-        point.statev.push(0.0);
+        point.statev.extend([0.0, 0.0]);
         point.call(&[0.0; 6], 3, true, null(), material).0
     };
     let ask = |from: &Point, material: f64, dstran: &[f64]| from.call(dstran, 3, true, null(), material).0;
@@ -467,10 +467,12 @@ fn grains_take_over_from_a_surrogate() {
     let (alone, both) = (ask(&alone, 2.0, &inside), ask(&both, 3.0, &inside));
     assert_eq!(alone.stress, both.stress);
     assert_eq!(both.statev[3], -1.0, "a surrogate knows no contacts: {:?}", both.statev);
+    assert_eq!(both.statev[6], 0.0, "the surrogate has answered: {:?}", both.statev);
     // Outside of the training.
     let far = [-0.012, 5e-3, 5e-3, 0.0, 0.0, 0.0];
     let (alone, both) = (ask(&alone, 2.0, &far), ask(&both, 3.0, &far));
     assert!(alone.statev[5] > 0.0 && both.statev[5] == 0.0 && both.statev[3] > 1.0, "{:?}", both.statev);
+    assert!(alone.statev[6] == 0.0 && both.statev[6] == 1.0, "who has answered: {:?}", both.statev);
     let mut live = begin(1.0, 53.0);
     for dstran in [inside, far] {
         live = ask(&live, 1.0, &dstran);

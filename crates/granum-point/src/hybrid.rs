@@ -1,7 +1,8 @@
 //! A surrogate that answers while it knows, and grains where it does not.
 //!
 //! A state begins as one of the surrogate. Where an answer of the surrogate is not to be trusted ([`Trust`]), the grains of the sample follow the whole path of
-//! the state, and answer from there on. The stress then changes from what the surrogate said to what the grains say: by its error.
+//! the state, and answer from there on. The stress then changes from what the surrogate said to what the grains say: by its error. Or they are brought to the stress
+//! that the surrogate said last, so that a field stays in equilibrium; then it is the strain that changes.
 
 use std::sync::Arc;
 
@@ -10,8 +11,10 @@ use granum_core::geometry::Matrix;
 use granum_core::observer::Flow;
 use granum_dem::simulation::Simulation;
 
+use crate::answer_cache::AnswerCache;
 use crate::controls::Controls;
 use crate::error::PointError;
+use crate::imposed_stress::impose;
 use crate::increment::Pace;
 use crate::path_so_far::{PathPart, parts};
 use crate::state::Matter;
@@ -23,15 +26,23 @@ use crate::surrogate_model::SurrogateModel;
 /// ```
 /// use granum_point::Trust;
 ///
-/// assert!(Trust { largest_deviation: 0.1 }.check().is_ok() && Trust { largest_deviation: -1.0 }.check().is_err());
+/// assert!(Trust::up_to(0.1).check().is_ok() && Trust::up_to(-1.0).check().is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trust {
     /// Largest standard deviation of a component of the stress, over the mean stress, up to which an answer counts.
     pub largest_deviation: f64,
+    /// True if grains that take over are brought to the last stress of the surrogate after they have followed its path, where they can carry it: the stress goes on
+    /// and the strain of the grains is another one. False leaves them at the stress that the path has led them to.
+    pub keeps_stress: bool,
 }
 
 impl Trust {
+    /// Answers count up to this deviation, and grains take over with the stress of their path.
+    pub fn up_to(largest_deviation: f64) -> Trust {
+        Trust { largest_deviation, keeps_stress: false }
+    }
+
     /// Checks the values.
     ///
     /// # Errors
@@ -58,6 +69,34 @@ pub(crate) struct Hybrid {
     /// The grains before any increment.
     pub(crate) sample: Simulation,
     pub(crate) trust: Trust,
+    /// Grains at the ends of paths that they have followed last. A host that looks for equilibrium asks for many increments after one path.
+    remembered: AnswerCache<PathKey, Arc<FollowedPath>>,
+}
+
+/// How many grains are remembered at the ends of paths: for the points of a field that change over in one step.
+const REMEMBERED: usize = 32;
+
+/// The end of a path, none before any increment, and the mean stress from which on its pace is that of a stress. A path that is kept here cannot be another one
+/// at the same place.
+struct PathKey(Option<Arc<PathPart>>, f64);
+
+impl PartialEq for PathKey {
+    fn eq(&self, other: &PathKey) -> bool {
+        let is_same = match (&self.0, &other.0) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (None, None) => true,
+            _ => false,
+        };
+        is_same && self.1.to_bits() == other.1.to_bits()
+    }
+}
+
+/// Grains that have followed a path.
+struct FollowedPath {
+    grains: Simulation,
+    /// The path with their stresses.
+    path: Option<Arc<PathPart>>,
+    steps: u64,
 }
 
 /// A part of an increment, and how it is carried out.
@@ -90,6 +129,10 @@ impl Part<'_> {
 }
 
 impl Hybrid {
+    pub(crate) fn new(surrogate: SurrogateModel, sample: Simulation, trust: Trust) -> Hybrid {
+        Hybrid { surrogate, sample, trust, remembered: AnswerCache::new(REMEMBERED) }
+    }
+
     /// Takes everything that determines a result into a digest.
     ///
     /// # Errors
@@ -99,6 +142,9 @@ impl Hybrid {
         self.surrogate.digest(digest)?;
         digest.bytes(&self.sample.checkpoint("")?);
         digest.numbers(&[self.trust.largest_deviation]);
+        if self.trust.keeps_stress {
+            digest.text("keeps the stress");
+        }
         Ok(())
     }
 
@@ -126,7 +172,7 @@ impl Hybrid {
                     }
                     (stress, 1)
                 } else {
-                    let (mut simulation, steps) = self.grains_after(path, part, watch)?;
+                    let (mut simulation, steps) = self.taken_over(path, part, watch)?;
                     let (stress, more) = part.strain_grains(&mut simulation, watch)?;
                     *matter = Matter::Grains(Box::new(simulation));
                     (stress, steps + more)
@@ -168,4 +214,53 @@ impl Hybrid {
         *path = followed;
         Ok((simulation, steps))
     }
+
+    /// The grains that take over at the end of a path, from memory if they did so before.
+    fn taken_over(
+        &self,
+        path: &mut Option<Arc<PathPart>>,
+        last: &Part,
+        watch: &mut dyn FnMut(f64) -> Flow,
+    ) -> Result<(Simulation, u64), PointError> {
+        let key = PathKey(path.clone(), last.least_mean_stress);
+        let known = match self.remembered.get(&key) {
+            Some(known) => known,
+            None => {
+                let stress = path.as_ref().map(|end| end.stress);
+                let (mut grains, mut steps) = self.grains_after(path, last, watch)?;
+                if let Some(stress) = stress.filter(|_| self.trust.keeps_stress) {
+                    steps += keep_stress(&mut grains, path, &stress, last)?;
+                }
+                let known = Arc::new(FollowedPath { grains, path: path.clone(), steps });
+                self.remembered.put(key, Arc::clone(&known));
+                known
+            }
+        };
+        *path = known.path.clone();
+        Ok((known.grains.clone(), known.steps))
+    }
+}
+
+/// Brings grains to a stress, by strains that become a part of their path; leaves them as they are if they do not carry it. Returns the number of steps.
+///
+/// # Errors
+/// If the engine fails.
+fn keep_stress(
+    grains: &mut Simulation,
+    path: &mut Option<Arc<PathPart>>,
+    stress: &Matrix,
+    last: &Part,
+) -> Result<u64, PointError> {
+    let mut brought = grains.clone();
+    let reached = match impose(&mut brought, stress, last.least_mean_stress, last.controls) {
+        Ok(reached) => reached.mean,
+        Err(PointError::StressNotReached { .. }) => return Ok(0),
+        Err(error) => return Err(error),
+    };
+    let steps = brought.state().step() - grains.state().step();
+    let [now, before] = [brought.state().strain(), grains.state().strain()];
+    let strain = std::array::from_fn(|i| std::array::from_fn(|j| now[i][j] - before[i][j]));
+    *path = Some(Arc::new(PathPart { before: path.take(), strain, pace: Pace::OfControls, stress: reached }));
+    *grains = brought;
+    Ok(steps)
 }

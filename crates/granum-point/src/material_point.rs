@@ -184,8 +184,7 @@ impl MaterialPoint {
         let (simulation, _) = at_rest(simulation, &controls)?;
         let values = with_measured(surrogate.as_ref(), sample, &simulation);
         let method = surrogate.method().to_string();
-        let hybrid =
-            Hybrid { surrogate: SurrogateModel::new(surrogate, &values)?, sample: simulation, trust };
+        let hybrid = Hybrid::new(SurrogateModel::new(surrogate, &values)?, simulation, trust);
         let mut digest = Digest::new();
         digest.text(concat!("granum-point ", env!("CARGO_PKG_VERSION")));
         controls.digest(&mut digest);

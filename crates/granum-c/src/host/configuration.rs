@@ -91,6 +91,9 @@ pub struct MaterialConfiguration {
     /// Beside a case or a sample: the largest standard deviation of a stress over the mean stress up to which the surrogate answers. Beyond it, and outside of what it was
     /// trained on, grains do.
     pub largest_trusted_deviation: Option<f64>,
+    /// True if grains that take over from a surrogate are brought to its last stress, so that what the host computes stays in equilibrium.
+    #[serde(default)]
+    pub takeover_keeps_stress: bool,
     /// The values of those inputs of the surrogate that are no strains; beside a case or a sample those of its state are measured.
     #[serde(default)]
     pub inputs: BTreeMap<String, f64>,
@@ -140,7 +143,7 @@ impl MaterialConfiguration {
         let is_one = match (grains, self.surrogate.is_some(), self.largest_trusted_deviation) {
             (1, false, None) | (0, true, None) => true,
             (1, true, Some(largest_deviation)) => {
-                let trust = Trust { largest_deviation };
+                let trust = Trust::up_to(largest_deviation);
                 trust.check().map_err(|error| format!("cannot be trusted so: {error}"))?;
                 true
             }
@@ -149,6 +152,12 @@ impl MaterialConfiguration {
         if !is_one {
             return Err(
                 "must have either a case or a sample or a surrogate; or a surrogate beside one of the others with largest_trusted_deviation, up to which it answers"
+                    .to_string(),
+            );
+        }
+        if self.takeover_keeps_stress && self.largest_trusted_deviation.is_none() {
+            return Err(
+                ": takeover_keeps_stress needs largest_trusted_deviation, beyond which grains take over"
                     .to_string(),
             );
         }
@@ -252,6 +261,13 @@ mod tests {
         refused(both, "largest_trusted_deviation");
         assert!(read(&format!("{both}\nlargest_trusted_deviation = 0.1")).is_ok());
         refused(&format!("{both}\nlargest_trusted_deviation = -0.1"), "largest trusted deviation");
+        assert!(
+            read(&format!("{both}\nlargest_trusted_deviation = 0.1\ntakeover_keeps_stress = true")).is_ok()
+        );
+        refused(
+            "host = 'kratos'\n[[material]]\ncase = 'a'\ntakeover_keeps_stress = true",
+            "needs largest_trusted_deviation",
+        );
         refused(&format!("{both}\nlargest_trusted_deviation = 0.1\nsample = 'c'"), "either");
         refused(&format!("{both}\nlargest_trusted_deviation = 0.1\ntangent = 'elastic'"), "probes");
         refused("host = 'kratos'\n[[material]]\ncase = 'a'\nlargest_trusted_deviation = 0.1", "either");

@@ -132,7 +132,9 @@ impl Session {
             None => MaterialPoint::from_surrogate(loaded, inputs, controls)?,
             Some(largest_deviation) => {
                 let sample = self.sample(configuration, which)?;
-                MaterialPoint::hybrid(loaded, inputs, sample, Trust { largest_deviation }, controls)?
+                let keeps_stress = configuration.takeover_keeps_stress;
+                let trust = Trust { largest_deviation, keeps_stress };
+                MaterialPoint::hybrid(loaded, inputs, sample, trust, controls)?
             }
         })
     }

@@ -1,5 +1,6 @@
 //! A point that a surrogate answers for while it knows, and grains where it does not.
 
+use granum_core::Table;
 use granum_learn::{Dataset, RunStates};
 use granum_point::{Increment, MaterialPoint, PointError, State, Store, Trust};
 
@@ -9,7 +10,7 @@ use crate::surrogate::{bits, sample_values, tensor};
 fn hybrid(largest_deviation: f64) -> MaterialPoint {
     let (surrogate, values) = (tensor(), sample_values());
     let (sample, controls) = (sample::simulation().clone(), sample::quick());
-    MaterialPoint::hybrid(surrogate, &values, sample, Trust { largest_deviation }, controls).unwrap()
+    MaterialPoint::hybrid(surrogate, &values, sample, Trust::up_to(largest_deviation), controls).unwrap()
 }
 
 /// Small shear, three increments there and three back.
@@ -65,6 +66,13 @@ fn grains_follow_the_whole_path_where_they_take_over() {
     let again = hybrid(1e3).advance(&all[first - 1], &step(first as u32 - 1)).unwrap();
     assert_eq!(bits(&again.stress()), bits(&all[first].stress()));
     assert!(again.steps > 100 && !all[first - 1].is_live());
+    // Another increment from the same state finds the grains at the end of the path as they were, and the bits are those of grains that follow it again.
+    let other = Increment::from_components([-3e-4, 1e-4, 2e-4, 0.0, 1e-4, 0.0]);
+    let asked = |point: &MaterialPoint| point.advance(&all[first - 1], &other).unwrap();
+    let (remembered, anew) = (asked(&point), asked(&hybrid(1e3)));
+    assert!(remembered.state.is_live() || remembered.state.outside().is_empty());
+    assert_eq!(bits(&remembered.state.stress()), bits(&anew.state.stress()));
+    assert_eq!(remembered.steps, anew.steps);
     let table = all[first + 2].path(&point.start()).unwrap();
     let stresses = table.values("stress_11").unwrap();
     assert_eq!(stresses.len(), first + 3);
@@ -74,6 +82,33 @@ fn grains_follow_the_whole_path_where_they_take_over() {
     let run = RunStates::new("taken over", table).unwrap();
     assert!(Dataset::new(vec![run]).is_ok() && point.start().path(&point.start()).is_none());
     assert!(of_grains[1].path(&live.start()).is_none());
+}
+
+/// Grains that keep the stress go on from that of the surrogate, where others go on from that of the path; what they were strained by belongs to their path.
+#[test]
+fn grains_that_take_over_can_keep_the_stress() {
+    let keeping = |largest_deviation: f64| {
+        let (sample, trust) = (sample::simulation().clone(), Trust { largest_deviation, keeps_stress: true });
+        MaterialPoint::hybrid(tensor(), &sample_values(), sample, trust, sample::quick()).unwrap()
+    };
+    let point = keeping(1e3);
+    let all = states(&point, (0..60).map(step));
+    let first = all.iter().position(State::is_live).unwrap();
+    let without = states(&hybrid(1e3), (0..first as u32).map(step));
+    let zero = Increment::from_components([0.0; 6]);
+    let [before, after, other] = [&all[first - 1], &all[first], &without[first]];
+    assert!(other.is_live() && point.advance(before, &zero).unwrap().state.stress() == before.stress());
+    let (path, by_path) = (after.path(&point.start()).unwrap(), other.path(&point.start()).unwrap());
+    assert_eq!(path.rows(), by_path.rows() + 1);
+    // Before the increment that made them take over, the grains had the last stress of the surrogate, and by the path alone another one.
+    let last = before.stress();
+    let of_path = |table: &Table, name: &str| table.values(name).unwrap()[table.rows() - 2];
+    for (name, stress) in [("stress_11", last[0][0]), ("stress_22", last[1][1]), ("stress_12", last[0][1])] {
+        let [kept, led] = [&path, &by_path].map(|table| of_path(table, name) - stress);
+        assert!(kept.abs() < 200.0 && led.abs() > 5.0 * kept.abs(), "{name}: {kept} {led}");
+    }
+    let again = keeping(1e3).advance(before, &step(first as u32 - 1)).unwrap().state;
+    assert_eq!(bits(&again.stress()), bits(&after.stress()));
 }
 
 #[test]
@@ -113,18 +148,18 @@ fn its_states_go_on_from_a_file_and_can_be_brought_to_a_stress() {
 #[test]
 fn what_cannot_be_is_refused() {
     for largest_deviation in [-0.1, f64::NAN, f64::INFINITY] {
-        let (sample, trust) = (sample::simulation().clone(), Trust { largest_deviation });
+        let (sample, trust) = (sample::simulation().clone(), Trust::up_to(largest_deviation));
         let made = MaterialPoint::hybrid(tensor(), &sample_values(), sample, trust, sample::quick());
         let error = made.err().unwrap().to_string();
         assert!(error.contains("largest trusted deviation"), "{error}");
     }
     // One network alone does not say how sure it is.
     let alone = crate::surrogate::path_of(1);
-    let (sample, trust) = (sample::simulation().clone(), Trust { largest_deviation: 0.1 });
+    let (sample, trust) = (sample::simulation().clone(), Trust::up_to(0.1));
     let error = MaterialPoint::hybrid(alone, &sample_values(), sample, trust, sample::quick()).err().unwrap();
     assert!(error.to_string().contains("does not say how sure it is"), "{error}");
     // The void ratio is measured where it is not given.
-    let trust = Trust { largest_deviation: 1e3 };
+    let trust = Trust::up_to(1e3);
     let point = MaterialPoint::hybrid(
         tensor(),
         &Default::default(),
