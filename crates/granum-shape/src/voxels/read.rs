@@ -92,9 +92,9 @@ fn add_images(stack: &mut LabelledStack, path: &Path) -> Result<(), ShapeError> 
     let bytes =
         input::read(path, LARGEST_INPUT).map_err(|why| fault(path, format!("cannot be read: {why}")))?;
     let refused = |why: tiff::TiffError| fault(path, format!("is not a TIFF file that can be read: {why}"));
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = 4 * MOST_VOXELS;
-    let mut decoder = Decoder::new(BufReader::new(Cursor::new(bytes))).map_err(refused)?.with_limits(limits);
+    let of_tags = limits(bytes.len());
+    let mut decoder =
+        Decoder::new(BufReader::new(Cursor::new(bytes))).map_err(refused)?.with_limits(of_tags.clone());
     loop {
         let (width, height) = decoder.dimensions().map_err(refused)?;
         let size = [width as usize, height as usize];
@@ -120,6 +120,9 @@ fn add_images(stack: &mut LabelledStack, path: &Path) -> Result<(), ShapeError> 
                 format!("has a coloured image {image}; labels are images of one channel"),
             ));
         }
+        let mut of_image = of_tags.clone();
+        of_image.decoding_buffer_size = of_tags.decoding_buffer_size.max(LONGEST_VALUE * size[0] * size[1]);
+        decoder = decoder.with_limits(of_image);
         let labels =
             labels(decoder.read_image().map_err(refused)?).ok_or_else(|| fault(path, wrong_format(image)))?;
         if labels.len() != size[0] * size[1] {
@@ -130,8 +133,21 @@ fn add_images(stack: &mut LabelledStack, path: &Path) -> Result<(), ShapeError> 
         if !decoder.more_images() {
             return Ok(());
         }
+        decoder = decoder.with_limits(of_tags.clone());
         decoder.next_image().map_err(refused)?;
     }
+}
+
+/// Length of the longest value of a pixel, bytes.
+const LONGEST_VALUE: usize = 8;
+/// What the decoder keeps in memory for a value of a tag, bytes.
+const MEMORY_OF_VALUE: usize = 32;
+
+/// How much memory tags may take: each value of one has a byte in the file at least, whatever number of values it claims.
+fn limits(bytes: usize) -> Limits {
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = MEMORY_OF_VALUE.saturating_mul(bytes).min(LONGEST_VALUE * MOST_VOXELS);
+    limits
 }
 
 fn wrong_format(image: usize) -> String {

@@ -207,3 +207,13 @@ fn damaged_files_end_no_program() {
     println!("{refused} of 200 damaged stacks are refused");
     assert!(refused > 50 && refused < 200, "{refused}");
 }
+
+/// A tag can claim millions of values in a file of a few bytes; memory for them is not made.
+#[test]
+fn a_tag_takes_no_more_memory_than_its_file_warrants() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("grains.tif");
+    std::fs::write(&path, include_bytes!("../../../../fuzz/regressions/voxels/tag-of-many-values")).unwrap();
+    let refused = read::read(&path).unwrap_err().to_string();
+    assert!(refused.contains("grains.tif") && refused.contains("limits exceeded"), "{refused}");
+}
