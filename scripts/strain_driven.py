@@ -49,8 +49,8 @@ def followed(options, first, second, states):
 def predicted(options, first, states):
     """The mean stresses that a surrogate foresees for the first sample."""
     rows, answers = options.folder / "rows.csv", options.folder / "answers.csv"
-    whole = states.assign(**{key: first[key] for key in first.index if key.startswith(("sample.", "grains.", "contact.")) and isinstance(first[key], float)})
-    whole.to_csv(rows, index=False)
+    constant = {key: first[key] for key in first.index if key.startswith(("sample.", "grains.", "contact.")) and isinstance(first[key], float)}
+    pandas.concat([states, pandas.DataFrame(constant, index=states.index)], axis=1).to_csv(rows, index=False)
     subprocess.run([options.granum, "predict", options.surrogate, "--input", rows, "--output", answers, "--force"], check=True, capture_output=True)
     table = pandas.read_csv(answers)
     return sum(table[f"predicted_stress_{k}{k}"] for k in (1, 2, 3)).to_numpy() / 3
