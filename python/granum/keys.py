@@ -1332,8 +1332,8 @@ class HistoryStage(TypedDict, total=False):
 
 
 class RandomStage(TypedDict, total=False):
-    """Deviatoric strains along a path of straight lines that a seed decides, at constant mean stress: turning points
-    anywhere, one line, cycles, or all of them in turn.
+    """Deviatoric strains along a path of straight lines that a seed decides, at constant or changing mean stress or
+    at constant volume: turning points anywhere, one line, cycles, or all of them in turn.
     """
 
     amplitude: Quantity
@@ -1342,9 +1342,18 @@ class RandomStage(TypedDict, total=False):
     """Factor on the density of every grain in the stages driven at strain_rate; only together with strain_rate.
     (from 1e-6 to 1e24) If left out: 1.
     """
+    drainage: Literal["drained", "undrained", "moving"]
+    """What happens to the volume and the mean stress. drained: the mean stress is held and the volume is free;
+    undrained: the volume is constant; moving: along each line the mean stress goes to a random value from
+    lowest_mean_stress to highest_mean_stress, of uniform density in its logarithm Default: drained.
+    """
+    highest_mean_stress: Quantity
+    """Highest mean stress of a turning point, where the mean stress moves. (from 0.001 Pa to 1e11 Pa, or a number in
+    Pa) Default: 500000.0.
+    """
     inertial_number: Quantity
-    """Speed: inertial number I of the rate of the deviatoric strain at the mean stress at the start of each line.
-    (from 1e-8 to 0.1) Default: 0.001.
+    """Speed: inertial number I of the rate of the deviatoric strain at the mean stress at the start of each line,
+    undrained at mean_stress. (from 1e-8 to 0.1) Default: 0.001.
     """
     interval: Quantity
     """Arc length of strain between the states that are recorded along a line; the turning points are recorded too.
@@ -1358,13 +1367,17 @@ class RandomStage(TypedDict, total=False):
     """
     length: Quantity
     """Length of the path: the sum of sqrt(2/3 de:de) over its lines. (from 1e-6 to 100) Default: 0.1."""
+    lowest_mean_stress: Quantity
+    """Lowest mean stress of a turning point, where the mean stress moves. (from 0.001 Pa to 1e11 Pa, or a number in
+    Pa) Default: 20000.0.
+    """
     mean_stress: Quantity
-    """Mean stress p, to which the sample is consolidated first and which is then held. (from 0.001 Pa to 1e11 Pa, or
-    a number in Pa) If left out: that of the sample.
+    """Mean stress p, to which the sample is consolidated first and which is then held, unless drainage says
+    otherwise. (from 0.001 Pa to 1e11 Pa, or a number in Pa) If left out: that of the sample.
     """
     path: Literal["random"]
-    """Deviatoric strains along a path of straight lines that a seed decides, at constant mean stress: turning points
-    anywhere, one line, cycles, or all of them in turn.
+    """Deviatoric strains along a path of straight lines that a seed decides, at constant or changing mean stress or
+    at constant volume: turning points anywhere, one line, cycles, or all of them in turn.
     """
     resets: bool
     """False if strain, time and energy continue to count from an earlier stage. Default: True."""
